@@ -1,0 +1,91 @@
+#pragma once
+
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <string>
+#include <vector>
+
+/// What happened in one closing, extracted from a record by `dsp/`. Times in seconds after the coil was switched on.
+
+namespace powbench {
+
+/// A value with its standard uncertainty (k = 1). NaN = not observed.
+struct Measured {
+  double value = std::numeric_limits<double>::quiet_NaN();
+  double u = std::numeric_limits<double>::quiet_NaN();
+
+  bool known() const { return std::isfinite(value); }
+};
+
+/// Why a value deserves less trust. A bit set.
+enum Flag : std::uint32_t {
+  flag_none = 0,
+  flag_clipped = 1U << 0,         ///< the channel saturated inside the event
+  flag_gap = 1U << 1,             ///< lost samples inside the event
+  flag_edge = 1U << 2,            ///< inside the filter's invalid edge
+  flag_poor_fit = 1U << 3,        ///< residual chi-square outside its 99 % band: the model is biased here
+  flag_no_hum_fit = 1U << 4,      ///< pre-trigger shorter than two mains periods: hum not removed
+  flag_polarity = 1U << 5,        ///< the film's sign was found inverted
+  flag_contradiction = 1U << 6,   ///< force and contact-voltage disagree on open or closed
+  flag_ring_overlap = 1U << 7,    ///< core vibration overlaps the contact band and could not be separated
+  flag_no_calibration = 1U << 8,  ///< the calibration is missing or expired
+  flag_angle_off = 1U << 9,       ///< closing angle reached differs from the commanded one by more than the tolerance
+};
+
+/// One closed interval of one contact.
+struct Contact {
+  Measured touch;    ///< s: force leaves zero
+  Measured release;  ///< s: force is back at zero; not known while the contact stays closed
+  Measured peak;     ///< N; NaN on the contact-voltage channel
+  Measured impulse;  ///< N s over the interval; NaN for the last, open-ended contact
+  std::uint32_t flags = flag_none;
+};
+
+/// The train of touches seen by one channel (a force channel or the contact-voltage channel).
+struct ContactTrain {
+  bool present = false;            ///< the channel exists and passed its quality gate
+  std::vector<Contact> contacts;   ///< in order of touch
+  Measured settled;                ///< s: last touch, after which the contact stays closed (AC pulsation allowed)
+  Measured settled_force;          ///< N: mean force at the end of the record
+  Measured bounce_time;            ///< s: settled - first touch (first to last closing; relay standards)
+  int bounce_count = 0;            ///< re-openings within the bounce time
+  double resolution = 0.0;         ///< s: shortest opening this channel can resolve
+  double noise = 0.0;              ///< rms of the pre-trigger after offset and hum were removed, channel unit
+  std::uint32_t flags = flag_none;
+};
+
+/// The moving core, seen by the laser.
+struct CoreEvents {
+  bool present = false;
+  Measured seat;             ///< s: first arrival at the closed position
+  Measured settled;          ///< s: last arrival (= seat when the core does not bounce)
+  Measured bounce_time;      ///< s: settled - seat
+  Measured impact_velocity;  ///< m/s at seat
+  Measured travel;           ///< m: closed position minus open position
+  std::uint32_t flags = flag_none;
+};
+
+/// The coil and its supply.
+struct CoilEvents {
+  Measured closing_angle;  ///< rad, [0, 2 pi): phase of the mains fundamental at the voltage step
+  Measured switch_on;      ///< s: the coil-voltage step against the rig's own fire sample
+  Measured mains_hertz;    ///< Hz
+  Measured supply_volts;   ///< V rms of the fundamental before switch-on
+  Measured peak_current;   ///< A: largest |i|
+  std::uint32_t flags = flag_none;
+};
+
+/// All events of one record. Filled by `dsp/extract_events`.
+struct Events {
+  ContactTrain pvdf_a;
+  ContactTrain pvdf_b;
+  ContactTrain contact_voltage;  ///< the measured pole: closed only when both of its breaks are closed
+  CoreEvents core;
+  CoilEvents coil;
+  std::string method;           ///< name of the extraction chain
+  std::string parameters_hash;  ///< of the extraction parameters
+  std::uint32_t flags = flag_none;
+};
+
+}  // namespace powbench
