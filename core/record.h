@@ -25,7 +25,8 @@ struct ChannelRecord {
   double value(std::size_t i) const { return (raw[i] + offset) * scale; }
 };
 
-/// Samples that were lost: `count` samples are missing before index `first` of every channel.
+/// Samples that were lost: indices first .. first + count - 1 hold a fill value, not a measurement, in every channel.
+/// The time axis stays intact across a gap.
 struct Gap {
   std::int64_t first = 0;
   std::int64_t count = 0;

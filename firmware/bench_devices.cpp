@@ -1,0 +1,245 @@
+#include "firmware/bench_devices.h"
+
+#include <utility>
+
+namespace powbench::firmware {
+namespace {
+
+using iiod::Attribute;
+
+const Controller& bench(const void* self) {
+  return *static_cast<const Controller*>(self);
+}
+FireControl& control_of(void* self) {
+  return static_cast<Controller*>(self)->fire_control();
+}
+const FireControl& control_of(const void* self) {
+  return bench(self).fire_control();
+}
+
+int to_errno(Refusal refusal, int wrong_state = iiod::ebusy) {
+  switch (refusal) {
+    case Refusal::accepted:
+      return 0;
+    case Refusal::wrong_state:
+      return -wrong_state;
+    case Refusal::out_of_range:
+      return -iiod::erange;
+    case Refusal::faulted:
+      return -iiod::eperm;
+  }
+  return -iiod::einval;
+}
+
+// ---- contactor-daq: channels ----
+
+const ChannelCalibration& calibration(const void* self, std::uint32_t channel) {
+  return bench(self).config().calibration[channel];
+}
+int read_scale(const void* self, std::uint32_t channel, Text& out) {
+  return out.put_fixed(calibration(self, channel).scale_pico, 12), 0;
+}
+int read_raw(const void* self, std::uint32_t channel, Text& out) {
+  return out.put_int(bench(self).latest(static_cast<Channel>(channel))), 0;
+}
+int read_label(const void*, std::uint32_t channel, Text& out) {
+  return out.put(channel_table[channel].name), 0;
+}
+int read_zero(const void*, std::uint32_t, Text& out) {
+  return out.put('0'), 0;
+}
+int read_delay(const void* self, std::uint32_t channel, Text& out) {
+  return out.put_int(calibration(self, channel).delay_ns), 0;
+}
+int read_corner(const void* self, std::uint32_t channel, Text& out) {
+  return out.put_fixed(calibration(self, channel).corner_microhertz, 6), 0;
+}
+int read_film_area(const void* self, std::uint32_t channel, Text& out) {
+  return out.put_fixed(calibration(self, channel).film_area_pico, 12), 0;
+}
+int read_sensitivity(const void* self, std::uint32_t channel, Text& out) {
+  return out.put_fixed(calibration(self, channel).sensitivity_femto, 15), 0;
+}
+
+template <std::uint32_t C>
+constexpr std::array force_attributes{Attribute{"charge_sensitivity", read_sensitivity, nullptr, C},
+                                      Attribute{"corner_frequency", read_corner, nullptr, C},
+                                      Attribute{"delay_ns", read_delay, nullptr, C},
+                                      Attribute{"film_area", read_film_area, nullptr, C},
+                                      Attribute{"label", read_label, nullptr, C},
+                                      Attribute{"offset", read_zero, nullptr, C},
+                                      Attribute{"raw", read_raw, nullptr, C},
+                                      Attribute{"scale", read_scale, nullptr, C}};
+template <std::uint32_t C>
+constexpr std::array plain_attributes{
+    Attribute{"delay_ns", read_delay, nullptr, C}, Attribute{"label", read_label, nullptr, C},
+    Attribute{"offset", read_zero, nullptr, C}, Attribute{"raw", read_raw, nullptr, C},
+    Attribute{"scale", read_scale, nullptr, C}};
+
+template <std::uint32_t C>
+constexpr iiod::Channel scan_channel() {
+  iiod::Channel channel{.id = channel_table[C].iio_id, .scan_index = static_cast<int>(C)};
+  if constexpr (channel_table[C].unit == "N")
+    channel.attributes = force_attributes<C>;
+  else
+    channel.attributes = plain_attributes<C>;
+  return channel;
+}
+
+template <std::size_t... C>
+constexpr auto scan_channels(std::index_sequence<C...>) {
+  return std::array<iiod::Channel, sizeof...(C) + 1>{
+      scan_channel<C>()...,
+      iiod::Channel{.id = "timestamp", .scan_index = static_cast<int>(sizeof...(C)), .bits = 64}};
+}
+constexpr auto daq_channels = scan_channels(std::make_index_sequence<channel_count>{});
+
+// ---- contactor-daq: device ----
+
+constexpr std::array daq_attributes{
+    Attribute{"calibration", [](const void* s, std::uint32_t,
+                                Text& t) { return t.put(bench(s).config().calibration_id), 0; }},
+    Attribute{"fire_offset_ns",
+              [](const void* s, std::uint32_t, Text& t) {
+                const Tick edge = bench(s).recorder().edge();
+                const std::int64_t period_ns = 1'000'000'000 / bench(s).config().sample_rate;
+                const std::int64_t rest = edge.fraction == 0 ? 0 : 65536 - edge.fraction;
+                return t.put_int(rest * period_ns / 65536), 0;
+              }},
+    Attribute{"fire_sample", [](const void* s, std::uint32_t,
+                                Text& t) { return t.put_int(bench(s).recorder().fire_sample()), 0; }},
+    Attribute{"gaps",
+              [](const void* s, std::uint32_t, Text& t) {
+                if (bench(s).recorder().gaps().empty()) t.put("none");
+                for (const auto& gap : bench(s).recorder().gaps()) {
+                  if (!t.view().empty()) t.put(' ');
+                  t.put_int(gap.first).put(':').put_int(gap.count);
+                }
+                return 0;
+              }},
+    Attribute{"mains_frequency",
+              [](const void* s, std::uint32_t, Text& t) {
+                return t.put_fixed(
+                           static_cast<std::int64_t>(control_of(s).phase().frequency * 1000.0F + 0.5F), 3),
+                       0;
+              }},
+    Attribute{"overruns", [](const void* s, std::uint32_t,
+                             Text& t) { return t.put_int(bench(s).recorder().overruns()), 0; }},
+    Attribute{"pretrigger", [](const void* s, std::uint32_t,
+                               Text& t) { return t.put_int(bench(s).recorder().pretrigger()), 0; }},
+    Attribute{"record_crc32", [](const void* s, std::uint32_t,
+                                 Text& t) { return t.put_hex32(bench(s).recorder().crc()), 0; }},
+    Attribute{"record_length", [](const void* s, std::uint32_t,
+                                  Text& t) { return t.put_int(bench(s).recorder().length()), 0; }},
+    Attribute{"sampling_frequency", [](const void* s, std::uint32_t,
+                                       Text& t) { return t.put_int(bench(s).config().sample_rate), 0; }},
+    Attribute{
+        "sampling_frequency_available",
+        [](const void* s, std::uint32_t, Text& t) { return t.put_int(bench(s).config().sample_rate), 0; }},
+    Attribute{"shot_id", [](const void* s, std::uint32_t,
+                            Text& t) { return t.put_int(control_of(s).shots_armed()), 0; }},
+    Attribute{"zero_cross_sample", [](const void* s, std::uint32_t, Text& t) {
+                return t.put_int(control_of(s).zero_cross_sample() - bench(s).recorder().first_sample()), 0;
+              }}};
+
+constexpr std::array daq_buffer_attributes{
+    Attribute{"data_available",
+              [](const void* s, std::uint32_t, Text& t) {
+                return t.put_int(static_cast<std::int64_t>(bench(s).recorder().available(0))), 0;
+              }},
+    Attribute{"watermark", [](const void*, std::uint32_t, Text& t) { return t.put('1'), 0; }}};
+
+// ---- contactor-ctl ----
+
+int read_angle(const void* self, std::uint32_t, Text& out) {
+  return out.put_int(control_of(self).closing_angle()), 0;
+}
+int write_angle(void* self, std::uint32_t, std::string_view value) {
+  const auto centi = parse_int(value);
+  return centi ? to_errno(control_of(self).set_closing_angle(*centi)) : -iiod::einval;
+}
+constexpr std::array angle_attributes{
+    Attribute{"label", [](const void*, std::uint32_t, Text& t) { return t.put("closing_angle"), 0; }},
+    Attribute{"raw", read_angle, write_angle},
+    Attribute{"raw_available", [](const void*, std::uint32_t, Text& t) { return t.put("[0 1 35999]"), 0; }},
+    Attribute{"scale", [](const void*, std::uint32_t, Text& t) { return t.put("0.000174532925"), 0; }}};
+constexpr std::array control_channels{
+    iiod::Channel{.id = "phase0", .output = true, .attributes = angle_attributes}};
+
+/// Actions take 1 (arm also 0) and read back as 0 or their state.
+int write_action(void* self, std::string_view value, Refusal (*act)(FireControl&), int wrong_state) {
+  const auto number = parse_int(value);
+  if (!number || *number != 1) return -iiod::einval;
+  return to_errno(act(control_of(self)), wrong_state);
+}
+int write_abort(void* self, std::uint32_t, std::string_view value) {
+  return write_action(
+      self, value, [](FireControl& f) { return f.abort(), Refusal::accepted; }, iiod::ebusy);
+}
+int write_arm(void* self, std::uint32_t, std::string_view value) {
+  if (parse_int(value) == 0) return to_errno(control_of(self).disarm());
+  return write_action(
+      self, value, [](FireControl& f) { return f.arm(); }, iiod::ebusy);
+}
+int write_fire(void* self, std::uint32_t, std::string_view value) {
+  return write_action(
+      self, value, [](FireControl& f) { return f.fire(); }, iiod::eagain);
+}
+int write_hold(void* self, std::uint32_t, std::string_view value) {
+  const auto ms = parse_int(value);
+  return ms ? to_errno(control_of(self).set_hold_time_ms(*ms)) : -iiod::einval;
+}
+
+constexpr std::array control_attributes{
+    Attribute{"abort", read_zero, write_abort},
+    Attribute{"arm",
+              [](const void* s, std::uint32_t, Text& t) {
+                return t.put(control_of(s).state() == State::armed ? '1' : '0'), 0;
+              },
+              write_arm},
+    Attribute{"fire", read_zero, write_fire},
+    Attribute{"gate", [](const void* s, std::uint32_t,
+                         Text& t) { return t.put(control_of(s).gate_on() ? '1' : '0'), 0; }},
+    Attribute{
+        "hold_time_ms",
+        [](const void* s, std::uint32_t, Text& t) { return t.put_int(control_of(s).hold_time_ms()), 0; },
+        write_hold},
+    Attribute{"hold_time_ms_available",
+              [](const void*, std::uint32_t, Text& t) { return t.put("[1 1 10000]"), 0; }},
+    Attribute{"last_error",
+              [](const void* s, std::uint32_t, Text& t) { return t.put(control_of(s).last_error()), 0; }},
+    Attribute{"phase_faults", [](const void* s, std::uint32_t,
+                                 Text& t) { return t.put_int(control_of(s).phase().faults), 0; }},
+    Attribute{"state",
+              [](const void* s, std::uint32_t, Text& t) { return t.put(name(control_of(s).state())), 0; }},
+    Attribute{"state_available", [](const void*, std::uint32_t, Text& t) {
+                return t.put("idle armed firing captured fault"), 0;
+              }}};
+
+constexpr std::array trigger_attributes{Attribute{"trigger_now", read_zero, write_fire}};
+
+}  // namespace
+
+BenchDevices::BenchDevices(Controller& controller)
+    : daq_{.id = "iio:device0",
+           .name = "contactor-daq",
+           .label = "record",
+           .channels = daq_channels,
+           .attributes = daq_attributes,
+           .buffer_attributes = daq_buffer_attributes,
+           .self = &controller,
+           .buffer = &controller.recorder(),
+           .has_trigger = true},
+      control_{.id = "iio:device1",
+               .name = "contactor-ctl",
+               .label = "control",
+               .channels = control_channels,
+               .attributes = control_attributes,
+               .self = &controller},
+      trigger_{.id = "trigger0",
+               .name = "fire",
+               .label = "",
+               .attributes = trigger_attributes,
+               .self = &controller} {}
+
+}  // namespace powbench::firmware

@@ -1,0 +1,139 @@
+#include "firmware/recorder.h"
+
+#include "core/crc32.h"
+
+namespace powbench::firmware {
+
+namespace {
+constexpr std::uint32_t timestamp_bit = 1U << channel_count;
+constexpr std::uint32_t sample_bits = timestamp_bit - 1;
+
+constexpr std::size_t count_bits(std::uint32_t mask) {
+  std::size_t n = 0;
+  for (; mask != 0; mask &= mask - 1) ++n;
+  return n;
+}
+}  // namespace
+
+Recorder::Recorder(std::span<std::int16_t> storage, std::int64_t length, std::int64_t pretrigger,
+                   std::int64_t period_ns)
+    : storage_(storage),
+      capacity_(static_cast<std::int64_t>(storage.size() / channel_count)),
+      length_(length),
+      pretrigger_(pretrigger),
+      period_ns_(period_ns) {}
+
+std::int16_t* Recorder::slot(std::int64_t sample) {
+  return &storage_[static_cast<std::size_t>(sample % capacity_) * channel_count];
+}
+const std::int16_t* Recorder::slot(std::int64_t sample) const {
+  return &storage_[static_cast<std::size_t>(sample % capacity_) * channel_count];
+}
+
+void Recorder::arm() {
+  discard();
+  armed_ = true;
+  ++generation_;
+}
+
+void Recorder::discard() {
+  armed_ = triggered_ = complete_ = false;
+  next_ = -1;
+  gap_count_ = 0;
+  overruns_ = 0;
+  crc_ = 0;
+}
+
+void Recorder::trigger(Tick edge) {
+  edge_ = edge;
+  start_ = edge.sample_at_or_after() - pretrigger_;
+  triggered_ = true;
+}
+
+void Recorder::note_gap(std::int64_t first, std::int64_t count) {
+  overruns_ += static_cast<std::uint32_t>(count);
+  if (gap_count_ < gaps_.size())
+    gaps_[gap_count_++] = {first, count};  // absolute for now, relative when finished
+}
+
+void Recorder::push(const Block& block) {
+  if (!armed_ || complete_) return;
+  if (next_ >= 0 && block.first_sample > next_) {
+    // lost samples: hold the last value, so that the time axis stays true, and remember where
+    const std::int64_t lost = block.first_sample - next_;
+    note_gap(next_, lost);
+    const std::int64_t fill = lost < capacity_ ? lost : capacity_;
+    const std::int16_t* last = slot(next_ - 1);
+    std::int16_t held[channel_count];
+    for (std::size_t c = 0; c < channel_count; ++c) held[c] = last[c];
+    for (std::int64_t s = block.first_sample - fill; s < block.first_sample; ++s)
+      for (std::size_t c = 0; c < channel_count; ++c) slot(s)[c] = held[c];
+  }
+  for (std::int64_t i = 0; i < block.samples(); ++i) {
+    const std::int64_t sample = block.first_sample + i;
+    if (triggered_ && sample >= start_ + length_) break;
+    std::int16_t* to = slot(sample);
+    for (std::size_t c = 0; c < channel_count; ++c)
+      to[c] = block.scans[static_cast<std::size_t>(i) * channel_count + c];
+  }
+  next_ = block.first_sample + block.samples();
+  if (triggered_ && next_ >= start_ + length_) finish();
+}
+
+void Recorder::finish() {
+  complete_ = true;
+  armed_ = false;
+  // keep only the gaps that lie inside the record, relative to its start
+  std::size_t kept = 0;
+  overruns_ = 0;
+  for (std::size_t g = 0; g < gap_count_; ++g) {
+    std::int64_t first = gaps_[g].first - start_, end = first + gaps_[g].count;
+    if (first < 0) first = 0;
+    if (end > length_) end = length_;
+    if (end <= first) continue;
+    gaps_[kept++] = {first, end - first};
+    overruns_ += static_cast<std::uint32_t>(end - first);
+  }
+  gap_count_ = kept;
+  for (std::int64_t i = 0; i < length_; ++i) {
+    std::uint8_t bytes[2 * channel_count];
+    copy(static_cast<std::uint64_t>(i), 1, sample_bits, bytes);
+    crc_ = crc32(bytes, crc_);
+  }
+}
+
+std::size_t Recorder::available(std::uint64_t cursor) const {
+  if (!complete_ || cursor >= static_cast<std::uint64_t>(length_)) return 0;
+  return static_cast<std::size_t>(length_) - static_cast<std::size_t>(cursor);
+}
+
+bool Recorder::finished(std::uint64_t cursor) const {
+  return complete_ && cursor >= static_cast<std::uint64_t>(length_);
+}
+
+std::size_t Recorder::scan_bytes(std::uint32_t mask) const {
+  const std::size_t samples = 2 * count_bits(mask & sample_bits);
+  if ((mask & timestamp_bit) == 0) return samples;
+  return (samples + 7) / 8 * 8 + 8;  // the 64-bit time stamp is aligned to its size
+}
+
+void Recorder::copy(std::uint64_t cursor, std::size_t scans, std::uint32_t mask, std::uint8_t* out) const {
+  const std::size_t step = scan_bytes(mask);
+  for (std::size_t i = 0; i < scans; ++i, out += step) {
+    const std::int64_t sample = start_ + static_cast<std::int64_t>(cursor + i);
+    const std::int16_t* from = slot(sample);
+    std::size_t at = 0;
+    for (std::size_t c = 0; c < channel_count; ++c) {
+      if ((mask >> c & 1U) == 0) continue;
+      const auto value = static_cast<std::uint16_t>(from[c]);
+      out[at++] = static_cast<std::uint8_t>(value & 0xFFU);
+      out[at++] = static_cast<std::uint8_t>(value >> 8);
+    }
+    if ((mask & timestamp_bit) == 0) continue;
+    while (at % 8 != 0) out[at++] = 0;
+    const auto ns = static_cast<std::uint64_t>(sample * period_ns_);
+    for (int b = 0; b < 8; ++b) out[at++] = static_cast<std::uint8_t>(ns >> (8 * b));
+  }
+}
+
+}  // namespace powbench::firmware
