@@ -1,0 +1,57 @@
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "core/conditions.h"
+#include "sim/plant.h"
+
+/// One closing of the plant alone: no rig, no sensors, no firmware. The coil is switched on at t = 0 exactly.
+
+namespace powbench::sim {
+
+/// One interval in which the measured pole was open again during the closing, s.
+struct Opening {
+  double release = 0;
+  double touch = 0;
+};
+
+/// What happened, from the located events. Times in s after switch-on. The measured pole is closed when both
+/// its breaks are. Only what happens before the coil is switched off again counts as closing.
+struct ClosingTruth {
+  std::optional<double> touch;         ///< first touch of the measured pole (t_ct1)
+  std::optional<double> settled;       ///< its last touch (t_ct2)
+  std::optional<double> touch_a;       ///< first touch of break A
+  std::optional<double> touch_b;       ///< first touch of break B
+  std::vector<Opening> openings;       ///< of the measured pole, between `touch` and `settled`
+  std::optional<double> core_seat;     ///< first arrival of the core at its stop (t_xt1)
+  std::optional<double> core_settled;  ///< last arrival (t_xt2)
+  double touch_velocity = 0;           ///< m/s, bridge against fixed contact at the first touch
+  double seat_velocity = 0;            ///< m/s, core against stop at `core_seat`
+  std::optional<double> opened;        ///< release of the measured pole after the coil was switched off
+  double peak_current = 0;             ///< A, largest magnitude among the samples
+};
+
+struct Trajectory {
+  std::vector<PlantSample> samples;
+  std::vector<PlantEvent> events;
+  ClosingTruth truth;
+  std::int64_t evaluations = 0;  ///< of the right-hand side
+  double energy_residual = 0;
+};
+
+/// Mains and options a plant needs for these conditions.
+Mains closing_mains(const Conditions&);
+PlantOptions closing_options(const Conditions&,
+                             double relative_tolerance = PlantOptions{}.relative_tolerance);
+
+/// Simulates `duration` s from switch-on; the gate goes off at conditions.hold_time. Samples at k *
+/// sample_dt, k = 1, 2, ...; sample_dt = 0: none. Throws std::invalid_argument for a bad specimen or bad
+/// conditions.
+Trajectory simulate(const Specimen&, const Conditions&, double duration, double sample_dt,
+                    double relative_tolerance = PlantOptions{}.relative_tolerance);
+
+/// The truth in a list of events; `off` is the time the coil was switched off, s.
+ClosingTruth closing_truth(std::span<const PlantEvent> events, double off);
+
+}  // namespace powbench::sim

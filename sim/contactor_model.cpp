@@ -1,0 +1,202 @@
+#include "sim/contactor_model.h"
+
+#include <cmath>
+
+namespace powbench::sim {
+
+ContactorModel::ContactorModel(const Specimen& specimen, const Mains& mains, const PlantOptions& options)
+    : specimen_(specimen),
+      mains_(mains),
+      circuit_(specimen.magnet, specimen.core.travel),
+      resistance_(specimen.coil.resistance *
+                      (1 + specimen.coil.temperature_coefficient * (options.coil_kelvin - 293.15)) +
+                  mains.resistance),
+      source_resistance_(mains.resistance),
+      open_stop_depth_(specimen.core.return_preload / specimen.core.stop_stiffness),
+      seat_depth_(specimen.bridges.preload / specimen.bridges.seat_stiffness) {
+  const auto& base = specimen_.base;
+  const double omega = 2 * pi * base.hertz;
+  base_rate_ = base.mass * omega * omega;
+  base_damping_ = 2 * base.damping * base.mass * omega;
+  const auto& core = specimen_.core;
+  const double c = 2 * damping_ratio(core.stop_restitution) * std::sqrt(core.stop_stiffness * core.mass);
+  add_contact(core.stop_stiffness, c);
+  add_contact(core.stop_stiffness, c);
+  const double flux = circuit_.area();  // of 1 T
+  scale_ = {flux, flux, 1e-3, 1, 1e-3, 1};
+  add_groups();
+  for (int i = 0; i < 4; ++i) scale_[static_cast<std::size_t>(ledger_ + i)] = 1;
+  reset_modes();
+}
+
+int ContactorModel::add_contact(double stiffness, double damping) {
+  contacts_[static_cast<std::size_t>(contact_count_)] = {stiffness, damping, false};
+  return contact_count_++;
+}
+
+void ContactorModel::add_groups() {
+  const auto& b = specimen_.bridges;
+  const bool alike = b.gap_spread == 0;
+  const double seat_damping = 2 * b.seat_damping * std::sqrt(b.seat_stiffness * b.mass);
+  const double break_damping =
+      2 * damping_ratio(b.contact_restitution) * std::sqrt(b.contact_stiffness * b.mass);
+  int next = first_group;
+  for (int pole = 0; pole < (alike ? 1 : b.poles); ++pole) {
+    Group g;
+    g.state = next;
+    g.count = alike ? b.poles : 1;
+    g.gap_a = b.gap + pole * b.gap_spread;
+    g.tilts = b.tilt_gap != 0;
+    const int parts = g.tilts ? 2 : 1;
+    g.first_contact = contact_count_;
+    for (int i = 0; i < parts; ++i) add_contact(b.seat_stiffness / parts, seat_damping / parts);
+    for (int i = 0; i < parts; ++i) add_contact(b.contact_stiffness / parts, break_damping / parts);
+    const auto at = static_cast<std::size_t>(next);
+    scale_[at] = 1e-3;
+    scale_[at + 1] = 1;
+    if (g.tilts) {
+      scale_[at + 2] = 1e-3 / b.half_length;
+      scale_[at + 3] = 1 / b.half_length;
+    }
+    next += 2 * parts;
+    groups_.push_back(g);
+  }
+  ledger_ = next;
+}
+
+void ContactorModel::penetrations(const double* s, double* pen, double* rate) const {
+  pen[0] = -separation(s);
+  rate[0] = s[v] - s[w];
+  pen[1] = open_stop_depth_ - s[x];
+  rate[1] = -s[v];
+  const auto& b = specimen_.bridges;
+  for (const auto& g : groups_) {
+    const double* q = s + g.state;
+    double* p = pen + g.first_contact;
+    double* r = rate + g.first_contact;
+    const double seat = seat_depth_ + q[0] - s[x];
+    const double seat_rate = q[1] - s[v];
+    const double contact = q[0] - s[z] - g.gap_a;
+    const double contact_rate = q[1] - s[w];
+    if (!g.tilts) {
+      p[0] = seat;
+      r[0] = seat_rate;
+      p[1] = contact;
+      r[1] = contact_rate;
+      continue;
+    }
+    p[0] = seat + b.seat_half_length * q[2];
+    r[0] = seat_rate + b.seat_half_length * q[3];
+    p[1] = seat - b.seat_half_length * q[2];
+    r[1] = seat_rate - b.seat_half_length * q[3];
+    p[2] = contact + b.half_length * q[2];
+    r[2] = contact_rate + b.half_length * q[3];
+    p[3] = contact - b.half_length * q[2] - b.tilt_gap;
+    r[3] = contact_rate - b.half_length * q[3];
+  }
+}
+
+void ContactorModel::forces(const double* s, Forces& f) const {
+  f.field = circuit_.field(s[phi], second_flux(s), separation(s));
+  penetrations(s, f.pen, f.rate);
+  for (int k = 0; k < contact_count_; ++k)
+    f.contact[k] = contacts_[static_cast<std::size_t>(k)].force(f.pen[k], f.rate[k]);
+  const auto& b = specimen_.bridges;
+  f.core = f.field.pull - specimen_.core.return_preload - specimen_.core.return_rate * s[x] + f.contact[1] -
+           f.contact[0];
+  f.base = -f.field.pull - base_rate_ * s[z] - base_damping_ * s[w] + f.contact[0];
+  for (const auto& g : groups_) {
+    const double* c = f.contact + g.first_contact;
+    const double spring = b.preload + b.rate * (s[x] - s[g.state]);
+    const double seat = g.tilts ? c[0] + c[1] : c[0];
+    const double contact = g.tilts ? c[2] + c[3] : c[1];
+    f.core += g.count * (seat - spring);
+    f.base += g.count * contact;
+  }
+}
+
+double ContactorModel::core_force(const double* s) const {
+  Forces f;
+  forces(s, f);
+  return f.core;
+}
+
+void ContactorModel::flux_rates(const Field& f, double voltage, double separation_rate, double* ds) const {
+  const auto& coil = specimen_.coil;
+  const bool ring = circuit_.has_ring();
+  const double share = circuit_.shaded_share();
+  ds[phi2] = ring ? -circuit_.ring_resistance() * f.ring_current : 0.0;
+  const double stiffness = ring ? f.mmf_phi : f.mmf_phi + share * f.mmf_phi2;
+  const double other = f.mmf_phi2 * ds[phi2] + f.mmf_separation * separation_rate;
+  if (coil_ == Coil::open) {
+    ds[phi] = -other / stiffness;
+  } else {
+    const double ratio = coil.leakage / coil.turns;  // L di = ratio d mmf
+    ds[phi] = (voltage - resistance_ * f.mmf / coil.turns - ratio * other) / (coil.turns + ratio * stiffness);
+  }
+  if (!ring) ds[phi2] = share * ds[phi];
+}
+
+double ContactorModel::losses(const double* s, const Forces& f) const {
+  double sum = specimen_.core.friction * std::fabs(s[v]) + base_damping_ * s[w] * s[w];
+  const auto lost = [&](int k) {
+    return contacts_[static_cast<std::size_t>(k)].loss(f.pen[k], f.rate[k], f.contact[k]);
+  };
+  sum += lost(0) + lost(1);
+  for (const auto& g : groups_)
+    for (int k = 0; k < (g.tilts ? 4 : 2); ++k) sum += g.count * lost(g.first_contact + k);
+  return sum;
+}
+
+void ContactorModel::derivative(double t, const double* s, double* ds) const {
+  Forces f;
+  forces(s, f);
+  const bool on = coil_ != Coil::open;
+  const double voltage = on ? mains(t) : 0.0;
+  flux_rates(f.field, voltage, s[w] - s[v], ds);
+
+  const auto& core = specimen_.core;
+  ds[x] = s[v];
+  switch (friction_) {
+    case Friction::none:
+      ds[v] = f.core / core.mass;
+      break;
+    case Friction::stick:
+      ds[v] = 0;
+      break;
+    case Friction::forward:
+      ds[v] = (f.core - core.friction) / core.mass;
+      break;
+    case Friction::backward:
+      ds[v] = (f.core + core.friction) / core.mass;
+      break;
+  }
+  ds[z] = s[w];
+  ds[w] = f.base / specimen_.base.mass;
+
+  const auto& b = specimen_.bridges;
+  for (const auto& g : groups_) {
+    const double* q = s + g.state;
+    double* dq = ds + g.state;
+    const double* c = f.contact + g.first_contact;
+    const double spring = b.preload + b.rate * (s[x] - q[0]);
+    dq[0] = q[1];
+    if (!g.tilts) {
+      dq[1] = (spring - c[0] - c[1]) / b.mass;
+      continue;
+    }
+    dq[1] = (spring - c[0] - c[1] - c[2] - c[3]) / b.mass;
+    dq[2] = q[3];
+    dq[3] = -(b.half_length * (c[2] - c[3]) + b.seat_half_length * (c[0] - c[1])) / b.inertia;
+  }
+
+  const double i = on ? f.field.mmf / specimen_.coil.turns : 0.0;
+  double* ledger = ds + ledger_;
+  ledger[0] = voltage * i;
+  ledger[1] = resistance_ * i * i;
+  ledger[2] =
+      circuit_.has_ring() ? circuit_.ring_resistance() * f.field.ring_current * f.field.ring_current : 0.0;
+  ledger[3] = losses(s, f);
+}
+
+}  // namespace powbench::sim

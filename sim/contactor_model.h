@@ -1,0 +1,122 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "sim/magnetic_circuit.h"
+#include "sim/plant.h"
+#include "sim/unilateral.h"
+
+/// The contactor as a system with modes for `EventIntegrator`. One data model:
+///
+///   states   phi, phi2 | x, v (core) | z, w (base) | per bridge group y, y' [, tilt, tilt'] | ledger: 4
+///   energies modes    coil open / closed / closed until the current's next zero | each contact pressed or
+///   free | friction guards   one per contact, one for friction, one for the current zero
+///
+/// Equations (SI, + = closing direction, s = travel - (x - z)):
+///   N phi' + L i' = u - R i,   phi2' = -R_sh i_sh                     fluxes; with the coil open i = 0
+///   instead M x''   = pull - F_r0 - k_r x - sum n (F_c0 + k_c (x - y) - F_seat) + F_open - F_stop - friction
+///   M_h z'' = -pull - k_h z - c_h z' + F_stop + sum n (F_A + F_B)
+///   m y''   = F_c0 + k_c (x - y) - F_seat - F_A - F_B                   one bridge
+///   J tilt''= -l (F_A - F_B) - l_s (F_seat1 - F_seat2)                  only where the breaks differ
+/// Equal bridges are one group that counts n times; a group whose breaks are equal has no tilt.
+
+namespace powbench::sim {
+
+class ContactorModel {
+ public:
+  static constexpr int max_poles = 8;
+  static constexpr int capacity = 6 + 4 * max_poles + 4;
+  static constexpr int guard_capacity = 2 + 4 * max_poles + 2;
+  using State = std::array<double, capacity>;
+
+  enum : int { phi, phi2, x, v, z, w, first_group };
+  enum class Coil : std::uint8_t { open, closed, opening };
+  enum class Friction : std::uint8_t { none, stick, forward, backward };
+
+  ContactorModel(const Specimen&, const Mains&, const PlantOptions&);
+
+  // The system, as EventIntegrator wants it.
+  int size() const { return ledger_ + 4; }
+  int guard_count() const { return contact_count_ + 2; }
+  double scale(int i) const { return scale_[static_cast<std::size_t>(i)]; }
+  void derivative(double t, const double* s, double* ds) const;
+  void guards(double t, const double* s, double* g) const;
+  void flip(double t, double* s, std::uint64_t which);
+
+  /// Static equilibrium without flux: all displacements are zero there.
+  State rest() const { return State{}; }
+  /// Back to the modes of the static equilibrium, coil open.
+  void reset_modes();
+  bool near_rest(const State&) const;
+
+  Coil coil() const { return coil_; }
+  void set_coil(double t, double* s, bool on);
+
+  double mains(double t) const;                 ///< V
+  double current(const double* s) const;        ///< A
+  double stored_energy(const double* s) const;  ///< J, zero at rest
+  /// Supplied energy minus losses minus stored energy, over the supplied one.
+  double energy_residual(const double* s) const;
+  void book_loss(double* s, double joule) const { s[ledger_ + 3] += joule; }
+
+  void sample(double t, const double* s, PlantSample& out) const;
+  std::vector<PlantEvent>& events() { return events_; }
+
+ private:
+  /// Bridges that move alike. Contacts from `first_contact`: seat, both breaks - or seat 1, seat 2, break A,
+  /// break B.
+  struct Group {
+    int state = 0;
+    int first_contact = 0;
+    double count = 1;
+    double gap_a = 0;
+    bool tilts = false;
+  };
+  /// Forces at one state.
+  struct Forces {
+    Field field;
+    double pen[guard_capacity];   ///< of each contact, m; left unset beyond the contacts in use
+    double rate[guard_capacity];  ///< m/s
+    double contact[guard_capacity];
+    double core;  ///< on the core, without friction
+    double base;
+  };
+
+  void penetrations(const double* s, double* pen, double* rate) const;
+  void forces(const double* s, Forces&) const;
+  double core_force(const double* s) const;  ///< N, without friction
+  double separation(const double* s) const { return specimen_.core.travel - (s[x] - s[z]); }
+  double second_flux(const double* s) const {
+    return circuit_.has_ring() ? s[phi2] : circuit_.shaded_share() * s[phi];
+  }
+  void flux_rates(const Field&, double voltage, double separation_rate, double* ds) const;
+  double losses(const double* s, const Forces&) const;
+  void flip_contact(double t, int k, double rate);
+  void flip_friction(double t, double* s);
+  void publish(PlantEvent::Kind, double t, double velocity);
+  int add_contact(double stiffness, double damping);
+  void add_groups();
+
+  Specimen specimen_;
+  Mains mains_;
+  MagneticCircuit circuit_;
+  double resistance_;  ///< coil, warm, with the source, ohm
+  double source_resistance_;
+  double base_rate_;     ///< N/m
+  double base_damping_;  ///< N s/m
+  double open_stop_depth_;
+  double seat_depth_;
+  std::vector<Group> groups_;
+  std::array<Unilateral, guard_capacity> contacts_{};
+  std::array<double, capacity> scale_{};
+  int contact_count_ = 0;
+  int ledger_ = 0;
+  Coil coil_ = Coil::open;
+  double current_sign_ = 1;
+  Friction friction_ = Friction::none;
+  std::vector<PlantEvent> events_;
+};
+
+}  // namespace powbench::sim

@@ -1,0 +1,79 @@
+#include "sim/contactor_model.h"
+
+#include <cmath>
+#include <numbers>
+
+/// What the contactor shows: mains, current, energies, samples.
+
+namespace powbench::sim {
+
+double ContactorModel::mains(double t) const {
+  return std::numbers::sqrt2 * mains_.volts * std::sin(2 * pi * mains_.hertz * t + mains_.phase);
+}
+
+double ContactorModel::current(const double* s) const {
+  if (coil_ == Coil::open) return 0;
+  return circuit_.field(s[phi], second_flux(s), separation(s)).mmf / specimen_.coil.turns;
+}
+
+double ContactorModel::stored_energy(const double* s) const {
+  const auto& b = specimen_.bridges;
+  const auto& core = specimen_.core;
+  double pen[guard_capacity];
+  double rate[guard_capacity];
+  penetrations(s, pen, rate);
+  const double i = current(s);
+  double e = circuit_.energy(s[phi], second_flux(s), separation(s)) + 0.5 * specimen_.coil.leakage * i * i;
+  e += 0.5 * core.mass * s[v] * s[v] + s[x] * (core.return_preload + 0.5 * core.return_rate * s[x]);
+  e += 0.5 * specimen_.base.mass * s[w] * s[w] + 0.5 * base_rate_ * s[z] * s[z];
+  e += contacts_[0].stored(pen[0]) + contacts_[1].stored(pen[1]) - contacts_[1].stored(open_stop_depth_);
+  for (const auto& g : groups_) {
+    const double* q = s + g.state;
+    const double squeeze = s[x] - q[0];
+    double one = 0.5 * b.mass * q[1] * q[1] + squeeze * (b.preload + 0.5 * b.rate * squeeze);
+    if (g.tilts) one += 0.5 * b.inertia * q[3] * q[3];
+    const int parts = g.tilts ? 2 : 1;
+    for (int k = 0; k < 2 * parts; ++k) {
+      const int at = g.first_contact + k;
+      const auto& c = contacts_[static_cast<std::size_t>(at)];
+      one += c.stored(pen[at]) - (k < parts ? c.stored(seat_depth_) : 0.0);
+    }
+    e += g.count * one;
+  }
+  return e;
+}
+
+double ContactorModel::energy_residual(const double* s) const {
+  const double* l = s + ledger_;
+  const double missing = l[0] - l[1] - l[2] - l[3] - stored_energy(s);
+  return l[0] > 0 ? std::fabs(missing) / l[0] : std::fabs(missing);
+}
+
+void ContactorModel::sample(double t, const double* s, PlantSample& out) const {
+  Forces f;
+  forces(s, f);
+  const bool on = coil_ != Coil::open;
+  const auto& measured = groups_.front();
+  const double* c = f.contact + measured.first_contact;
+  out.time = t;
+  out.mains_voltage = mains(t);
+  out.coil_current = on ? f.field.mmf / specimen_.coil.turns : 0.0;
+  out.flux_linkage = specimen_.coil.turns * s[phi] + specimen_.coil.leakage * out.coil_current;
+  if (on) {
+    out.coil_voltage = out.mains_voltage - source_resistance_ * out.coil_current;
+  } else {
+    double rates[2];
+    flux_rates(f.field, 0, s[w] - s[v], rates);
+    out.coil_voltage = specimen_.coil.turns * rates[phi];
+  }
+  out.pull = f.field.pull;
+  out.travel = s[x];
+  out.core_velocity = s[v];
+  out.base = s[z];
+  out.base_acceleration = f.base / specimen_.base.mass;
+  out.core_force = std::max(f.contact[0], 0.0);
+  out.force_a = std::max(measured.tilts ? c[2] : 0.5 * c[1], 0.0);
+  out.force_b = std::max(measured.tilts ? c[3] : 0.5 * c[1], 0.0);
+}
+
+}  // namespace powbench::sim

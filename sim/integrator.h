@@ -1,0 +1,238 @@
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+
+#include "sim/dormand_prince.h"
+
+/// Integration of a system with modes: smooth between events, switched at the zero of a guard.
+
+namespace powbench::sim {
+
+/// Event-locating integrator over a `System` with
+///   `static constexpr int capacity, guard_capacity`   largest number of states and of guards (<= 64)
+///   `int size()`, `int guard_count()`, `double scale(int i)`   the tolerance is `tolerance * scale(i)` for
+///   state i `void derivative(double t, const double* y, double* dy)` `void guards(double t, const double* y,
+///   double* g)`   g[k] > 0 while mode k stays valid `void flip(double t, double* y, std::uint64_t which)`
+///   switches the modes whose bits are set
+///
+/// A step ends at the earliest zero of a guard, found on the dense output; everything that has changed sign
+/// there switches together, so the result does not depend on the order of the guards. A guard that switches
+/// more than `lock_count` times within `lock_window` is ignored for that long: accumulating events cannot
+/// stop the clock.
+template <class System>
+class EventIntegrator {
+ public:
+  using State = std::array<double, System::capacity>;
+  using Guards = std::array<double, System::guard_capacity>;
+
+  static constexpr double smallest_step = 1e-12;  ///< s
+  static constexpr double lock_window = 1e-9;     ///< s
+  static constexpr double longest_lock = 1e-4;    ///< s
+  static constexpr int lock_count = 6;
+
+  EventIntegrator(System& system, double tolerance, double largest_step)
+      : system_(&system), tolerance_(tolerance), largest_step_(largest_step) {}
+
+  /// Starts anew at (t, y). The first step is tried with `step`.
+  void restart(double t, const State& y, double step) {
+    y_ = y;
+    begin_ = end_ = t;
+    next_step_ = std::min(step, largest_step_);
+    pending_ = 0;
+    first_slope_known_ = false;
+  }
+
+  double begin() const { return begin_; }  ///< s: the dense output covers [begin, end]
+  double end() const { return end_; }
+  std::int64_t evaluations() const { return evaluations_; }
+  std::int64_t steps() const { return steps_; }
+  double next_step() const { return next_step_; }
+  const State& end_state() const { return y_; }
+
+  /// State at `t` in [begin, end].
+  void state(double t, State& out) const {
+    if (t >= end_) {
+      out = y_;
+      return;
+    }
+    dense_.evaluate((t - begin_) / step_, system_->size(), out.data());
+  }
+
+  /// Passes end(): switches what ended the step, then takes the next one. Returns false when the step cannot
+  /// be made small enough (the system is not finite).
+  bool extend() {
+    if (pending_ != 0) {
+      system_->flip(end_, y_.data(), pending_);
+      note_flips();
+      pending_ = 0;
+      first_slope_known_ = false;
+    }
+    begin_ = end_;
+    if (!step()) return false;
+    const double share = locate();
+    if (share < 1) {
+      State landed;
+      dense_.evaluate(share, system_->size(), landed.data());
+      y_ = landed;
+      end_ = begin_ + share * step_;
+      first_slope_known_ = false;
+      next_step_ = std::max(0.5 * std::min(next_step_, step_), smallest_step);
+    } else {
+      end_ = begin_ + step_;
+    }
+    return true;
+  }
+
+ private:
+  bool step() {
+    const int n = system_->size();
+    if (!first_slope_known_) {
+      system_->derivative(begin_, y_.data(), tableau_.slope(0));
+      ++evaluations_;
+    }
+    double h = next_step_;
+    for (bool rejected = false;; rejected = true) {
+      const double error = tableau_.attempt(*system_, begin_, h, n, y_.data(), tolerance_);
+      evaluations_ += 6;
+      ++steps_;
+      const double factor = 0.9 * std::pow(std::max(error, 1e-10), -0.2);
+      if (error <= 1) {
+        tableau_.dense(h, n, y_.data(), dense_);
+        std::copy_n(tableau_.result(), n, y_.data());
+        std::swap_ranges(tableau_.slope(0), tableau_.slope(0) + n, tableau_.slope(6));
+        first_slope_known_ = true;
+        step_ = h;
+        next_step_ =
+            std::clamp(h * std::clamp(factor, 0.2, rejected ? 1.0 : 5.0), smallest_step, largest_step_);
+        return true;
+      }
+      if (h <= smallest_step) return false;
+      h = std::max(h * std::clamp(std::isfinite(error) ? factor : 0.1, 0.1, 0.9), smallest_step);
+    }
+  }
+
+  void guards_at(double share, Guards& g) const {
+    State y;
+    dense_.evaluate(share, system_->size(), y.data());
+    system_->guards(begin_ + share * step_, y.data(), g.data());
+  }
+
+  bool locked(int k) const { return begin_ < locked_until_[static_cast<std::size_t>(k)]; }
+
+  /// Share of the step before the first guard turns negative; 1 = none. Sets `pending_`.
+  double locate() {
+    constexpr int parts = 4;
+    constexpr double none = 2;
+    const int n = system_->guard_count();
+    if (n == 0) return 1;
+    std::array<Guards, parts + 1> g;
+    for (int p = 0; p <= parts; ++p) guards_at(p / double{parts}, g[static_cast<std::size_t>(p)]);
+    double first = none;
+    for (int k = 0; k < n; ++k) {
+      if (locked(k)) continue;
+      const auto value = [&](int p) { return g[static_cast<std::size_t>(p)][static_cast<std::size_t>(k)]; };
+      double low = 0;
+      double high = none;
+      for (int p = 1; p <= parts && high > 1; ++p)
+        if (value(p) < 0) {
+          low = (p - 1) / double{parts};
+          high = p / double{parts};
+        }
+      for (int p = 1; p < parts && high > 1;
+           ++p)  // a dip between the samples: look at the vertex of the parabola
+        if (value(p) < value(p - 1) && value(p) <= value(p + 1)) {
+          const double curvature = value(p - 1) - 2 * value(p) + value(p + 1);
+          const double shift = 0.5 * (value(p - 1) - value(p + 1)) / curvature;
+          const double vertex = (p + std::clamp(shift, -0.5, 0.5)) / parts;
+          Guards at;
+          guards_at(vertex, at);
+          if (at[static_cast<std::size_t>(k)] < 0) {
+            low = (p - 1) / double{parts};
+            high = vertex;
+          }
+        }
+      if (high <= 1 && low < first) first = std::min(first, root(k, low, high));
+    }
+    if (first == none) return 1;
+    Guards at;
+    guards_at(first, at);
+    for (int k = 0; k < n; ++k)
+      if (!locked(k) && at[static_cast<std::size_t>(k)] < 0) pending_ |= std::uint64_t{1} << k;
+    return first;
+  }
+
+  /// Smallest share found at which guard k is negative: false position with halving, kept on the negative
+  /// side.
+  double root(int k, double low, double high) const {
+    Guards at;
+    guards_at(low, at);
+    double g_low = std::max(at[static_cast<std::size_t>(k)], 0.0);
+    guards_at(high, at);
+    double g_high = at[static_cast<std::size_t>(k)];
+    int side = 0;
+    for (int i = 0; i < 100 && high - low > 4e-16 * std::max(high, 1e-3); ++i) {
+      double middle =
+          (i % 8 == 7 || g_low <= 0) ? 0.5 * (low + high) : low + (high - low) * g_low / (g_low - g_high);
+      if (middle <= low || middle >= high) middle = 0.5 * (low + high);
+      if (middle <= low || middle >= high) break;
+      guards_at(middle, at);
+      const double g = at[static_cast<std::size_t>(k)];
+      if (g < 0) {
+        high = middle;
+        g_high = g;
+        if (side == -1) g_low *= 0.5;
+        side = -1;
+      } else {
+        low = middle;
+        g_low = g;
+        if (side == 1) g_high *= 0.5;
+        side = 1;
+      }
+    }
+    return high;
+  }
+
+  void note_flips() {
+    for (int k = 0; k < system_->guard_count(); ++k) {
+      if ((pending_ >> k & 1U) == 0) continue;
+      const auto i = static_cast<std::size_t>(k);
+      flips_[i] = end_ - last_flip_[i] < lock_window ? flips_[i] + 1 : 0;
+      last_flip_[i] = end_;
+      if (flips_[i] <= lock_count) continue;
+      const bool again = end_ - locked_until_[i] < 100 * lock_length_[i];
+      lock_length_[i] = again ? std::min(2 * lock_length_[i], longest_lock) : lock_window;
+      locked_until_[i] = end_ + lock_length_[i];
+      flips_[i] = 0;
+    }
+  }
+
+  System* system_;
+  double tolerance_;
+  double largest_step_;
+  DormandPrince<System::capacity> tableau_;
+  DenseOutput<System::capacity> dense_;
+  State y_{};  ///< at end_
+  double begin_ = 0;
+  double end_ = 0;
+  double step_ = 0;  ///< length the dense output was made for, >= end_ - begin_
+  double next_step_ = 0;
+  bool first_slope_known_ = false;
+  std::uint64_t pending_ = 0;
+  std::array<int, System::guard_capacity> flips_{};
+  std::array<double, System::guard_capacity> last_flip_ = filled(-1e300);
+  std::array<double, System::guard_capacity> locked_until_ = filled(-1e300);
+  std::array<double, System::guard_capacity> lock_length_ = filled(lock_window);
+  std::int64_t evaluations_ = 0;
+  std::int64_t steps_ = 0;
+
+  static constexpr std::array<double, System::guard_capacity> filled(double v) {
+    std::array<double, System::guard_capacity> a{};
+    a.fill(v);
+    return a;
+  }
+};
+
+}  // namespace powbench::sim

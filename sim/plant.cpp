@@ -1,0 +1,112 @@
+#include "sim/plant.h"
+
+#include <algorithm>
+#include <cassert>
+#include <stdexcept>
+#include <string>
+
+#include "sim/contactor_model.h"
+#include "sim/integrator.h"
+#include "sim/validate.h"
+
+namespace powbench::sim {
+
+struct Plant::Impl {
+  Impl(const Specimen& specimen, const Mains& mains, const PlantOptions& options)
+      : model(specimen, mains, options), integrator(model, options.relative_tolerance, 0.05 / mains.hertz) {
+    model.events().reserve(256);
+  }
+
+  ContactorModel model;
+  EventIntegrator<ContactorModel> integrator;
+  ContactorModel::State rest_state{};  ///< valid while at rest; keeps the ledger
+  double now = 0;
+  bool at_rest = true;
+
+  static constexpr double first_step = 1e-6;  // s
+
+  ContactorModel::State state_now() const {
+    ContactorModel::State s = rest_state;
+    if (!at_rest) integrator.state(now, s);
+    return s;
+  }
+
+  void gate(bool on) {
+    const bool is_on = model.coil() == ContactorModel::Coil::closed;
+    if (on == is_on || (!on && model.coil() == ContactorModel::Coil::opening)) return;
+    auto s = state_now();
+    model.set_coil(now, s.data(), on);
+    integrator.restart(now, s, first_step);
+    at_rest = false;
+  }
+
+  void settle() {
+    ContactorModel::State s = integrator.end_state();
+    ContactorModel::State calm = model.rest();
+    const auto ledger = static_cast<std::size_t>(model.size() - 4);
+    std::copy(s.begin() + static_cast<std::ptrdiff_t>(ledger), s.begin() + model.size(),
+              calm.begin() + static_cast<std::ptrdiff_t>(ledger));
+    model.book_loss(calm.data(), model.stored_energy(s.data()));
+    model.reset_modes();
+    rest_state = calm;
+    at_rest = true;
+  }
+
+  void advance(double t_end, std::span<const double> times, std::span<PlantSample> out) {
+    std::size_t next = 0;
+    ContactorModel::State s;
+    while (!at_rest) {
+      const double reach = std::min(integrator.end(), t_end);
+      for (; next < times.size() && times[next] <= reach; ++next) {
+        integrator.state(times[next], s);
+        model.sample(times[next], s.data(), out[next]);
+      }
+      if (integrator.end() >= t_end) break;
+      if (model.near_rest(integrator.end_state())) {
+        settle();
+        break;
+      }
+      if (!integrator.extend())
+        throw std::runtime_error(
+            "plant: the step became too small at t = " + std::to_string(integrator.end()) + " s");
+    }
+    for (; next < times.size(); ++next) model.sample(times[next], rest_state.data(), out[next]);
+    now = t_end;
+  }
+};
+
+Plant::Plant(const Specimen& specimen, const Mains& mains, const PlantOptions& options) {
+  require_valid(specimen);
+  if (!(mains.hertz > 0 && mains.hertz < 1e5))
+    throw std::invalid_argument("mains hertz: allowed above 0, below 1e5");
+  if (!(mains.resistance >= 0)) throw std::invalid_argument("mains resistance: allowed 0 ohm and more");
+  if (!(options.relative_tolerance >= 1e-14 && options.relative_tolerance <= 1e-2))
+    throw std::invalid_argument("relative tolerance: allowed 1e-14 .. 1e-2");
+  impl_ = std::make_unique<Impl>(specimen, mains, options);
+}
+Plant::~Plant() = default;
+Plant::Plant(Plant&& other) noexcept = default;
+Plant& Plant::operator=(Plant&& other) noexcept = default;
+
+double Plant::now() const {
+  return impl_->now;
+}
+void Plant::gate(bool on) {
+  impl_->gate(on);
+}
+void Plant::advance(double t_end, std::span<const double> times, std::span<PlantSample> out) {
+  assert(t_end >= impl_->now && out.size() >= times.size());
+  assert(times.empty() || (times.front() > impl_->now && times.back() <= t_end));
+  impl_->advance(t_end, times, out);
+}
+std::span<const PlantEvent> Plant::events() const {
+  return impl_->model.events();
+}
+std::int64_t Plant::evaluations() const {
+  return impl_->integrator.evaluations();
+}
+double Plant::energy_residual() const {
+  return impl_->model.energy_residual(impl_->state_now().data());
+}
+
+}  // namespace powbench::sim

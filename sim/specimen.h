@@ -1,0 +1,78 @@
+#pragma once
+
+#include <string>
+
+#include "core/units.h"
+
+/// One contactor, as the simulator sees it. SI. The defaults are the reference contactor of
+/// `scenes/reference.specimen.toml`. Symbols are those of docs/notation.md.
+
+namespace powbench::sim {
+
+/// Coil: u = R i + d psi/dt.
+struct Coil {
+  double turns = 2000;                       ///< N
+  double resistance = 245;                   ///< R at 20 degC, ohm
+  double leakage = 0.25;                     ///< L_leak, H: flux that links the coil and crosses no pole gap
+  double temperature_coefficient = 3.93e-3;  ///< 1/K, copper: R(T) = R (1 + alpha (T - 293.15 K))
+};
+
+/// Magnetic circuit with two parallel pole faces, one of them inside the shading ring.
+struct Magnet {
+  double pole_area = 2.74e-4;        ///< A_c, m2: centre pole; both outer poles together have the same
+  double iron_length = 0.14;         ///< l_fe, m
+  double residual_gap = 36e-6;       ///< d_min, m per pole when closed
+  double fringing = 0.50;            ///< A_eff = A (1 + fringing gap / sqrt(A))
+  double shaded_share = 0.648;       ///< a_2: share of the outer-pole area inside the shading ring
+  double ring_resistance = 1.18e-3;  ///< R_sh, ohm, one turn
+  double bh_linear = 100.0;          ///< H(B) = bh_linear B + bh_power B^bh_exponent, A/m and T
+  double bh_power = 8.0;
+  double bh_exponent = 11.0;
+};
+
+/// Moving core with its bracket (the "holder"), return spring and stop on the static core.
+struct Core {
+  double mass = 0.1995;            ///< M, kg: armature and holder
+  double travel = 4.06e-3;         ///< m: contact gap plus overtravel
+  double return_preload = 9.15;    ///< F_r0, N, open
+  double return_rate = 1890;       ///< k_r, N/m
+  double friction = 2.0;           ///< F_f, N, Coulomb
+  double stop_stiffness = 3.14e7;  ///< k_core, N/m
+  double stop_restitution = 0.10;  ///< e_core
+};
+
+/// Contact bridges with overtravel springs. Forces, rates and masses are those of ONE bridge.
+struct Bridges {
+  int poles = 3;                       ///< number of equal double-break bridges
+  double gap = 2.50e-3;                ///< x_c, m: travel to first touch
+  double mass = 7.76e-3;               ///< m_c, kg
+  double preload = 3.07;               ///< F_c0, N: overtravel spring, open
+  double rate = 3000;                  ///< k_c, N/m
+  double contact_stiffness = 2.86e6;   ///< k_con, N/m, both breaks together
+  double contact_restitution = 0.465;  ///< e_con
+  double seat_stiffness = 1.667e6;     ///< N/m: bridge against its seat in the holder
+  double seat_damping = 0.1;           ///< damping ratio of the seat
+  double half_length = 12e-3;          ///< m: bridge centre to break
+  double seat_half_length = 4e-3;      ///< m: bridge centre to each edge of its seat
+  double inertia = 6.0e-7;             ///< kg m2, about the tilt axis
+  double tilt_gap = 0.0;               ///< m: break B opens this much wider than break A (tilted bridge)
+  double gap_spread = 0.0;  ///< m: each pole opens this much wider than the one before; the first is measured
+};
+
+/// Static core and fixed contacts as one floating mass on the mounting.
+struct Base {
+  double mass = 0.100;     ///< M_h, kg
+  double hertz = 137.5;    ///< f_h: mounting mode
+  double damping = 0.020;  ///< z_h
+};
+
+struct Specimen {
+  std::string name = "reference";
+  Coil coil;
+  Magnet magnet;
+  Core core;
+  Bridges bridges;
+  Base base;
+};
+
+}  // namespace powbench::sim

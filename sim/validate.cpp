@@ -1,0 +1,58 @@
+#include "sim/validate.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <stdexcept>
+
+#include "sim/specimen_fields.h"
+
+namespace powbench::sim {
+namespace {
+
+std::string text(double value) {
+  char buffer[32];
+  std::snprintf(buffer, sizeof buffer, "%.6g", value);
+  return buffer;
+}
+
+/// The overtravel of every break of every pole must be positive, and its gap too.
+void check_gaps(const Specimen& s, std::vector<SpecimenError>& errors) {
+  constexpr double milli = 1e-3;
+  const auto& b = s.bridges;
+  for (const double wider : {0.0, (std::max(b.poles, 1) - 1) * b.gap_spread})
+    for (const double tilted : {0.0, b.tilt_gap}) {
+      const double gap = b.gap + wider + tilted;
+      if (gap > 0 && gap < s.core.travel) continue;
+      errors.push_back({"bridges.gap_mm", text(gap / milli),
+                        "above 0, below " + text(s.core.travel / milli) +
+                            " (core.travel_mm) at every break, tilt_gap_mm and gap_spread_mm included"});
+      return;
+    }
+}
+
+}  // namespace
+
+std::vector<SpecimenError> validate(const Specimen& s) {
+  std::vector<SpecimenError> errors;
+  for (const auto& f : specimen_fields()) {
+    const double shown = f.get(s) / f.si_per_unit;
+    constexpr double round_off = 1e-12;  // of the division by the unit
+    if (shown >= f.low - round_off * std::fabs(f.low) && shown <= f.high + round_off * std::fabs(f.high))
+      continue;
+    errors.push_back({std::string(f.section) + '.' + std::string(f.key), text(shown),
+                      text(f.low) + " .. " + text(f.high)});
+  }
+  check_gaps(s, errors);
+  return errors;
+}
+
+void require_valid(const Specimen& s) {
+  const auto errors = validate(s);
+  if (errors.empty()) return;
+  std::string all = "specimen '" + s.name + "':";
+  for (const auto& e : errors) all += "\n  " + e.key + " = " + e.value + ", allowed " + e.range;
+  throw std::invalid_argument(all);
+}
+
+}  // namespace powbench::sim
