@@ -1,0 +1,17 @@
+#pragma once
+
+#include "core/events.h"
+#include "core/record.h"
+#include "dsp/options.h"
+
+namespace powbench::dsp {
+
+/// Core events from the laser. The core lands where its velocity drops abruptly: around the largest drop in the last
+/// half of the travel, x(t) = x_s + v (t - t_s) + a (t - t_s)^2 / 2 is fitted with a velocity that falls evenly over a
+/// short time from t_s on (the stop gives way by some 10 um) and another acceleration after that; t_s and the duration are
+/// searched for the least residual. The travel after the seat may go on, because the static core yields with the base;
+/// no plateau is assumed. The velocity is the one in the laboratory just before t_s. Later drops of more than
+/// `seat_share` of the first count as core bounces.
+CoreEvents core_events(const Record&, const ExtractOptions&);
+
+}  // namespace powbench::dsp

@@ -1,0 +1,55 @@
+#include "dsp/extract.h"
+
+#include <cmath>
+
+#include "core/phase.h"
+#include "dsp/coil.h"
+#include "dsp/contact_train.h"
+#include "dsp/contact_voltage.h"
+#include "dsp/core_seat.h"
+#include "dsp/force.h"
+
+namespace powbench::dsp {
+
+namespace {
+
+constexpr double angle_tolerance = radians(1.0);
+
+ContactTrain film_train(const Record& record, Channel c, const ExtractOptions& o, std::optional<double> hertz,
+                        std::optional<double> seat) {
+  const Force f = restore_force(record, c, o, hertz);
+  if (!f.present) return {};
+  return analyse_force(f, closing_end(record, f.signal), seat, o).train;
+}
+
+}  // namespace
+
+Events extract_events(const Record& record, const ExtractOptions& o) {
+  check(o);
+  Events e;
+  e.method = "wide-band force, ring and pulse fit";
+  e.parameters_hash = parameters_hash(o);
+  const auto supply = supply_fit(record, o);
+  const std::optional<double> hertz = supply ? std::optional(supply->hertz) : std::nullopt;
+  e.coil = coil_events(record, supply, o);
+  e.core = core_events(record, o);
+  const std::optional<double> seat = e.core.seat.known() ? std::optional(e.core.seat.value) : std::nullopt;
+  e.pvdf_a = film_train(record, Channel::pvdf_a, o, hertz, seat);
+  e.pvdf_b = film_train(record, Channel::pvdf_b, o, hertz, seat);
+  e.contact_voltage = contact_voltage_train(record, o);
+
+  const double commanded = record.conditions.closing_angle + (record.conditions.polarity < 0 ? pi : 0.0);
+  if (e.coil.closing_angle.known() &&
+      std::abs(wrap_half_turn(e.coil.closing_angle.value - commanded)) > angle_tolerance)
+    e.coil.flags |= flag_angle_off;
+  const double t_end = record.samples() ? record.time(record.samples() - 1) : 0.0;
+  const double hold = record.conditions.hold_time;
+  cross_check(e.contact_voltage, e.pvdf_a, e.pvdf_b, hold > 0 ? std::min(hold, t_end) : t_end);
+  if (record.calibration.empty()) e.flags |= flag_no_calibration;
+  for (const std::uint32_t f :
+       {e.pvdf_a.flags, e.pvdf_b.flags, e.contact_voltage.flags, e.core.flags, e.coil.flags})
+    e.flags |= f;
+  return e;
+}
+
+}  // namespace powbench::dsp

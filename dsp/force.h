@@ -1,0 +1,33 @@
+#pragma once
+
+#include <optional>
+#include <span>
+
+#include "dsp/options.h"
+#include "dsp/signal.h"
+
+/// Front end of a force channel: from charge-amplifier counts to contact force with its DC restored.
+
+namespace powbench::dsp {
+
+struct Force {
+  bool present = false;     ///< the channel exists and is alive
+  Signal signal;            ///< N, offset and hum removed, droop undone, contact force positive
+  double noise = 0.0;       ///< N: standard deviation of one sample's noise
+  double settled = 0.0;     ///< N: median at the end of the hold time; 0 when not closed
+  std::uint32_t flags = 0;  ///< flag_no_hum_fit, flag_polarity
+};
+
+/// Undoes the one-pole high-pass of a charge amplifier (bilinear, corner `corner_hertz`), in place:
+/// x[n] = (1 + w) y[n] + 2 w sum_{k<n} y[k], w = tan(pi corner dt). The zero level must have been removed
+/// before.
+void undo_droop(std::span<double> y, double corner_hertz, double dt);
+
+/// End of what counts as one closing: the end of the record or of the hold time, whichever is first, s.
+double closing_end(const Record&, const Signal&);
+
+/// `mains_hertz`: fitted on the mains channel, or nothing (then it is fitted on the hum itself when that
+/// stands out).
+Force restore_force(const Record&, Channel, const ExtractOptions&, std::optional<double> mains_hertz);
+
+}  // namespace powbench::dsp

@@ -1,0 +1,441 @@
+#include "dsp/ring.h"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+#include <complex>
+
+#include "core/units.h"
+#include "dsp/statistics.h"
+
+namespace powbench::dsp {
+
+namespace {
+
+using Eigen::Index;
+using Matrix = Eigen::MatrixXd;
+using Vector = Eigen::VectorXd;
+
+constexpr double ring_rate = 100e3;   ///< Hz: the ring needs no more; faster records are block-averaged
+constexpr double smooth_step = 2e-3;  ///< s: half period of the fastest smooth term of the settled force
+constexpr double rise_times[] = {1e-4, 2e-4, 4e-4};  ///< s: exponential rises a settling contact may show
+
+struct Rows {
+  std::vector<double> t, y;
+  std::vector<std::uint8_t> good;
+  double block = 1;  ///< samples averaged per row
+  double dt = 0;     ///< s between rows
+};
+
+Rows rows_of(const Signal& s, const std::vector<std::uint8_t>* usable, double t1, double t2) {
+  Rows r;
+  const auto m =
+      std::max<std::size_t>(1, static_cast<std::size_t>(std::floor(1.0 / (ring_rate * s.dt) + 1e-6)));
+  r.block = static_cast<double>(m);
+  r.dt = r.block * s.dt;
+  const std::size_t last = s.index_at(t2);
+  for (std::size_t i = s.index_at(t1); i + m <= last; i += m) {
+    double sum = 0;
+    std::uint8_t good = 1;
+    for (std::size_t k = i; k < i + m; ++k) {
+      sum += s.value[k];
+      if (s.masked[k] || (usable && !(*usable)[k])) good = 0;
+    }
+    r.t.push_back(s.time(i) + 0.5 * (r.block - 1) * s.dt);
+    r.y.push_back(sum / r.block);
+    r.good.push_back(good);
+  }
+  return r;
+}
+
+Rows only_good(const Rows& in) {
+  Rows out;
+  out.block = in.block;
+  out.dt = in.dt;
+  for (std::size_t i = 0; i < in.t.size(); ++i) {
+    if (!in.good[i]) continue;
+    out.t.push_back(in.t[i]);
+    out.y.push_back(in.y[i]);
+  }
+  out.good.assign(out.t.size(), 1);
+  return out;
+}
+
+std::complex<double> pole_s(const Pole& p) {
+  return {-p.decay, 2 * pi * p.hertz};
+}
+
+/// Factor by which averaging a block changes exp(s t): sinh(m s dt / 2) / (m sinh(s dt / 2)).
+std::complex<double> block_gain(const Rows& r, const Pole& p) {
+  if (r.block == 1) return 1.0;
+  const std::complex<double> half = 0.5 * pole_s(p) * (r.dt / r.block);
+  return std::sinh(r.block * half) / (r.block * std::sinh(half));
+}
+
+/// Smooth settled force: cosines up to 1 / (2 smooth_step) and a few exponential rises. Zero before
+/// `closed_from`.
+Matrix smooth_columns(const Rows& r, double closed_from, double to) {
+  const double span = to - closed_from;
+  const int cosines = span > 0 ? 1 + static_cast<int>(span / smooth_step) : 0;
+  Matrix M = Matrix::Zero(static_cast<Index>(r.t.size()), cosines ? cosines + 3 : 0);
+  for (Index i = 0; i < M.rows(); ++i) {
+    const double tau = r.t[static_cast<std::size_t>(i)] - closed_from;
+    if (tau < 0) continue;
+    for (int k = 0; k < cosines; ++k) M(i, k) = std::cos(pi * k * tau / span);
+    for (int k = 0; k < 3 && cosines; ++k) M(i, cosines + k) = std::exp(-tau / rise_times[k]);
+  }
+  return M;
+}
+
+struct Solution {
+  Vector linear;     ///< (2 K + smooth)
+  Vector pole_step;  ///< (2 K) Gauss-Newton step of (w, decay)
+  Vector variance;   ///< (2 K) of the mode amplitudes, unit noise
+  double chi2 = 0;
+};
+
+/// Least squares on scaled normal equations; well conditioned after scaling because the modes are distinct.
+Vector normal_solve(const Matrix& A, const Vector& y, Vector* variance) {
+  const Vector scale = A.colwise().norm().cwiseMax(1e-12).cwiseInverse().transpose();
+  const Matrix S = A * scale.asDiagonal();
+  Matrix N = S.transpose() * S;
+  N.diagonal().array() += 1e-10;
+  const Eigen::LDLT<Matrix> ldlt(N);
+  if (variance) {
+    const Matrix inverse = ldlt.solve(Matrix::Identity(N.rows(), N.cols()));
+    *variance = inverse.diagonal().cwiseProduct(scale.cwiseProduct(scale));
+  }
+  return scale.cwiseProduct(Vector(ldlt.solve(S.transpose() * y)));
+}
+
+Solution solve(const Rows& r, const std::vector<Pole>& poles, double reference, const Matrix& smooth) {
+  const auto n = static_cast<Index>(r.t.size()), k = static_cast<Index>(poles.size());
+  Matrix A(n, 4 * k + smooth.cols());
+  for (Index j = 0; j < k; ++j) {
+    const Pole& p = poles[static_cast<std::size_t>(j)];
+    const auto g = block_gain(r, p);
+    for (Index i = 0; i < n; ++i) {
+      const auto e = g * std::exp(pole_s(p) * (r.t[static_cast<std::size_t>(i)] - reference));
+      A(i, 2 * j) = e.real();
+      A(i, 2 * j + 1) = e.imag();
+    }
+  }
+  A.middleCols(2 * k, smooth.cols()) = smooth;
+  const Eigen::Map<const Vector> y(r.y.data(), n);
+  const Index m = 2 * k + smooth.cols();
+  Solution s;
+  s.linear = normal_solve(A.leftCols(m), y, &s.variance);
+  s.chi2 = (y - A.leftCols(m) * s.linear).squaredNorm();
+  for (Index j = 0; j < k; ++j) {
+    const double a = s.linear[2 * j], b = s.linear[2 * j + 1];
+    for (Index i = 0; i < n; ++i) {
+      const double tau = r.t[static_cast<std::size_t>(i)] - reference, c = A(i, 2 * j), d = A(i, 2 * j + 1);
+      A(i, m + 2 * j) = tau * (b * c - a * d);
+      A(i, m + 2 * j + 1) = -tau * (a * c + b * d);
+    }
+  }
+  s.pole_step = normal_solve(A, y, nullptr).tail(2 * k);
+  return s;
+}
+
+std::vector<Pole> stepped(const std::vector<Pole>& poles, const Vector& step, double factor) {
+  std::vector<Pole> out = poles;
+  for (std::size_t j = 0; j < out.size(); ++j) {
+    const auto i = static_cast<Index>(2 * j);
+    const double w = 2 * pi * poles[j].hertz;
+    const double dw = std::clamp(factor * step[i], -0.05 * w, 0.05 * w);
+    const double dd = std::clamp(factor * step[i + 1], -0.5 * poles[j].decay, poles[j].decay);
+    out[j].hertz = (w + dw) / (2 * pi);
+    out[j].decay = std::clamp(poles[j].decay + dd, 0.001 * w, 0.15 * w);
+  }
+  return out;
+}
+
+/// Poles closer together than the record can tell apart make the amplitudes explode: keep one of each.
+std::vector<Pole> distinct(std::vector<Pole> poles) {
+  std::vector<Pole> out;
+  for (const Pole& p : poles) {
+    const bool twin = std::any_of(out.begin(), out.end(), [&](const Pole& q) {
+      return std::abs(p.hertz - q.hertz) < 0.15 * (p.decay + q.decay) / pi;
+    });
+    if (!twin) out.push_back(p);
+  }
+  return out;
+}
+
+}  // namespace
+
+double Ring::value(double t) const {
+  if (t < onset) return 0.0;
+  double v = 0;
+  for (const RingMode& m : modes) {
+    const auto e = std::exp(pole_s(m.pole) * (t - reference));
+    v += m.cosine * e.real() + m.sine * e.imag();
+  }
+  return v;
+}
+
+double Ring::amplitude_at(double t) const {
+  double sum = 0;
+  for (const RingMode& m : modes) {
+    const double a = std::hypot(m.cosine, m.sine) * std::exp(-m.pole.decay * (t - reference));
+    sum += a * a;
+  }
+  return std::sqrt(sum);
+}
+
+void Ring::add_to(Signal& s, double factor) const {
+  const std::size_t first = s.index_at(onset);
+  for (const RingMode& m : modes) {
+    const std::complex<double> turn = std::exp(pole_s(m.pole) * s.dt);
+    std::complex<double> e = 0;
+    for (std::size_t i = first; i < s.size(); ++i) {
+      // Recurrence, restarted often enough that its rounding stays far below the noise.
+      e = (i - first) % 512 == 0 ? std::exp(pole_s(m.pole) * (s.time(i) - reference)) : e * turn;
+      s.value[i] += factor * (m.cosine * e.real() + m.sine * e.imag());
+    }
+  }
+}
+
+std::vector<Pole> tail_poles(const RingInput& in, const ExtractOptions& o) {
+  const Rows r = rows_of(in.residual, nullptr, in.from, in.to);
+  if (r.t.size() < 60) return {};
+  const Matrix smooth = smooth_columns(r, in.closed_from, in.to);
+  const Eigen::Map<const Vector> y(r.y.data(), static_cast<Index>(r.y.size()));
+  Vector x = y;
+  if (smooth.cols() > 0) x -= smooth * normal_solve(smooth, y, nullptr);
+  const double noise = in.noise / std::sqrt(r.block);
+  const double high = std::min(o.ring_high_hertz, 0.45 / r.dt);
+  return find_poles({x.data(), static_cast<std::size_t>(x.size())}, r.dt, noise, o.ring_modes,
+                    o.ring_low_hertz, high);
+}
+
+Ring fit_ring(const RingInput& in, std::vector<Pole> poles, const ExtractOptions& o) {
+  Ring ring;
+  ring.onset = ring.reference = in.from;
+  const Rows r = only_good(rows_of(in.residual, &in.usable, in.from, in.to));
+  const double noise = in.noise / std::sqrt(r.block);
+  const Matrix smooth = smooth_columns(r, in.closed_from, in.to);
+  poles = distinct(std::move(poles));
+  while (!poles.empty() &&
+         static_cast<Index>(r.t.size()) > 6 * static_cast<Index>(poles.size()) + smooth.cols()) {
+    Solution s = solve(r, poles, ring.reference, smooth);
+    for (int i = 0; i < 8; ++i) {
+      bool better = false;
+      for (const double factor : {1.0, 0.4, 0.1}) {
+        const auto next = stepped(poles, s.pole_step, factor);
+        Solution t = solve(r, next, ring.reference, smooth);
+        if (!(t.chi2 < s.chi2)) continue;
+        better = s.chi2 - t.chi2 > 1e-4 * s.chi2;
+        poles = next;
+        s = std::move(t);
+        break;
+      }
+      if (!better) break;
+    }
+    // The weakest mode goes while it is not significant or not a core mode; then fit again.
+    std::size_t weakest = poles.size();
+    double lowest = 5.0;
+    for (std::size_t j = 0; j < poles.size(); ++j) {
+      const auto i = static_cast<Index>(2 * j);
+      const double u = noise * std::sqrt(0.5 * (s.variance[i] + s.variance[i + 1]));
+      double z = std::hypot(s.linear[i], s.linear[i + 1]) / std::max(u, 1e-300);
+      if (poles[j].hertz < o.ring_low_hertz || poles[j].hertz > o.ring_high_hertz ||
+          poles[j].decay > 0.12 * 2 * pi * poles[j].hertz)
+        z = 0;
+      if (!(z >= lowest)) lowest = z, weakest = j;
+    }
+    if (weakest == poles.size()) {
+      for (std::size_t j = 0; j < poles.size(); ++j)
+        ring.modes.push_back(
+            {poles[j], s.linear[static_cast<Index>(2 * j)], s.linear[static_cast<Index>(2 * j + 1)]});
+      break;
+    }
+    poles.erase(poles.begin() + static_cast<std::ptrdiff_t>(weakest));
+  }
+  return ring;
+}
+
+namespace {
+
+/// Energy of `x` along exp(s t) at the usable rows, as a share that a fit of both phases would take out.
+double explained(const Rows& r, const std::vector<double>& x, const Pole& p) {
+  const std::complex<double> turn = std::exp(pole_s(p) * r.dt);
+  std::complex<double> e = 1.0;
+  double cc = 0, ss = 0, cs = 0, cx = 0, sx = 0;
+  for (std::size_t i = 0; i < x.size(); ++i, e *= turn) {
+    if (!r.good[i]) continue;
+    const double c = e.real(), s = e.imag();
+    cc += c * c, ss += s * s, cs += c * s, cx += c * x[i], sx += s * x[i];
+  }
+  const double det = cc * ss - cs * cs;
+  if (!(det > 1e-9 * cc * ss)) return 0.0;
+  return (ss * cx * cx - 2 * cs * cx * sx + cc * sx * sx) / det;
+}
+
+}  // namespace
+
+std::optional<Pole> strongest_pole(const RingInput& in, const Ring& ring, const ExtractOptions& o) {
+  Rows r = rows_of(in.residual, &in.usable, in.from, in.to);
+  const double noise = in.noise / std::sqrt(r.block);
+  const auto good = static_cast<double>(std::count(r.good.begin(), r.good.end(), std::uint8_t{1}));
+  if (good < 40) return std::nullopt;
+  // What the present model leaves.
+  for (std::size_t i = 0; i < r.t.size(); ++i) r.y[i] -= ring.value(r.t[i]);
+  const Matrix smooth = smooth_columns(r, in.closed_from, in.to);
+  std::vector<double> x = r.y;
+  if (smooth.cols() > 0) {
+    const Eigen::Map<const Eigen::Matrix<std::uint8_t, Eigen::Dynamic, 1>> good_rows(r.good.data(),
+                                                                                     smooth.rows());
+    const Vector weight = good_rows.cast<double>();
+    const Eigen::Map<const Vector> y(r.y.data(), smooth.rows());
+    const Vector c = normal_solve(weight.asDiagonal() * smooth, weight.cwiseProduct(y), nullptr);
+    Eigen::Map<Vector>(x.data(), smooth.rows()) -= smooth * c;
+  }
+  const double high = std::min(o.ring_high_hertz, 0.45 / r.dt);
+  double best = 0;
+  Pole at;
+  const auto look = [&](double hertz, double damping) {
+    const Pole p{hertz, damping * 2 * pi * hertz};
+    if (const double g = explained(r, x, p); g > best) best = g, at = p;
+  };
+  for (const double damping : {0.008, 0.025})
+    for (double hertz = o.ring_low_hertz; hertz <= high; hertz += std::max(40.0, 0.012 * hertz))
+      look(hertz, damping);
+  const double centre = at.hertz, step = std::max(20.0, 0.006 * centre);
+  for (const double damping : {0.005, 0.01, 0.015, 0.02, 0.03, 0.045})
+    for (int k = -2; k <= 2; ++k) look(centre + 0.5 * k * step, damping);
+  // Of a few hundred trials on pure noise the largest gain is about 2 ln(trials) = 12; ask for clearly more.
+  return best > 40 * noise * noise ? std::optional(at) : std::nullopt;
+}
+
+namespace {
+
+/// Modes that are larger than anything in the data cancel each other there: the fit says nothing elsewhere.
+bool plausible(const RingInput& in, const Ring& ring) {
+  double largest = 0;
+  for (std::size_t i = in.residual.index_at(in.from); i < in.residual.index_at(in.closed_from); ++i)
+    if (in.usable[i] && !in.residual.masked[i]) largest = std::max(largest, std::abs(in.residual.value[i]));
+  if (largest == 0) return true;  // only the tail is used: the settled force hides the scale
+  return std::all_of(ring.modes.begin(), ring.modes.end(),
+                     [&](const RingMode& m) { return std::hypot(m.cosine, m.sine) < 1.5 * largest; });
+}
+
+}  // namespace
+
+Ring grow_ring(const RingInput& in, std::vector<Pole> start, const ExtractOptions& o) {
+  Ring ring = fit_ring(in, start, o);
+  while (start.size() > 1 && !plausible(in, ring)) {  // without the most damped one
+    const auto worst = std::max_element(start.begin(), start.end(), [](const Pole& a, const Pole& b) {
+      return a.decay / a.hertz < b.decay / b.hertz;
+    });
+    start.erase(worst);
+    ring = fit_ring(in, start, o);
+  }
+  while (static_cast<int>(ring.modes.size()) < o.ring_modes) {
+    const auto more = strongest_pole(in, ring, o);
+    if (!more) break;
+    std::vector<Pole> poles;
+    for (const RingMode& m : ring.modes) poles.push_back(m.pole);
+    poles.push_back(*more);
+    Ring next = fit_ring(in, std::move(poles), o);
+    if (next.modes.size() <= ring.modes.size() || !plausible(in, next)) break;
+    ring = std::move(next);
+  }
+  return ring;
+}
+
+std::vector<std::uint8_t> zero_on_average(const Signal& force, double open_level) {
+  const auto mean = gaussian_smooth(force.value, 80e-6 / force.dt);
+  std::vector<std::uint8_t> open(force.size());
+  const auto guard = static_cast<std::size_t>(120e-6 / force.dt);  // a contact's own foot is not open time
+  std::size_t clear_from = 0;
+  for (std::size_t i = 0; i < open.size(); ++i) {
+    const bool zero = std::abs(mean[i]) < open_level;
+    if (!zero) {
+      for (std::size_t k = i - std::min(i, guard); k < i; ++k) open[k] = 0;
+      clear_from = i + guard;
+    }
+    open[i] = zero && i >= clear_from;
+  }
+  return open;
+}
+
+namespace {
+
+OpenEnergy energy_at(const Signal& force, const std::vector<std::uint8_t>& open, const Ring& ring, double t1,
+                     double t2, double noise) {
+  OpenEnergy e;
+  Signal left = force;
+  ring.add_to(left, -1.0);
+  for (std::size_t i = force.index_at(t1); i < force.index_at(t2); ++i) {
+    if (!open[i] || force.masked[i]) continue;
+    e.chi2 += left.value[i] * left.value[i] / (noise * noise);
+    e.samples += 1;
+  }
+  return e;
+}
+
+}  // namespace
+
+OpenEnergy open_energy(const Signal& force, const Ring& ring, double t1, double t2, double noise,
+                       double open_level) {
+  return energy_at(force, zero_on_average(force, open_level), ring, t1, t2, noise);
+}
+
+bool lowers_energy(const Signal& force, const Ring& ring, double t2, double noise, double open_level) {
+  Signal stripped = force;
+  ring.add_to(stripped, -1.0);
+  auto open = zero_on_average(stripped, open_level);
+  const auto also = zero_on_average(force, open_level);
+  for (std::size_t i = 0; i < open.size(); ++i) open[i] |= also[i];
+  const OpenEnergy with = energy_at(force, open, {}, ring.onset, t2, noise);
+  if (with.samples < 40) return true;
+  const OpenEnergy less = energy_at(force, open, ring, ring.onset, t2, noise);
+  return less.chi2 < 0.1 * with.chi2 || (less.chi2 < 0.8 * with.chi2 && less.chi2 < 6 * less.samples);
+}
+
+Ring ring_from_open_time(const Signal& force, double t1, double t2, double to, double noise,
+                         double open_level, const ExtractOptions& o) {
+  const auto open = zero_on_average(force, open_level);
+  Ring best;
+  double least = energy_at(force, open, {}, t1, to, noise).chi2;
+  for (double from = t1; from < t2; from += 0.25e-3) {
+    const RingInput in{force, open, from, to, to, noise};
+    const auto pole = strongest_pole(in, {}, o);
+    if (!pole) continue;
+    Ring ring = fit_ring(in, {*pole}, o);
+    const double chi2 = energy_at(force, open, ring, t1, to, noise).chi2;
+    if (chi2 < least) least = chi2, best = std::move(ring);
+  }
+  if (best.empty()) return best;
+  return grow_ring({force, open, best.onset, to, to, noise}, {best.modes.front().pole}, o);
+}
+
+double find_onset(const Signal& signal, const std::vector<std::uint8_t>* usable, const Ring& ring, double t1,
+                  double t2) {
+  Ring everywhere = ring;
+  everywhere.onset = t1;
+  const Rows f = rows_of(signal, usable, t1, t2);
+  if (f.t.size() < 4) return t2;
+  std::vector<double> x = f.y, r(f.t.size());
+  for (std::size_t i = 0; i < r.size(); ++i) r[i] = everywhere.value(f.t[i]);
+  if (!usable) {
+    // Both through the same high-pass, so that the slow part of the contact force does not count.
+    const double width = 150e-6 / f.dt;
+    const auto f_low = gaussian_smooth(x, width), r_low = gaussian_smooth(r, width);
+    for (std::size_t i = 0; i < r.size(); ++i) x[i] -= f_low[i], r[i] -= r_low[i];
+  }
+  double best = 0, sum = 0, at = t2;
+  for (std::size_t i = r.size(); i-- > 0;) {
+    if (!f.good[i]) continue;
+    const double level = ring.amplitude_at(f.t[i]) + 1e-12;
+    const double weight =
+        1.0 / (level * level + x[i] * x[i]);  // a contact pulse must not outvote the open time
+    sum += weight * ((x[i] - r[i]) * (x[i] - r[i]) - x[i] * x[i]);
+    if (sum < best) best = sum, at = f.t[i] - 0.5 * f.dt;
+  }
+  return at;
+}
+
+}  // namespace powbench::dsp

@@ -1,0 +1,94 @@
+#pragma once
+
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "dsp/options.h"
+#include "dsp/signal.h"
+
+/// Core vibration on a force channel as a sum of damped modes that start together.
+
+namespace powbench::dsp {
+
+struct Pole {
+  double hertz = 0.0;
+  double decay = 0.0;  ///< 1/s, > 0: exp(-decay t)
+};
+
+struct RingMode {
+  Pole pole;
+  double cosine = 0.0, sine = 0.0;  ///< N at `reference`
+};
+
+/// r(t) = sum exp(-decay (t - reference)) (cosine cos + sine sin)(2 pi hertz (t - reference)) for t >= onset,
+/// else 0.
+struct Ring {
+  double onset = 0.0;      ///< s
+  double reference = 0.0;  ///< s
+  std::vector<RingMode> modes;
+  bool ambiguous = false;  ///< a mode was found but its onset could not be placed
+
+  bool empty() const { return modes.empty(); }
+  double value(double t) const;
+  double amplitude_at(double t) const;  ///< N: root of the sum of the modes' squared envelopes
+  /// Adds factor * r(t) to every sample.
+  void add_to(Signal&, double factor) const;
+};
+
+/// Poles of damped oscillations in uniformly sampled `x` (rotational invariance of the signal subspace, the
+/// SVD matrix pencil in its covariance form). Strongest first, at most `max_modes`, `low` < hertz < `high`,
+/// damping ratio below 0.12. `noise`: standard deviation of one sample.
+std::vector<Pole> find_poles(std::span<const double> x, double dt, double noise, int max_modes, double low,
+                             double high);
+
+/// What the ring fit may use: `residual` = force minus modelled contacts.
+struct RingInput {
+  const Signal& residual;
+  const std::vector<std::uint8_t>& usable;  ///< (n) 1 = nothing but ring, smooth settled force and noise
+  double from = 0.0;                        ///< s, first sample used
+  double closed_from = 0.0;                 ///< s, from here a smooth settled force is fitted beside the ring
+  double to = 0.0;                          ///< s
+  double noise = 0.0;                       ///< N, one sample
+};
+
+/// Amplitudes by linear least squares, poles by Gauss-Newton on top (variable projection). Modes that are not
+/// significant (amplitude below 5 standard uncertainties) are left out. The onset is `from`.
+Ring fit_ring(const RingInput&, std::vector<Pole> poles, const ExtractOptions&);
+
+/// Poles seen in `from` .. `to` after the smooth settled force is taken out.
+std::vector<Pole> tail_poles(const RingInput&, const ExtractOptions&);
+
+/// The undamped-to-damped oscillation that explains most of what `ring` and the smooth settled force leave: a
+/// scan over frequency and damping. Nothing when the best one is not significant.
+std::optional<Pole> strongest_pole(const RingInput&, const Ring& ring, const ExtractOptions&);
+
+/// fit_ring, then modes added one by one by strongest_pole while they are significant.
+Ring grow_ring(const RingInput&, std::vector<Pole> start, const ExtractOptions&);
+
+/// 1 where the force averages to zero (Gaussian of 80 us standard deviation, 120 us clear of any other force): open,
+/// whatever rings on top.
+std::vector<std::uint8_t> zero_on_average(const Signal& force, double open_level);
+
+/// Sum of squares over noise^2 and number of samples between t1 and t2 where the force averages to zero
+/// (|mean over 0.2 ms| < `open_level`), after `ring` is taken out: 1 a sample when nothing but noise is left.
+struct OpenEnergy {
+  double chi2 = 0.0, samples = 0.0;
+};
+OpenEnergy open_energy(const Signal& force, const Ring&, double t1, double t2, double noise,
+                       double open_level);
+
+/// Does taking `ring` out leave little where the force is zero before or after (a tenth of the energy, or less than before
+/// and within 6 times the noise's)? True when there is too little open time to tell.
+bool lowers_energy(const Signal& force, const Ring& ring, double t2, double noise, double open_level);
+
+/// First guess when the tail does not show all of the ring: for starts every 0.25 ms in [t1, t2], the strongest pole in the
+/// samples up to `to` where the force averages to zero (|mean over 0.2 ms| < `open_level`). The ring starts where it explains most.
+Ring ring_from_open_time(const Signal& force, double t1, double t2, double to, double noise,
+                         double open_level, const ExtractOptions&);
+
+/// The time in [t1, t2] from which on taking the ring out leaves less behind. With `usable` the signal is a
+/// residual and compared as it is where usable; without, it is a force, and both are high-passed first.
+double find_onset(const Signal&, const std::vector<std::uint8_t>* usable, const Ring&, double t1, double t2);
+
+}  // namespace powbench::dsp

@@ -1,0 +1,93 @@
+#include "dsp/statistics.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace powbench::dsp {
+
+namespace {
+
+std::vector<double> gaussian_half_kernel(double sigma) {
+  if (!(sigma > 0.05)) return {1.0};
+  const auto half = static_cast<std::size_t>(std::ceil(4.0 * sigma));
+  std::vector<double> k(half + 1);
+  double sum = 0;
+  for (std::size_t i = 0; i <= half; ++i) {
+    const double u = static_cast<double>(i) / sigma;
+    k[i] = std::exp(-0.5 * u * u);
+    sum += i ? 2 * k[i] : k[i];
+  }
+  for (double& v : k) v /= sum;
+  return k;
+}
+
+}  // namespace
+
+double median(std::span<const double> x) {
+  if (x.empty()) return std::numeric_limits<double>::quiet_NaN();
+  std::vector<double> v(x.begin(), x.end());
+  const std::size_t h = v.size() / 2;
+  std::nth_element(v.begin(), v.begin() + static_cast<std::ptrdiff_t>(h), v.end());
+  if (v.size() % 2) return v[h];
+  return 0.5 * (v[h] + *std::max_element(v.begin(), v.begin() + static_cast<std::ptrdiff_t>(h)));
+}
+
+double robust_sigma(std::span<const double> x) {
+  if (x.empty()) return 0.0;
+  const double m = median(x);
+  std::vector<double> d(x.size());
+  std::transform(x.begin(), x.end(), d.begin(), [m](double v) { return std::abs(v - m); });
+  return 1.4826 * median(d);
+}
+
+double normal_quantile(double p) {
+  constexpr double a[] = {-3.969683028665376e+01, 2.209460984245205e+02,  -2.759285104469687e+02,
+                          1.383577518672690e+02,  -3.066479806614716e+01, 2.506628277459239e+00};
+  constexpr double b[] = {-5.447609879822406e+01, 1.615858368580409e+02, -1.556989798598866e+02,
+                          6.680131188771972e+01, -1.328068155288572e+01};
+  constexpr double c[] = {-7.784894002430293e-03, -3.223964580411365e-01, -2.400758277161838e+00,
+                          -2.549732539343734e+00, 4.374664141464968e+00,  2.938163982698783e+00};
+  constexpr double d[] = {7.784695709041462e-03, 3.224671290700398e-01, 2.445134137142996e+00,
+                          3.754408661907416e+00};
+  constexpr double low = 0.02425;
+  if (p < low) {
+    const double q = std::sqrt(-2 * std::log(p));
+    return (((((c[0] * q + c[1]) * q + c[2]) * q + c[3]) * q + c[4]) * q + c[5]) /
+           ((((d[0] * q + d[1]) * q + d[2]) * q + d[3]) * q + 1);
+  }
+  if (p > 1 - low) return -normal_quantile(1 - p);
+  const double q = p - 0.5, r = q * q;
+  return (((((a[0] * r + a[1]) * r + a[2]) * r + a[3]) * r + a[4]) * r + a[5]) * q /
+         (((((b[0] * r + b[1]) * r + b[2]) * r + b[3]) * r + b[4]) * r + 1);
+}
+
+double reduced_chi2_quantile(double p, double dof) {
+  const double c = 2.0 / (9.0 * dof);
+  const double base = std::max(1.0 - c + normal_quantile(p) * std::sqrt(c), 0.0);
+  return base * base * base;
+}
+
+std::vector<double> gaussian_smooth(std::span<const double> x, double sigma) {
+  const auto k = gaussian_half_kernel(sigma);
+  const std::size_t n = x.size(), half = k.size() - 1;
+  std::vector<double> y(n, 0.0);
+  if (n == 0) return y;
+  std::vector<double> padded(n + 2 * half);
+  std::fill_n(padded.begin(), half, x.front());
+  std::copy(x.begin(), x.end(), padded.begin() + static_cast<std::ptrdiff_t>(half));
+  std::fill(padded.end() - static_cast<std::ptrdiff_t>(half), padded.end(), x.back());
+  for (std::size_t i = 0; i < n; ++i) y[i] = k[0] * padded[i + half];
+  for (std::size_t j = 1; j <= half; ++j)
+    for (std::size_t i = 0; i < n; ++i) y[i] += k[j] * (padded[i + half - j] + padded[i + half + j]);
+  return y;
+}
+
+double gaussian_noise_gain(double sigma) {
+  const auto k = gaussian_half_kernel(sigma);
+  double sum = k[0] * k[0];
+  for (std::size_t i = 1; i < k.size(); ++i) sum += 2 * k[i] * k[i];
+  return std::sqrt(sum);
+}
+
+}  // namespace powbench::dsp

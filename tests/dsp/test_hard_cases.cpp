@@ -1,0 +1,187 @@
+#include <catch2/catch.hpp>
+#include <cmath>
+
+#include "bench/dsp_synth.h"
+#include "dsp/contact_train.h"
+#include "dsp/extract.h"
+#include "dsp/force.h"
+
+using namespace powbench;
+using namespace powbench::dsp;
+using powbench::bench::Random;
+
+namespace {
+
+/// A film record at 100 kS/s with `force(t)`, noise 0.03 N, optionally limited.
+Record film(auto&& force, double noise = 0.03, double clip = 1e9, double corner = 0.0, double rate = 1e5) {
+  Random random(11);
+  Record r;
+  r.sample_rate = rate;
+  r.fire_sample = std::llround(0.04 * rate);
+  ChannelRecord c;
+  c.channel = Channel::pvdf_a;
+  c.scale = 8e-3;
+  c.corner_hertz = corner;
+  const double top = std::min(clip / c.scale, 32767.0);
+  c.clip_high = static_cast<std::int16_t>(top);
+  for (std::size_t i = 0; i < static_cast<std::size_t>(0.1 * rate); ++i) {
+    const double x = force(static_cast<double>(i) / rate - 0.04) + noise * random.normal();
+    c.raw.push_back(static_cast<std::int16_t>(std::lround(std::min(x / c.scale, top))));
+  }
+  r.channels.push_back(std::move(c));
+  return r;
+}
+
+double half_sine(double t, double a, double b, double f) {
+  return t > a && t < b ? f * std::sin(pi * (t - a) / (b - a)) : 0.0;
+}
+
+ContactTrain train_of(const Record& r) {
+  return extract_events(r).pvdf_a;
+}
+
+}  // namespace
+
+TEST_CASE("hard contacts of 0.1 ms at 100 kS/s: found, timed within their uncertainty") {
+  double z2 = 0;
+  int n = 0;
+  for (int k = 0; k < 40; ++k) {
+    const double a = 0.0100013 + k * 0.37e-6 + 1e-6 * (k % 7), b = a + 0.1e-3, c = b + 0.5e-3;
+    const auto t = train_of(film([&](double x) {
+      return half_sine(x, a, b, 80) + half_sine(x, c, c + 0.1e-3, 40) +
+             (x > c + 1e-3 ? 3 * (1 - std::exp(-(x - c - 1e-3) / 1e-4)) : 0.0);
+    }));
+    REQUIRE(t.contacts.size() == 3);
+    CHECK(t.contacts[0].peak.value == Approx(80).epsilon(0.02));
+    CHECK(std::abs(t.contacts[0].touch.value - a) < 3e-6);
+    CHECK(std::abs(t.contacts[1].release.value - c - 0.1e-3) < 3e-6);
+    CHECK(t.contacts[0].impulse.value == Approx(80 * 0.1e-3 * 2 / pi).epsilon(0.02));
+    for (const auto& [m, truth] : {std::pair(t.contacts[0].touch, a), std::pair(t.contacts[0].release, b)})
+      z2 += std::pow((m.value - truth) / m.u, 2), ++n;
+    CHECK(t.bounce_count == 2);
+    CHECK(t.settled.value == Approx(c + 1e-3).margin(15e-6));
+    CHECK(t.bounce_time.value == Approx(t.settled.value - t.contacts[0].touch.value));
+    CHECK_FALSE(t.contacts.back().release.known());
+  }
+  CHECK(std::sqrt(z2 / n) < 1.25);
+}
+
+TEST_CASE("AC pulsation of the settled force is no bounce") {
+  const auto t = train_of(film([](double x) {
+    return x > 0.012 ? 3 * (1 - std::exp(-(x - 0.012) / 2e-4)) * (1 + 0.6 * std::sin(2 * pi * 100 * x)) : 0.0;
+  }));
+  REQUIRE(t.contacts.size() == 1);
+  CHECK(t.bounce_count == 0);
+  CHECK(t.bounce_time.value == 0.0);
+  CHECK(t.settled.value == Approx(0.012).margin(20e-6));
+  CHECK(t.settled_force.value == Approx(3).epsilon(0.15));
+}
+
+TEST_CASE("undershoot after a release is neither contact nor polarity") {
+  const auto t = train_of(film([](double x) {
+    const double under = x > 0.0105 ? -2.0 * std::exp(-(x - 0.0105) / 3e-4) : 0.0;
+    return half_sine(x, 0.010, 0.0105, 30) + (x < 0.013 ? under : 0.0) +
+           (x > 0.013 ? 3.0 * (1 - std::exp(-(x - 0.013) / 1e-4)) : 0.0);
+  }));
+  REQUIRE(t.contacts.size() == 2);
+  CHECK((t.flags & flag_polarity) == 0);
+}
+
+TEST_CASE("clipping at half the peak: the fit restores the peak and says so") {
+  const auto t = train_of(film(
+      [](double x) {
+        return half_sine(x, 0.010, 0.011, 10) + (x > 0.013 ? 3.0 * (1 - std::exp(-(x - 0.013) / 1e-4)) : 0.0);
+      },
+      0.03, 5.0));
+  REQUIRE(t.contacts.size() == 2);
+  CHECK(t.contacts[0].peak.value == Approx(10).epsilon(0.06));
+  CHECK((t.contacts[0].flags & flag_clipped) != 0);
+  CHECK(t.contacts[0].touch.value == Approx(0.010).margin(4e-6));
+}
+
+TEST_CASE("lost samples: the event that touches them is flagged, the others are not") {
+  Record r = film([](double x) {
+    return half_sine(x, 0.010, 0.0105, 20) + half_sine(x, 0.012, 0.0125, 10) +
+           (x > 0.014 ? 3.0 * (1 - std::exp(-(x - 0.014) / 1e-4)) : 0.0);
+  });
+  r.gaps.push_back({5020, 6});
+  for (std::size_t i = 5020; i < 5026; ++i) r.channels[0].raw[i] = -32000;  // whatever the rig filled in
+  const auto t = train_of(r);
+  REQUIRE(t.contacts.size() == 3);
+  CHECK((t.contacts[0].flags & flag_gap) != 0);
+  CHECK((t.contacts[1].flags & flag_gap) == 0);
+  CHECK((t.flags & flag_gap) != 0);
+  CHECK(t.contacts[0].touch.value == Approx(0.010).margin(6e-6));
+}
+
+TEST_CASE("a contact that never settles ends open, one that closes at the end stays open-ended") {
+  const auto bouncing = train_of(
+      film([](double x) { return half_sine(x, 0.010, 0.0105, 20) + half_sine(x, 0.050, 0.0505, 10); }));
+  REQUIRE(bouncing.contacts.size() == 2);
+  CHECK_FALSE(bouncing.settled.known());
+  CHECK_FALSE(bouncing.bounce_time.known());
+  CHECK(bouncing.contacts.back().release.known());
+  CHECK_FALSE(bouncing.settled_force.known());
+  const auto late = train_of(film([](double x) { return x > 0.0595 ? 5.0 : 0.0; }));
+  for (const auto& c : late.contacts) CHECK(std::isfinite(c.touch.value));
+}
+
+TEST_CASE("no contact at all: an empty train, nothing invented in noise") {
+  for (const double noise : {0.004, 0.03, 1.0}) {
+    const auto t = train_of(film([](double) { return 0.0; }, noise));
+    CHECK(t.present);
+    CHECK(t.contacts.empty());
+    CHECK_FALSE(t.settled.known());
+    CHECK(t.bounce_count == 0);
+    CHECK(t.noise == Approx(std::hypot(noise, 8e-3 / std::sqrt(12.0))).epsilon(0.15));
+  }
+}
+
+TEST_CASE("resolution is reported and openings above it are seen") {
+  for (const double gap : {0.08e-3, 0.12e-3, 0.2e-3}) {
+    const auto t = train_of(film([&](double x) {
+      return half_sine(x, 0.010, 0.0105, 10) + half_sine(x, 0.0105 + gap, 0.011 + gap, 5) +
+             (x > 0.013 ? 3.0 * (1 - std::exp(-(x - 0.013) / 1e-4)) : 0.0);
+    }));
+    CHECK(t.resolution <= 0.08e-3);
+    CHECK(t.contacts.size() == 3);
+  }
+}
+
+TEST_CASE("openings are merged only on request") {
+  const Record r = film([](double x) {
+    return half_sine(x, 0.010, 0.0105, 20) + half_sine(x, 0.0107, 0.0112, 10) +
+           (x > 0.0132 ? 3.0 * (1 - std::exp(-(x - 0.0132) / 1e-4)) : 0.0);
+  });
+  ExtractOptions o;
+  CHECK(extract_events(r, o).pvdf_a.bounce_count == 2);
+  o.merge_openings = 1e-3;
+  const auto merged = extract_events(r, o).pvdf_a;
+  CHECK(merged.bounce_count == 1);
+  CHECK(merged.contacts[0].release.value == Approx(0.0112).margin(10e-6));
+  CHECK(merged.contacts[0].peak.value == Approx(20).epsilon(0.03));
+}
+
+TEST_CASE("equal record, equal events, bit for bit") {
+  const Record r = bench::synthesise_full(1e5, 50, 1.0, 2);
+  const Events a = extract_events(r), b = extract_events(r);
+  REQUIRE(a.pvdf_a.contacts.size() == b.pvdf_a.contacts.size());
+  for (std::size_t i = 0; i < a.pvdf_a.contacts.size(); ++i) {
+    CHECK(a.pvdf_a.contacts[i].touch.value == b.pvdf_a.contacts[i].touch.value);
+    CHECK(a.pvdf_a.contacts[i].touch.u == b.pvdf_a.contacts[i].touch.u);
+  }
+  CHECK(a.core.seat.value == b.core.seat.value);
+  CHECK(a.coil.closing_angle.value == b.coil.closing_angle.value);
+}
+
+TEST_CASE("sampling rate changes the uncertainty, not the answer") {
+  bench::SynthSettings s;
+  for (const double rate : {1e5, 2e5, 1e6}) {
+    s.rate = rate;
+    const auto r = bench::synthesise(s, 5);
+    const auto t = train_of(r.record);
+    REQUIRE(t.contacts.size() == r.contacts.size());
+    for (std::size_t i = 0; i < t.contacts.size(); ++i)
+      CHECK(std::abs(t.contacts[i].touch.value - r.contacts[i].touch) < 5 * t.contacts[i].touch.u);
+  }
+}
