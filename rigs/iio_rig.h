@@ -1,0 +1,13 @@
+#pragma once
+
+#include "rigs/rig.h"
+
+namespace powbench::rigs {
+
+/// Time a rig gets to answer the first connection.
+inline constexpr std::chrono::milliseconds connect_limit{2500};
+
+/// Connects through libiio to `uri` ("ip:127.0.0.7"). Throws RigError within `limit`.
+std::unique_ptr<Rig> connect_iio(const std::string& uri, std::chrono::milliseconds limit = connect_limit);
+
+}  // namespace powbench::rigs

@@ -1,0 +1,249 @@
+#include "rigs/iiod_server.h"
+
+#include <utility>  // ahead of Asio: 1.74 forgets it under C++20
+
+#include <boost/asio.hpp>
+#include <chrono>
+#include <deque>
+#include <thread>
+#include <vector>
+
+#include "firmware/iiod/responder.h"
+#include "rigs/rig.h"
+#include "rigs/sim_world.h"
+
+namespace powbench::rigs {
+
+namespace asio = boost::asio;
+using asio::ip::tcp;
+using firmware::iiod::Connection;
+using firmware::iiod::Responder;
+
+namespace {
+
+constexpr double slice = 0.010;  // s of virtual time between two looks at the sockets
+
+/// Collects the answers of one feed, so that number, mask and payload leave in one gathered write.
+class Collector final : public firmware::iiod::ByteSink {
+ public:
+  void put(std::span<const std::uint8_t> bytes) override {
+    data.insert(data.end(), bytes.begin(), bytes.end());
+  }
+  std::vector<std::uint8_t> data;
+};
+
+}  // namespace
+
+struct IiodServer::Impl {
+  struct Session;
+
+  Impl(const SimRigConfig& config, const sim::Specimen& specimen, std::string where, std::uint16_t port)
+      : world(config, specimen),
+        responder(world.context()),
+        acceptor(io),
+        signals(io),
+        address(std::move(where)) {
+    try {
+      const tcp::endpoint endpoint(asio::ip::make_address(address), port);
+      acceptor.open(endpoint.protocol());
+      acceptor.set_option(tcp::acceptor::reuse_address(true));
+      acceptor.bind(endpoint);
+      acceptor.listen();
+    } catch (const boost::system::system_error& e) {
+      throw RigError("cannot serve on " + address + " port " + std::to_string(port) + ": " +
+                     e.code().message() + "; choose another loopback address, such as 127.0.0.8");
+    }
+  }
+
+  void accept();
+  void work();
+  void drop(const Session* session);
+  void wake_readers();
+
+  SimWorld world;
+  Responder responder;
+  asio::io_context io{1};
+  tcp::acceptor acceptor;
+  asio::signal_set signals;
+  std::string address;
+  std::vector<std::shared_ptr<Session>> sessions;
+  bool working = false;
+};
+
+/// One client connection: bytes in, answers out, in order.
+struct IiodServer::Impl::Session : std::enable_shared_from_this<Session> {
+  Session(Impl& owner, tcp::socket s) : server(owner), socket(std::move(s)), deadline(owner.io) {
+    boost::system::error_code ignored;
+    socket.set_option(tcp::no_delay(true), ignored);  // without it a refill takes 44 ms
+  }
+
+  /// Hands received bytes to the responder, then answers; reads on unless a READBUF waits for samples.
+  void consume() {
+    Collector answers;
+    const std::size_t used = server.responder.feed(connection, unread, answers);
+    unread.erase(unread.begin(), unread.begin() + static_cast<std::ptrdiff_t>(used));
+    server.world.notice_commands();
+    if (connection.status() == Connection::Status::pending) wait_for_samples();
+    send(std::move(answers.data));
+    server.work();
+  }
+
+  /// A READBUF is owed an answer within the client's time-out, whatever happens.
+  void wait_for_samples() {
+    const std::uint32_t ms = server.responder.timeout_ms();
+    if (ms == 0) return;
+    deadline.expires_after(std::chrono::milliseconds(ms));
+    deadline.async_wait([self = shared_from_this()](auto error) {
+      if (error || self->connection.status() != Connection::Status::pending) return;
+      Collector answers;
+      self->server.responder.expire(self->connection, firmware::iiod::etimedout, answers);
+      self->send(std::move(answers.data));
+    });
+  }
+
+  void samples_arrived() {
+    if (connection.status() != Connection::Status::pending) return;
+    Collector answers;
+    server.responder.resume(connection, answers);
+    if (connection.status() == Connection::Status::ready) deadline.cancel();
+    send(std::move(answers.data));
+  }
+
+  void send(std::vector<std::uint8_t> bytes) {
+    if (bytes.empty()) return next();
+    outgoing.push_back(std::move(bytes));
+    if (outgoing.size() == 1) write();
+  }
+
+  void write() {
+    asio::async_write(socket, asio::buffer(outgoing.front()),
+                      [self = shared_from_this()](auto error, std::size_t) {
+                        if (error) return self->close();
+                        self->outgoing.pop_front();
+                        if (!self->outgoing.empty()) return self->write();
+                        self->next();
+                      });
+  }
+
+  /// Everything is answered: go on with bytes already here, else read more. While a READBUF is pending the
+  /// socket is read all the same, so that a vanished client is noticed.
+  void next() {
+    if (connection.status() == Connection::Status::closed) return close();
+    if (reading || !outgoing.empty()) return;
+    if (!unread.empty() && connection.status() == Connection::Status::ready) {
+      asio::post(server.io, [self = shared_from_this()] { self->consume(); });
+      return;
+    }
+    reading = true;
+    socket.async_read_some(asio::buffer(incoming), [self = shared_from_this()](auto error, std::size_t n) {
+      self->reading = false;
+      if (error) return self->close();
+      self->unread.insert(self->unread.end(), self->incoming.begin(),
+                          self->incoming.begin() + static_cast<std::ptrdiff_t>(n));
+      if (self->connection.status() == Connection::Status::ready)
+        self->consume();
+      else
+        self->next();
+    });
+  }
+
+  void close() {
+    boost::system::error_code ignored;
+    deadline.cancel();
+    socket.close(ignored);
+    server.drop(this);
+  }
+
+  Impl& server;
+  tcp::socket socket;
+  asio::steady_timer deadline;
+  Connection connection;
+  std::array<std::uint8_t, 4096> incoming{};
+  std::vector<std::uint8_t> unread;
+  std::deque<std::vector<std::uint8_t>> outgoing;
+  bool reading = false;
+};
+
+void IiodServer::Impl::accept() {
+  acceptor.async_accept([this](auto error, tcp::socket socket) {
+    if (error) return;
+    sessions.push_back(std::make_shared<Session>(*this, std::move(socket)));
+    sessions.back()->next();
+    accept();
+  });
+}
+
+/// Lets virtual time pass in slices, with the sockets served in between.
+void IiodServer::Impl::work() {
+  if (working || !world.busy()) return;
+  working = true;
+  asio::post(io, [this] {
+    world.run(slice);
+    working = false;
+    if (!world.busy()) wake_readers();
+    work();
+  });
+}
+
+void IiodServer::Impl::wake_readers() {
+  const auto waiting = sessions;  // answering may close a session
+  for (const auto& session : waiting) session->samples_arrived();
+}
+
+void IiodServer::Impl::drop(const Session* session) {
+  std::erase_if(sessions, [session](const auto& s) { return s.get() == session; });
+}
+
+IiodServer::IiodServer(const SimRigConfig& config, const sim::Specimen& specimen, const std::string& address,
+                       std::uint16_t port)
+    : impl_(std::make_unique<Impl>(config, specimen, address, port)) {}
+IiodServer::~IiodServer() = default;
+const std::string& IiodServer::address() const {
+  return impl_->address;
+}
+
+void IiodServer::serve(bool until_interrupted) {
+  if (until_interrupted) {
+    impl_->signals.add(SIGINT);
+    impl_->signals.add(SIGTERM);
+    impl_->signals.async_wait([this](auto error, int) {
+      if (!error) impl_->io.stop();
+    });
+  }
+  impl_->accept();
+  impl_->io.run();
+}
+
+void IiodServer::stop() {
+  impl_->io.stop();
+}
+
+struct LocalRig::Impl {
+  std::unique_ptr<IiodServer> server;
+  std::thread thread;
+};
+
+LocalRig::LocalRig(const SimRigConfig& config, const sim::Specimen& specimen)
+    : impl_(std::make_unique<Impl>()) {
+  std::string last_error;
+  for (int host = 2; host < 255 && !impl_->server; ++host) {
+    try {
+      impl_->server = std::make_unique<IiodServer>(config, specimen, "127.0.0." + std::to_string(host));
+    } catch (const RigError& e) {
+      last_error = e.what();
+    }
+  }
+  if (!impl_->server) throw RigError("no loopback address is free for a simulated rig: " + last_error);
+  impl_->thread = std::thread([this] { impl_->server->serve(); });
+}
+
+LocalRig::~LocalRig() {
+  impl_->server->stop();
+  impl_->thread.join();
+}
+
+const std::string& LocalRig::address() const {
+  return impl_->server->address();
+}
+
+}  // namespace powbench::rigs

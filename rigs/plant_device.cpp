@@ -1,0 +1,72 @@
+#include "rigs/plant_device.h"
+
+#include <array>
+#include <cmath>
+#include <limits>
+
+namespace powbench::rigs {
+namespace {
+
+using firmware::parse_int;
+using firmware::Text;
+using firmware::iiod::Attribute;
+
+struct SetPointRow {
+  std::int64_t SetPoints::*field;
+  std::int64_t least, most;
+};
+constexpr std::array set_point_rows{
+    SetPointRow{&SetPoints::ambient_millidegc, -40'000, 85'000},
+    SetPointRow{&SetPoints::mains_millihertz, 40'000, 70'000},
+    SetPointRow{&SetPoints::seed, 0, 999'999'999'999'999'999},
+    SetPointRow{&SetPoints::supply_millivolts, 0, 300'000},
+};
+
+const SimWorld& world(const void* self) {
+  return *static_cast<const SimWorld*>(self);
+}
+
+int read_set_point(const void* self, std::uint32_t row, Text& out) {
+  auto& w = const_cast<SimWorld&>(world(self));
+  return out.put_int(w.set_points().*set_point_rows[row].field), 0;
+}
+
+int write_set_point(void* self, std::uint32_t row, std::string_view value) {
+  const auto number = parse_int(value);
+  if (!number) return -firmware::iiod::einval;
+  if (*number < set_point_rows[row].least || *number > set_point_rows[row].most)
+    return -firmware::iiod::erange;
+  static_cast<SimWorld*>(self)->set_points().*set_point_rows[row].field = *number;
+  return 0;
+}
+
+int put_ns(double seconds, Text& out) {
+  if (std::isnan(seconds)) return out.put("none"), 0;
+  return out.put_int(std::llrint(seconds * 1e9)), 0;
+}
+
+constexpr std::array attributes{
+    Attribute{"ambient_millidegc", read_set_point, write_set_point, 0},
+    Attribute{"mains_millihertz", read_set_point, write_set_point, 1},
+    Attribute{"seed", read_set_point, write_set_point, 2},
+    Attribute{"specimen",
+              [](const void* s, std::uint32_t, Text& t) { return t.put(world(s).specimen().name), 0; }},
+    Attribute{"supply_millivolts", read_set_point, write_set_point, 3},
+    Attribute{"truth_seat_ns",
+              [](const void* s, std::uint32_t, Text& t) { return put_ns(world(s).truth().seat, t); }},
+    Attribute{"truth_settled_ns",
+              [](const void* s, std::uint32_t, Text& t) { return put_ns(world(s).truth().settled, t); }},
+    Attribute{"truth_touch_ns",
+              [](const void* s, std::uint32_t, Text& t) { return put_ns(world(s).truth().touch, t); }},
+};
+
+}  // namespace
+
+SimWorld::PlantDevice::PlantDevice(SimWorld& world)
+    : device_{.id = "iio:device2",
+              .name = "contactor-plant",
+              .label = "plant",
+              .attributes = attributes,
+              .self = &world} {}
+
+}  // namespace powbench::rigs

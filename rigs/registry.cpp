@@ -1,0 +1,36 @@
+#include "rigs/registry.h"
+
+#include "rigs/iio_rig.h"
+#include "rigs/iiod_server.h"
+
+namespace powbench::rigs {
+namespace {
+
+/// A simulated rig is a server of its own in this process, spoken to through libiio like every other rig.
+class HostedSimRig final : public Rig {
+ public:
+  HostedSimRig(const SimRigConfig& config, const sim::Specimen& specimen)
+      : server_(config, specimen), client_(connect_iio("ip:" + server_.address())) {}
+
+  const RigInfo& info() const override { return client_->info(); }
+  Shot fire(const Conditions& c, std::chrono::milliseconds limit) override { return client_->fire(c, limit); }
+  bool abort() override { return client_->abort(); }
+  bool reconnect() override { return client_->reconnect(); }
+
+ private:
+  LocalRig server_;
+  std::unique_ptr<Rig> client_;  // ends before its server
+};
+
+}  // namespace
+
+std::unique_ptr<Rig> open(const std::string& uri, const SimRigConfig& sim, const sim::Specimen& specimen) {
+  if (uri.starts_with("sim:")) return std::make_unique<HostedSimRig>(sim, specimen);
+  if (uri.starts_with("ip:") && uri.size() > 3) return connect_iio(uri);
+  if (uri.starts_with("usb:")) return connect_iio(uri);
+  std::string known;
+  for (const RigKind& kind : rig_kinds) known += (known.empty() ? "" : ", ") + std::string(kind.example);
+  throw RigError("unknown rig '" + uri + "'; a rig is named like " + known);
+}
+
+}  // namespace powbench::rigs

@@ -1,0 +1,28 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "rigs/rig.h"
+#include "rigs/sim_rig_config.h"
+#include "sim/specimen.h"
+
+namespace powbench::rigs {
+
+/// A kind of rig that a URI can name.
+struct RigKind {
+  std::string_view scheme, example, meaning;
+};
+inline constexpr RigKind rig_kinds[] = {
+    {"sim:", "sim:scenes/demo.rig.toml",
+     "simulated rig inside this program (plant, sensors, native firmware)"},
+    {"ip:", "ip:127.0.0.7", "any rig that serves IIO on the network, port 30431"},
+    {"usb:", "usb:1.5.0", "a rig on USB, as libiio names it"},
+};
+
+/// Opens the rig that `uri` names. `sim` is what a `sim:` rig is made of. Throws RigError with one sentence.
+std::unique_ptr<Rig> open(const std::string& uri, const SimRigConfig& sim, const sim::Specimen& specimen);
+
+}  // namespace powbench::rigs

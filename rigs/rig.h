@@ -1,0 +1,60 @@
+#pragma once
+
+#include <chrono>
+#include <functional>
+#include <memory>
+#include <stdexcept>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "core/conditions.h"
+#include "core/outcome.h"
+#include "core/record.h"
+
+/// A rig as the host sees it: something that closes a contactor under given conditions and returns a record.
+
+namespace powbench::rigs {
+
+/// The rig cannot be reached, or its set-up is at fault. One sentence: what happened and what to do.
+class RigError : public std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
+
+/// What a rig says about itself.
+struct RigInfo {
+  std::string uri;
+  std::string description;
+  std::string model, serial, firmware, kind, boot_id;
+  bool programmable_source = false;  ///< supply, frequency, ambient and seed can be set
+  double sample_rate = 0.0;          ///< Hz
+  std::string calibration;
+  struct ChannelLine {
+    std::string id, label, unit;
+    double scale = 0.0;  ///< SI unit per count
+  };
+  std::vector<ChannelLine> channels;
+};
+
+/// How one shot ended. `record` is valid when outcome is pass; otherwise `reason` is one sentence.
+struct Shot {
+  Outcome outcome = Outcome::error;
+  std::string reason;
+  Record record;
+  bool rig_lost = false;   ///< the connection broke: reconnect before the next shot
+  bool interlock = false;  ///< the rig refused or tripped for safety
+};
+
+class Rig {
+ public:
+  virtual ~Rig() = default;
+  virtual const RigInfo& info() const = 0;
+  /// Arms, fires and reads one closing. Never blocks longer than `limit`; never throws for what a rig may do.
+  virtual Shot fire(const Conditions&, std::chrono::milliseconds limit) = 0;
+  /// Coil off, whatever the state. False when the rig does not answer.
+  virtual bool abort() = 0;
+  /// Throws the connection away and makes a new one; false when that fails or another rig answers.
+  virtual bool reconnect() = 0;
+};
+
+}  // namespace powbench::rigs

@@ -1,0 +1,203 @@
+#include "rigs/sim_world.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <limits>
+
+#include "core/random.h"
+#include "core/version.h"
+#include "rigs/plant_device.h"
+
+namespace powbench::rigs {
+
+namespace {
+
+constexpr std::int64_t block_samples = 10;  // what the board's DMA half-buffer holds at 100 kS/s
+constexpr double warm_up_least = 0.100;     // s: pre-trigger and the phase tracker's memory
+constexpr double warm_up_most = 0.500;      // s: after that the firmware may say why it does not fire
+
+std::int32_t counts(double si, double si_per_count) {
+  return static_cast<std::int32_t>(std::lrint(si / si_per_count));
+}
+
+firmware::ControllerConfig controller_config(const SimRigConfig& rig, std::string_view calibration_id) {
+  const auto scales = channel_scales(rig.sensors, rig.sample_rate);
+  firmware::ControllerConfig c;
+  c.sample_rate = std::llrint(rig.sample_rate);
+  c.record_length = std::llrint(rig.record_length * rig.sample_rate);
+  c.pretrigger = std::llrint(rig.pretrigger * rig.sample_rate);
+  c.calibration_id = calibration_id;
+  for (std::size_t i = 0; i < channel_count; ++i) {
+    const ChannelInfo& channel = channel_table[i];
+    // force travels as pressure (no IIO force type exists): divide by the film area
+    const double area = channel.unit == "N" ? rig.sensors.film_area : 1.0;
+    auto& out = c.calibration[i];
+    out.scale_pico = std::llrint(scales[i].si_per_count / area / channel.si_per_iio_unit * 1e12);
+    out.delay_ns = std::llrint(scales[i].delay * 1e9);
+    out.corner_microhertz = std::llrint(scales[i].corner_hertz * 1e6);
+    out.film_area_pico = std::llrint(rig.sensors.film_area * 1e12);
+    out.sensitivity_femto = std::llrint(rig.sensors.charge_sensitivity * 1e15);
+  }
+  const double mains_scale = scales[index(Channel::mains_voltage)].si_per_count;
+  const double current_scale = scales[index(Channel::coil_current)].si_per_count;
+  const auto samples = [&](double seconds) { return std::llrint(seconds * rig.sample_rate); };
+  c.phase.sample_rate = static_cast<float>(rig.sample_rate);
+  c.phase.nominal_amplitude = static_cast<float>(230.0 * std::sqrt(2.0) / mains_scale);
+  c.fire.sample_rate = c.sample_rate;
+  c.fire.phase_timeout_samples = samples(1.0);
+  c.fire.quiet_samples = samples(0.005);
+  c.interlocks.overcurrent_counts = counts(1.8, current_scale);
+  c.interlocks.no_current_counts = counts(0.006, current_scale);
+  c.interlocks.no_current_samples = samples(0.008);
+  c.interlocks.stuck_on_samples = samples(0.025);
+  c.interlocks.mains_lost_counts = counts(0.2 * 230.0 * std::sqrt(2.0), mains_scale);
+  c.interlocks.mains_lost_samples = samples(0.016);
+  return c;
+}
+
+/// The device on the rig: its specimen with the fixed deviations and this shot's scatter.
+sim::Specimen device_for_shot(sim::Specimen s, const SimRigConfig& rig, Random& random) {
+  const DeviceConfig& d = rig.device;
+  s.coil.resistance *= 1.0 + d.coil_resistance;
+  s.core.return_rate *= 1.0 + d.return_rate;
+  s.core.friction *= (1.0 + d.friction) * std::max(0.0, 1.0 + rig.scatter.friction * random.normal());
+  s.bridges.gap += d.gap + rig.scatter.gap * random.normal();
+  s.bridges.tilt_gap += d.tilt_gap;
+  return s;
+}
+
+}  // namespace
+
+SimWorld::SimWorld(const SimRigConfig& config, const sim::Specimen& specimen)
+    : config_(config), specimen_(specimen), calibration_id_("virtual-" + config.serial) {
+  const auto c = controller_config(config_, calibration_id_);
+  storage_.resize(static_cast<std::size_t>(c.record_length + block_samples) * channel_count);
+  controller_ = std::make_unique<firmware::Controller>(c, storage_);
+  devices_ = std::make_unique<firmware::BenchDevices>(*controller_);
+  plant_device_ = std::make_unique<PlantDevice>(*this);
+  device_list_ = {&devices_->daq(), &devices_->control(), &plant_device_->device(), &devices_->trigger()};
+  context_attributes_ = {{"bench,kind", "sim"},           {"boot_id", boot_id_ = "sim"},
+                         {"fw_version", program_version}, {"hw_model", config_.name},
+                         {"hw_serial", config_.serial},   {"protocol_version", "1"}};
+  context_ = {.description = config_.name, .attributes = context_attributes_, .devices = device_list_};
+
+  const auto per_block = static_cast<std::size_t>(block_samples);
+  times_.resize(per_block * oversampling);
+  states_.resize(per_block * oversampling);
+  scans_.resize(per_block * channel_count);
+  begin_shot();
+  set_points_ = {};
+  for (int i = 0; i < 100; ++i) step_block();  // so that the channels read something before the first shot
+}
+
+SimWorld::~SimWorld() = default;
+
+void SimWorld::begin_shot() {
+  Random random(static_cast<std::uint64_t>(set_points_.seed));
+  ++set_points_.seed;
+  const double celsius = 1e-3 * static_cast<double>(set_points_.ambient_millidegc);
+  const sim::Mains mains{.volts = 1e-3 * static_cast<double>(set_points_.supply_millivolts) *
+                                  (1.0 + config_.device.supply) *
+                                  (1.0 + config_.scatter.supply * random.normal()) * config_.faults.mains_dip,
+                         .hertz = 1e-3 * static_cast<double>(set_points_.mains_millihertz),
+                         .phase = 2 * pi * random.uniform()};
+  const sim::PlantOptions options{
+      .relative_tolerance = config_.integrator_tolerance,
+      .coil_kelvin = celsius + zero_celsius + config_.scatter.coil_temperature * random.normal()};
+  const sim::Specimen device = device_for_shot(specimen_, config_, random);
+  plant_ = std::make_unique<sim::Plant>(device, mains, options);
+  sensors_ = std::make_unique<SensorChain>(config_.sensors, config_.sample_rate, mains.hertz, random.next());
+  origin_ = sample_;
+  edges_.clear();
+  switched_on_ = -1.0;
+  samples_lost_ = false;
+}
+
+void SimWorld::notice_commands() {
+  const auto& fire = controller_->fire_control();
+  if (fire.shots_armed() == shots_seen_) return;
+  shots_seen_ = fire.shots_armed();
+  begin_shot();
+  const auto samples = [&](double s) { return std::llrint(s * config_.sample_rate); };
+  while (sample_ - origin_ < samples(warm_up_least) ||
+         (!fire.phase().valid() && sample_ - origin_ < samples(warm_up_most)))
+    step_block();
+}
+
+bool SimWorld::busy() const {
+  const auto& fire = controller_->fire_control();
+  return fire.state() == firmware::State::firing || fire.gate_on();
+}
+
+void SimWorld::run(double seconds) {
+  const std::int64_t end = sample_ + std::llrint(seconds * config_.sample_rate);
+  while (sample_ < end && busy()) step_block();
+}
+
+double SimWorld::plant_time(firmware::Tick tick) const {
+  return (static_cast<double>(tick.sample - origin_ + 1) + tick.fraction / 65536.0) / config_.sample_rate;
+}
+
+/// Takes the edges that fall before `until` out of the queue, in plant time.
+std::vector<SwitchEdge> SimWorld::due_edges(double until) {
+  std::vector<SwitchEdge> due;
+  std::erase_if(edges_, [&](const firmware::GateEdge& e) {
+    const double at = plant_time(e.at);
+    if (at >= until) return false;
+    if (e.on) switched_on_ = at;
+    due.push_back({at, e.on && !config_.faults.coil_open});
+    return true;
+  });
+  return due;
+}
+
+void SimWorld::step_block() {
+  const double dt = 1.0 / (config_.sample_rate * oversampling);
+  const std::int64_t first = (sample_ - origin_) * oversampling;
+  for (std::size_t i = 0; i < times_.size(); ++i)
+    times_[i] = static_cast<double>(first + static_cast<std::int64_t>(i) + 1) * dt;
+  advance_through(*plant_, due_edges(times_.back()), times_, states_);
+  const double since_on = switched_on_ < 0 ? -1.0 : times_.back() - switched_on_;
+  if (config_.faults.laser_dropout) sensors_->drop_laser(since_on > 0.012 && since_on < 0.014);
+  for (std::size_t i = 0; i < static_cast<std::size_t>(block_samples); ++i)
+    sensors_->convert({&states_[i * oversampling], oversampling},
+                      {&scans_[i * channel_count], channel_count});
+
+  firmware::Block block{.first_sample = sample_, .scans = scans_};
+  sample_ += block_samples;
+  if (config_.faults.lost_samples > 0 && !samples_lost_ && since_on > 0.005) {
+    samples_lost_ = true;  // this block's first conversions never arrive
+    const auto lost =
+        std::min<std::size_t>(static_cast<std::size_t>(config_.faults.lost_samples), block_samples - 1);
+    block.first_sample += static_cast<std::int64_t>(lost);
+    block.scans = block.scans.subspan(lost * channel_count);
+  }
+  for (const firmware::GateEdge& edge : controller_->step(block)) edges_.push_back(edge);
+}
+
+SimWorld::Truth SimWorld::truth() const {
+  constexpr double none = std::numeric_limits<double>::quiet_NaN();
+  Truth truth{none, none, none};
+  if (switched_on_ < 0) return truth;
+  using Kind = sim::PlantEvent::Kind;
+  bool a = false, b = false;
+  for (const sim::PlantEvent& e : plant_->events()) {
+    if (e.time < switched_on_) continue;
+    const double t = e.time - switched_on_;
+    const bool was_closed = a && b;
+    if (e.kind == Kind::touch_a) a = true;
+    if (e.kind == Kind::release_a) a = false;
+    if (e.kind == Kind::touch_b) b = true;
+    if (e.kind == Kind::release_b) b = false;
+    if (e.kind == Kind::core_touch && std::isnan(truth.seat)) truth.seat = t;
+    if (a && b && !was_closed) {
+      if (std::isnan(truth.touch)) truth.touch = t;
+      // openings after switch-off are not bounces
+      truth.settled = t;
+    }
+  }
+  return truth;
+}
+
+}  // namespace powbench::rigs

@@ -1,0 +1,21 @@
+#pragma once
+
+#include "core/record.h"
+#include "rigs/sim_rig_config.h"
+#include "sim/closing.h"
+
+namespace powbench::rigs {
+
+/// A simulated closing as a record: plant alone, switched exactly at the commanded angle, through the virtual
+/// sensor chain of the rig. What the sensors do to a signal (bandwidth, droop, delay, ringing, quantisation,
+/// saturation) stands on both sides of a comparison; their noise and hum are left out, because a prediction
+/// has none.
+struct SimulatedClosing {
+  Record record;
+  sim::ClosingTruth truth;       ///< located by the integrator, unaffected by sensors
+  std::int64_t evaluations = 0;  ///< of the right-hand side
+};
+
+SimulatedClosing simulate_record(const sim::Specimen&, const Conditions&, const SimRigConfig&);
+
+}  // namespace powbench::rigs

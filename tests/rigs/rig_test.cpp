@@ -1,0 +1,151 @@
+#include "rigs/rig.h"
+
+#include <catch2/catch.hpp>
+#include <thread>
+
+#include "core/phase.h"
+#include "rigs/iio_rig.h"
+#include "rigs/iiod_server.h"
+#include "rigs/registry.h"
+#include "tests/rigs/proxy.h"
+
+using namespace powbench;
+using namespace powbench::rigs;
+using namespace std::chrono_literals;
+
+namespace {
+
+Conditions at(double angle_deg, std::uint64_t seed = 7) {
+  Conditions c;
+  c.closing_angle = radians(angle_deg);
+  c.seed = seed;
+  return c;
+}
+
+bool same(const Record& a, const Record& b) {
+  if (a.crc32 != b.crc32 || a.fire_offset != b.fire_offset || a.channels.size() != b.channels.size())
+    return false;
+  for (std::size_t c = 0; c < a.channels.size(); ++c)
+    if (a.channels[c].raw != b.channels[c].raw) return false;
+  return true;
+}
+
+}  // namespace
+
+TEST_CASE("a shot through libiio gives a whole record", "[rig]") {
+  const auto rig = open("sim:", {}, {});
+  CHECK(rig->info().kind == "sim");
+  CHECK(rig->info().channels.size() == channel_count);
+  const Shot shot = rig->fire(at(90), 5s);
+  REQUIRE(shot.outcome == Outcome::pass);
+  const Record& r = shot.record;
+  CHECK(r.samples() == 14'000);
+  CHECK(r.channels.size() == channel_count);
+  CHECK(r.fire_sample == 4000);
+  CHECK(r.fire_offset >= 0.0);
+  CHECK(r.fire_offset < 1.0 / r.sample_rate);
+  CHECK(r.gaps.empty());
+  // before the edge the coil is dead, after it there is voltage and current
+  const auto& u = *r.find(Channel::coil_voltage);
+  const auto& i = *r.find(Channel::coil_current);
+  double before = 0, after = 0, peak = 0;
+  for (std::size_t n = 0; n < 3990; ++n) before = std::max(before, std::abs(u.value(n)));
+  for (std::size_t n = 4000; n < 9000; ++n) {
+    after = std::max(after, std::abs(u.value(n)));
+    peak = std::max(peak, std::abs(i.value(n)));
+  }
+  CHECK(before < 2.0);
+  CHECK(after == Approx(230 * std::sqrt(2.0)).epsilon(0.02));
+  CHECK(peak > 0.1);
+  // film, area and charge amplifier come together as newtons
+  CHECK(r.find(Channel::pvdf_a)->scale == Approx(250.0 / 32768).epsilon(1e-6));
+}
+
+TEST_CASE("equal conditions and seed give equal records, on one rig and on two", "[rig]") {
+  const auto first = open("sim:", {}, {});
+  const Shot a = first->fire(at(60, 3), 5s);
+  const Shot other = first->fire(at(60, 4), 5s);
+  const Shot b = first->fire(at(60, 3), 5s);
+  const auto second = open("sim:", {}, {});
+  const Shot c = second->fire(at(60, 3), 5s);
+  REQUIRE(a.outcome == Outcome::pass);
+  CHECK(same(a.record, b.record));
+  CHECK(same(a.record, c.record));
+  CHECK_FALSE(same(a.record, other.record));
+}
+
+TEST_CASE("faults on request end in a sentence, and the rig works again afterwards", "[rig]") {
+  SimRigConfig config;
+  SECTION("interrupted coil") {
+    config.faults.coil_open = true;
+    const auto rig = open("sim:", config, {});
+    for (int i = 0; i < 2; ++i) {
+      const Shot shot = rig->fire(at(0), 5s);
+      CHECK(shot.outcome == Outcome::error);
+      CHECK(shot.interlock);
+      CHECK(shot.reason.find("no coil current") != std::string::npos);
+    }
+  }
+  SECTION("lost samples") {
+    config.faults.lost_samples = 3;
+    const auto rig = open("sim:", config, {});
+    const Shot shot = rig->fire(at(0), 5s);
+    CHECK(shot.outcome == Outcome::error);
+    CHECK(shot.reason.find("samples were lost") != std::string::npos);
+  }
+  SECTION("mains far too low") {
+    config.faults.mains_dip = 0.4;
+    const auto rig = open("sim:", config, {});
+    const Shot shot = rig->fire(at(0), 5s);
+    CHECK(shot.outcome == Outcome::error);
+    CHECK(shot.reason.find("phase not valid") != std::string::npos);
+  }
+}
+
+TEST_CASE("an unreachable rig is one sentence within three seconds", "[rig]") {
+  const auto start = std::chrono::steady_clock::now();
+  CHECK_THROWS_AS(connect_iio("ip:127.0.0.254"), RigError);
+  CHECK_THROWS_AS(open("serial-port", {}, {}), RigError);
+  CHECK_THROWS_AS(open("ip:", {}, {}), RigError);
+  CHECK(std::chrono::steady_clock::now() - start < 9s);  // a hang guard, not a measurement
+}
+
+TEST_CASE("an address in use is one sentence", "[rig]") {
+  LocalRig first({}, {});
+  CHECK_THROWS_WITH(IiodServer({}, {}, first.address()), Catch::Contains("another loopback address"));
+}
+
+TEST_CASE("a late answer poisons the context: it is thrown away and the next shot is right", "[rig]") {
+  LocalRig server({}, {});
+  test::Proxy line(server.address());
+  const auto rig = connect_iio("ip:" + line.address());
+  const Shot good = rig->fire(at(30), 5s);
+  REQUIRE(good.outcome == Outcome::pass);
+
+  line.stall_next_answer(3s);
+  const Shot late = rig->fire(at(30), 5s);
+  CHECK(late.outcome != Outcome::pass);
+  CHECK(late.rig_lost);
+  CHECK(rig->fire(at(30), 5s).rig_lost);  // nothing is asked of a poisoned context
+
+  REQUIRE(rig->reconnect());
+  const Shot again = rig->fire(at(30), 5s);
+  REQUIRE(again.outcome == Outcome::pass);
+  CHECK(same(good.record, again.record));
+}
+
+TEST_CASE("a server that vanishes is noticed and found again", "[rig]") {
+  LocalRig server({}, {});
+  test::Proxy line(server.address());
+  const auto rig = connect_iio("ip:" + line.address());
+  REQUIRE(rig->fire(at(30), 5s).outcome == Outcome::pass);
+  line.cut(true);
+  std::this_thread::sleep_for(100ms);
+  const Shot gone = rig->fire(at(30), 5s);
+  CHECK(gone.outcome == Outcome::error);
+  CHECK(gone.rig_lost);
+  CHECK_FALSE(rig->reconnect());
+  line.cut(false);
+  REQUIRE(rig->reconnect());
+  CHECK(rig->fire(at(30), 5s).outcome == Outcome::pass);
+}
