@@ -1,0 +1,20 @@
+#pragma once
+
+#include "host/compare/compare.h"
+#include "host/report/report.h"
+#include "host/store/store.h"
+
+/// From the store to what comparison and report are made of.
+
+namespace powbench::host {
+
+/// Measured and simulated events of a campaign, by closing angle.
+std::vector<AngleGroup> gather_angles(const Store&, std::int64_t campaign);
+
+/// Measured beside simulated beside published, judged by the plan's limits.
+Comparison compare_stored(const Store&, const CampaignInfo&);
+
+/// Everything the report shows, waveforms included.
+ReportInput gather_report(const Store&, const CampaignInfo&, const std::string& database);
+
+}  // namespace powbench::host

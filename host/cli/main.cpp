@@ -1,0 +1,199 @@
+#include <fmt/format.h>
+#include <CLI/CLI.hpp>
+
+#include <exception>
+#include <functional>
+
+#include "core/version.h"
+#include "host/cli/verbs.h"
+#include "host/config/bad_input.h"
+#include "host/store/store.h"
+#include "rigs/rig.h"
+
+/// The command line: words to arguments, exceptions to sentences and exit codes. The work is in the verbs.
+
+namespace {
+
+using namespace powbench;
+using namespace powbench::host;
+
+std::function<Exit()> chosen;
+
+/// A verb that runs `act` with arguments of its own when it is the one typed.
+template <class Args>
+CLI::App* verb(CLI::App& parent, const char* name, const char* help, std::shared_ptr<Args> args,
+               Exit (*act)(const Args&)) {
+  CLI::App* app = parent.add_subcommand(name, help);
+  app->callback([args, act] { chosen = [args, act] { return act(*args); }; });
+  return app;
+}
+
+void add_result_options(CLI::App* app, ResultArgs& args) {
+  app->add_option("--db", args.database, "store to read")->capture_default_str();
+  app->add_option("--campaign", args.campaign, "campaign id; the newest if left out");
+  app->add_flag("--json", args.json, "JSON to stdout");
+}
+
+void add_progress(CLI::App* app, std::string& progress) {
+  app->add_option("--progress", progress, "auto, bar, lines or none")
+      ->check(CLI::IsMember({"auto", "bar", "lines", "none"}))
+      ->capture_default_str();
+}
+
+void add_rig_verbs(CLI::App& app) {
+  auto rigs_json = std::make_shared<bool>(false);
+  CLI::App* rigs = app.add_subcommand("rigs", "List the kinds of rig that can be named");
+  rigs->add_flag("--json", *rigs_json, "JSON to stdout");
+  rigs->callback([rigs_json] { chosen = [rigs_json] { return list_rigs(*rigs_json); }; });
+
+  auto info = std::make_shared<InfoArgs>();
+  CLI::App* show = verb(app, "info", "Ask a rig what it is and what it can do", info, show_rig);
+  show->add_option("rig", info->uri, "rig, such as ip:127.0.0.7 or sim:")->required();
+  show->add_flag("--json", info->json, "JSON to stdout");
+
+  auto serve = std::make_shared<ServeArgs>();
+  CLI::App* rig =
+      verb(app, "rig", "Serve the simulated rig to any IIO client until interrupted", serve, serve_rig);
+  rig->add_option("file", serve->rig_file, "rig file (TOML); built-in defaults if left out");
+  rig->add_option("--specimen", serve->specimen_file, "specimen file (TOML) of the contactor on the rig");
+  rig->add_option(
+      "--listen", serve->address,
+      "loopback address instead of the rig file's (127.0.0.7 without one); the port is always 30431");
+}
+
+void add_plan_verbs(CLI::App& app) {
+  CLI::App* plan = app.add_subcommand("plan", "Check a plan, show its shots, print a template");
+  plan->require_subcommand(1);
+  auto check = std::make_shared<PlanArgs>();
+  verb(*plan, "check", "Read the plan and its specimen; name every mistake", check, check_plan)
+      ->add_option("plan", check->file, "plan file (TOML)")
+      ->required();
+  auto show = std::make_shared<PlanArgs>();
+  CLI::App* list = verb(*plan, "show", "Print the randomised list of shots", show, show_plan);
+  list->add_option("plan", show->file, "plan file (TOML)")->required();
+  list->add_flag("--json", show->json, "JSON to stdout");
+  auto kind = std::make_shared<std::string>();
+  verb(*plan, "template", "Print a commented file with every key", kind, print_template)
+      ->add_option("kind", *kind, "plan, rig or specimen")
+      ->check(CLI::IsMember({"plan", "rig", "specimen"}))
+      ->required();
+
+  auto run = std::make_shared<RunArgs>();
+  CLI::App* acquire = verb(app, "run", "Fire a plan on a rig and store every shot", run, run_plan);
+  acquire->add_option("plan", run->plan, "plan file (TOML)")->required();
+  acquire->add_option("--rig", run->rig, "rig: ip:ADDRESS, sim: or sim:RIG.toml, usb:...")
+      ->capture_default_str();
+  acquire->add_option("--db", run->database, "store to write; made if missing")->capture_default_str();
+  acquire->add_flag("--resume", run->resume,
+                    "go on with the unfinished campaign of this plan, if there is one");
+  acquire->add_flag("--dry-run", run->dry_run, "check everything, fire nothing");
+  acquire->add_option("--seed", run->seed, "seed instead of the plan's");
+  acquire->add_option("--max-failures", run->max_failures, "shots without a record in a row before stopping")
+      ->check(CLI::Range(1, 1'000'000))
+      ->capture_default_str();
+  acquire->add_flag("--json", run->json, "summary as JSON to stdout");
+  add_progress(acquire, run->progress);
+
+  auto sim = std::make_shared<SimArgs>();
+  CLI::App* simulate =
+      verb(app, "sim", "Simulate the closings of a plan under the same conditions", sim, simulate_plan);
+  simulate->add_option("plan", sim->plan, "plan file (TOML)")->required();
+  simulate->add_option("--sensors", sim->rig_file, "rig file (TOML) whose sensors to simulate through");
+  simulate->add_option("--db", sim->database, "store to write; made if missing")->capture_default_str();
+  simulate->add_option("-j,--threads", sim->threads, "threads; 0 = all cores")
+      ->check(CLI::Range(0, 1024))
+      ->capture_default_str();
+  simulate->add_flag("--json", sim->json, "summary as JSON to stdout");
+  add_progress(simulate, sim->progress);
+}
+
+void add_result_verbs(CLI::App& app) {
+  auto list = std::make_shared<ResultArgs>();
+  add_result_options(verb(app, "campaigns", "List the campaigns in a store", list, list_campaigns), *list);
+  auto events = std::make_shared<EventsArgs>();
+  CLI::App* show = verb(app, "events", "Extract the events of a stored shot", events, show_events);
+  show->add_option("shot", events->shot, "shot id, as `powbench campaigns --json` and the report list it")
+      ->required();
+  add_result_options(show, *events);
+  auto comparison = std::make_shared<ResultArgs>();
+  add_result_options(
+      verb(app, "compare", "Measured beside simulated beside published", comparison, compare_campaign),
+      *comparison);
+  auto report = std::make_shared<ReportArgs>();
+  CLI::App* write =
+      verb(app, "report", "Write report (HTML) and JUnit XML of a campaign", report, write_report);
+  add_result_options(write, *report);
+  write->add_option("-o,--output", report->folder, "folder to write into; made if missing")
+      ->capture_default_str();
+  auto exported = std::make_shared<ExportArgs>();
+  CLI::App* out =
+      verb(app, "export", "Write the waveforms of a stored shot for other programs", exported, export_shot);
+  out->add_option("shot", exported->shot, "shot id")->required();
+  add_result_options(out, *exported);
+  out->add_option("--to", exported->to, "format")->check(CLI::IsMember({"csv"}))->capture_default_str();
+  out->add_option("-o,--output", exported->file, "file; stdout if left out");
+}
+
+void add_study_verbs(CLI::App& app) {
+  auto tables = std::make_shared<TablesArgs>();
+  CLI::App* show = verb(app, "tables", "The published tables against this simulator, errors recomputed",
+                        tables, show_tables);
+  show->add_option("--specimen", tables->specimen_file,
+                   "specimen file (TOML); the reference contactor if left out");
+  show->add_flag("--json", tables->json, "JSON to stdout");
+  auto args = std::make_shared<DemoArgs>();
+  CLI::App* all =
+      verb(app, "demo", "The whole path on the simulated rig: run, simulate, compare, report", args, demo);
+  all->add_option("-o,--output", args->folder, "folder for store and report; made if missing")
+      ->capture_default_str();
+  all->add_option("--rig", args->rig, "another rig than the simulated one")->capture_default_str();
+  add_progress(all, args->progress);
+}
+
+int leave(Exit code) {
+  return static_cast<int>(code);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  CLI::App app{
+      "powbench: point-on-wave test bench for AC contactors.\n"
+      "Fires closings at commanded angles of the mains, extracts touch and bounce from the records, "
+      "simulates the same\n"
+      "conditions and lays both side by side.\n\n"
+      "Start with:  powbench demo                      everything once, without hardware\n"
+      "             powbench plan template plan        a commented plan to edit\n"
+      "             powbench run PLAN --db lab.db      acquire;  then sim, compare, report"};
+  app.name("powbench");
+  app.set_version_flag("--version", std::string("powbench ") + program_version);
+  app.require_subcommand(1);
+  app.footer(
+      "Exit codes: 0 pass, 1 outside limits, 2 bad input, 3 rig unreachable or at fault, 4 time-out,\n"
+      "            5 data damaged, 6 interlock, 130 interrupted");
+  add_rig_verbs(app);
+  add_plan_verbs(app);
+  add_result_verbs(app);
+  add_study_verbs(app);
+
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& e) {
+    return app.exit(e) == 0 ? leave(Exit::pass) : leave(Exit::bad_input);
+  }
+  try {
+    return leave(chosen());
+  } catch (const BadInput& e) {
+    fmt::print(stderr, "{}\n", e.what());
+    return leave(Exit::bad_input);
+  } catch (const StoreError& e) {
+    fmt::print(stderr, "powbench: {}\n", e.what());
+    return leave(Exit::data_damaged);
+  } catch (const rigs::RigError& e) {
+    fmt::print(stderr, "powbench: {}\n", e.what());
+    return leave(Exit::rig_fault);
+  } catch (const std::exception& e) {
+    fmt::print(stderr, "powbench: {}\n", e.what());
+    return leave(Exit::bad_input);
+  }
+}

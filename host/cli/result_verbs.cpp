@@ -1,0 +1,179 @@
+#include <fmt/format.h>
+
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "dsp/extract.h"
+#include "host/cli/gather.h"
+#include "host/cli/scene.h"
+#include "host/cli/verbs.h"
+#include "host/export/csv.h"
+#include "host/store/json.h"
+
+namespace powbench::host {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json number(double x) {
+  return std::isfinite(x) ? Json(x) : Json(nullptr);
+}
+
+/// Value in the unit people read, or a dash.
+std::string shown(double si, const std::string& unit) {
+  if (!std::isfinite(si)) return "-";
+  return fmt::format("{:.3f}", unit == "s" || unit == "m" || unit == "A" ? si * 1e3 : si);
+}
+
+std::string shown_unit(const std::string& unit) {
+  return unit == "s" ? "ms" : unit == "m" ? "mm" : unit == "A" ? "mA" : unit;
+}
+
+Json row_json(const ComparisonRow& r) {
+  return {{"quantity", r.quantity},
+          {"unit", r.unit},
+          {"closing_angle_deg", degrees(r.closing_angle)},
+          {"repeats", r.repeats},
+          {"measured", number(r.measured.value)},
+          {"u_measured", number(r.measured.u)},
+          {"scatter", number(r.scatter)},
+          {"simulated", number(r.simulated)},
+          {"published_measurement", number(r.published_measurement)},
+          {"published_simulation", number(r.published_simulation)},
+          {"outcome", name(r.outcome)}};
+}
+
+void write_file(const std::filesystem::path& path, const std::string& text) {
+  std::ofstream out(path, std::ios::binary);
+  out << text;
+  out.close();
+  if (!out)
+    throw StoreError(path.string() + ": cannot be written; check the folder, its permissions and the disk");
+}
+
+}  // namespace
+
+Exit list_campaigns(const ResultArgs& args) {
+  const Store store(args.database, Store::Mode::read_only);
+  Json list = Json::array();
+  for (const CampaignInfo& c : store.campaigns()) {
+    if (args.campaign && c.id != *args.campaign) continue;
+    const auto measured = store.shots(c.id, ShotKind::measured);
+    const auto simulated = store.shots(c.id, ShotKind::simulated);
+    if (!args.json) {
+      fmt::print("{:>4}  {}  {:<20} {:>5} shots, {:>4} simulated  {}\n", c.id, c.created, c.name,
+                 measured.size(), simulated.size(), c.finished ? "finished" : "unfinished");
+      continue;
+    }
+    Json shots = Json::array();
+    for (const auto* kind : {&measured, &simulated})
+      for (const StoredShot& s : *kind)
+        shots.push_back({{"id", s.id},
+                         {"kind", name(s.kind)},
+                         {"number", s.number},
+                         {"angle_deg", s.angle_deg},
+                         {"outcome", name(s.outcome)},
+                         {"reason", s.reason},
+                         {"seed", s.conditions.seed},
+                         {"record_sha256", s.record_hash}});
+    list.push_back({{"id", c.id},
+                    {"created", c.created},
+                    {"name", c.name},
+                    {"plan_hash", c.plan_hash},
+                    {"rig", c.rig_identity},
+                    {"finished", c.finished},
+                    {"shots", shots}});
+  }
+  if (args.json) fmt::print("{}\n", list.dump(2));
+  return Exit::pass;
+}
+
+Exit show_events(const EventsArgs& args) {
+  const Store store(args.database, Store::Mode::read_only);
+  const StoredShot shot = store.shot(args.shot);
+  const CampaignInfo campaign = store.campaign(shot.campaign);
+  const RunOptions options = run_options(parse_plan(campaign.plan, "stored plan"));
+  const Events events = extract_checked(store.load_record(args.shot), options);
+  if (args.json) {
+    fmt::print("{}\n", to_json(events, 2));
+    return Exit::pass;
+  }
+  fmt::print("shot {}, {}, commanded {:.2f} deg, method {}\n", shot.id, name(shot.kind), shot.angle_deg,
+             events.method);
+  for (const Quantity& q : quantity_table) {
+    const Measured m = q.of(events);
+    const std::string unit(q.unit);
+    fmt::print("  {:<9} {:>10} {:<3} +- {:<8} {}\n", q.symbol, shown(m.value, unit), shown_unit(unit),
+               shown(m.u, unit), q.meaning);
+  }
+  const std::pair<const char*, const ContactTrain*> trains[] = {
+      {"contact voltage", &events.contact_voltage}, {"film A", &events.pvdf_a}, {"film B", &events.pvdf_b}};
+  for (const auto& [title, train] : trains) {
+    if (!train->present) continue;
+    fmt::print("  {}: {} re-openings, resolves {:.0f} us{}\n", title, train->bounce_count,
+               train->resolution * 1e6, train->flags ? " [" + flag_names(train->flags) + "]" : "");
+    for (const Contact& c : train->contacts)
+      fmt::print("    touch {:>9} ms  release {:>9} ms  peak {:>8} N  {}\n", shown(c.touch.value, "s"),
+                 shown(c.release.value, "s"), shown(c.peak.value, "N"), flag_names(c.flags));
+  }
+  return Exit::pass;
+}
+
+Exit compare_campaign(const ResultArgs& args) {
+  const Store store(args.database, Store::Mode::read_only);
+  const Comparison comparison = compare_stored(store, store.campaign(args.campaign));
+  bool failed = false;
+  Json list = Json::array();
+  if (!args.json)
+    fmt::print("{:<9} {:>7}  {:>3} {:>10} {:>8} {:>8} {:>10} {:>10} {:>10}  {}\n", "quantity", "deg", "n",
+               "measured", "u", "scatter", "simulated", "publ.meas", "publ.sim", "");
+  for (const ComparisonRow& r : comparison.rows) {
+    failed = failed || r.outcome == Outcome::fail;
+    if (args.json) {
+      list.push_back(row_json(r));
+      continue;
+    }
+    fmt::print("{:<9} {:>7.1f}  {:>3} {:>10} {:>8} {:>8} {:>10} {:>10} {:>10}  {} {}\n", r.quantity,
+               degrees(r.closing_angle), r.repeats, shown(r.measured.value, r.unit),
+               shown(r.measured.u, r.unit), shown(r.scatter, r.unit), shown(r.simulated, r.unit),
+               shown(r.published_measurement, r.unit), shown(r.published_simulation, r.unit),
+               shown_unit(r.unit), name(r.outcome));
+  }
+  if (args.json) fmt::print("{}\n", list.dump(2));
+  return failed ? Exit::outside_limits : Exit::pass;
+}
+
+Exit write_report(const ReportArgs& args) {
+  const Store store(args.database, Store::Mode::read_only);
+  const CampaignInfo campaign = store.campaign(args.campaign);
+  const ReportInput input = gather_report(store, campaign, args.database);
+  std::error_code error;
+  std::filesystem::create_directories(args.folder, error);
+  const std::filesystem::path folder(args.folder);
+  write_file(folder / "report.html", render_html(input));
+  write_file(folder / "junit.xml", render_junit(input));
+  const Outcome outcome = verdict(input);
+  if (args.json)
+    fmt::print("{}\n", Json{{"report", (folder / "report.html").string()},
+                            {"junit", (folder / "junit.xml").string()},
+                            {"verdict", name(outcome)}}
+                           .dump(2));
+  fmt::print(stderr, "{} ({}): {} and {}\n", campaign.name, name(outcome), (folder / "report.html").string(),
+             (folder / "junit.xml").string());
+  return Exit::pass;
+}
+
+Exit export_shot(const ExportArgs& args) {
+  const Store store(args.database, Store::Mode::read_only);
+  const std::string text = to_csv(store.load_record(args.shot));
+  if (args.file.empty())
+    fmt::print("{}", text);
+  else
+    write_file(args.file, text);
+  return Exit::pass;
+}
+
+}  // namespace powbench::host

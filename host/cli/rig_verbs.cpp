@@ -1,0 +1,65 @@
+#include <fmt/format.h>
+
+#include <nlohmann/json.hpp>
+
+#include "host/cli/scene.h"
+#include "host/cli/verbs.h"
+#include "rigs/iiod_server.h"
+#include "rigs/registry.h"
+
+namespace powbench::host {
+
+Exit list_rigs(bool json) {
+  nlohmann::ordered_json list = nlohmann::ordered_json::array();
+  for (const rigs::RigKind& kind : rigs::rig_kinds) {
+    if (json)
+      list.push_back({{"scheme", kind.scheme}, {"example", kind.example}, {"meaning", kind.meaning}});
+    else
+      fmt::print("{:<26} {}\n", kind.example, kind.meaning);
+  }
+  if (json) fmt::print("{}\n", list.dump(2));
+  return Exit::pass;
+}
+
+Exit show_rig(const InfoArgs& args) {
+  const auto rig = open_rig(args.uri, {});
+  const rigs::RigInfo& info = rig->info();
+  if (args.json) {
+    nlohmann::ordered_json j = {{"uri", info.uri},
+                                {"description", info.description},
+                                {"model", info.model},
+                                {"serial", info.serial},
+                                {"firmware", info.firmware},
+                                {"kind", info.kind},
+                                {"programmable_source", info.programmable_source},
+                                {"sample_rate_hz", info.sample_rate},
+                                {"calibration", info.calibration},
+                                {"channels", nlohmann::ordered_json::array()}};
+    for (const auto& c : info.channels)
+      j["channels"].push_back({{"id", c.id}, {"label", c.label}, {"unit", c.unit}, {"scale", c.scale}});
+    fmt::print("{}\n", j.dump(2));
+    return Exit::pass;
+  }
+  fmt::print("{}\n  serial       {}\n  firmware     {}\n  calibration  {}\n", info.model, info.serial,
+             info.firmware, info.calibration);
+  fmt::print("  sampling     {:.0f} kS/s on {} channels\n", info.sample_rate / 1e3, info.channels.size());
+  fmt::print("  source       {}\n",
+             info.programmable_source ? "programmable (voltage, frequency, ambient)" : "fixed mains");
+  for (const auto& c : info.channels)
+    fmt::print("  {:<10} {:<14} {:.6g} {} per count\n", c.id, c.label, c.scale, c.unit);
+  return Exit::pass;
+}
+
+Exit serve_rig(const ServeArgs& args) {
+  const RigFile file = args.rig_file.empty() ? RigFile{} : read_rig(args.rig_file);
+  const sim::Specimen specimen =
+      args.specimen_file.empty() ? load_specimen(file) : read_specimen(args.specimen_file);
+  rigs::IiodServer server(file.config, specimen, args.address.empty() ? file.listen : args.address);
+  fmt::print(stderr, "{} on ip:{} (port {}), specimen {}\nstop with Ctrl-C; try: iio_info -u ip:{}\n",
+             file.config.name, server.address(), rigs::iiod_port, specimen.name, server.address());
+  server.serve(true);
+  fmt::print(stderr, "stopped\n");
+  return Exit::pass;
+}
+
+}  // namespace powbench::host

@@ -1,0 +1,85 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+#include <thread>
+
+#include "host/cli/scene.h"
+#include "host/cli/verbs.h"
+#include "host/run/stop.h"
+
+namespace powbench::host {
+
+namespace {
+
+void print_summary(const RunSummary& s, std::int64_t campaign, bool json) {
+  if (json) {
+    nlohmann::ordered_json j = {{"campaign", campaign}, {"planned", s.planned}, {"done", s.done()}};
+    for (std::size_t i = 0; i < outcome_names.size(); ++i) j[std::string(outcome_names[i])] = s.counts[i];
+    j["stopped"] = s.stopped.empty() ? nlohmann::ordered_json(nullptr) : nlohmann::ordered_json(s.stopped);
+    fmt::print("{}\n", j.dump(2));
+  }
+  fmt::print(stderr, "campaign {}: {} of {} shots recorded ({} PASS, {} FAIL), {} without a record\n",
+             campaign, s.done(), s.planned, s.count(Outcome::pass), s.count(Outcome::fail),
+             s.count(Outcome::error) + s.count(Outcome::timeout) + s.count(Outcome::aborted));
+  if (!s.stopped.empty()) fmt::print(stderr, "{}\n", s.stopped);
+}
+
+}  // namespace
+
+Exit run_plan(const RunArgs& args) {
+  const Scene scene = load_scene(args.plan, args.seed);
+  if (args.dry_run) {
+    rig_file(args.rig);
+    fmt::print(stderr, "{} shots would be fired; nothing was done\n", scene.shots.size());
+    return Exit::pass;
+  }
+  Store store(args.database);
+  const StopOnSignal stop;
+  // the rig first: a campaign that could not begin leaves no trace
+  const auto rig = open_rig(args.rig, scene.specimen);
+  const std::string identity = rig->info().model + ", " + rig->info().serial;
+  std::int64_t campaign = 0;
+  if (const auto unfinished =
+          args.resume ? store.find_unfinished(scene.plan_hash, scene.specimen_hash) : std::nullopt) {
+    campaign = unfinished->id;
+    if (unfinished->rig_identity != identity)
+      throw rigs::RigError("campaign " + std::to_string(campaign) + " was begun on '" +
+                           unfinished->rig_identity + "', this rig is '" + identity +
+                           "'; use that rig, or start anew without --resume");
+  } else {
+    campaign = store.create_campaign(campaign_info(scene, args.rig, identity));
+  }
+  RunOptions options = run_options(scene.plan);
+  options.max_failures = args.max_failures;
+  Progress progress("acquire", scene.shots.size(), progress_style(args.progress));
+  const RunSummary summary = run_campaign(store, campaign, scene.shots, *rig, options, progress);
+  progress.finish();
+  print_summary(summary, campaign, args.json);
+  return summary.exit_code();
+}
+
+Exit simulate_plan(const SimArgs& args) {
+  const Scene scene = load_scene(args.plan);
+  const rigs::SimRigConfig sensors =
+      args.rig_file.empty() ? rigs::SimRigConfig{} : read_rig(args.rig_file).config;
+  Store store(args.database);
+  const StopOnSignal stop;
+  // beside the measurement of this plan if there is one, else in a campaign of its own
+  std::optional<std::int64_t> campaign;
+  for (const CampaignInfo& c : store.campaigns())
+    if (c.plan_hash == scene.plan_hash && c.specimen_hash == scene.specimen_hash) campaign = c.id;
+  if (!campaign) campaign = store.create_campaign(campaign_info(scene, "", "simulation only"));
+  const int threads =
+      args.threads > 0 ? args.threads : static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
+  Progress progress("simulate", scene.plan.angles.size(), progress_style(args.progress));
+  const std::size_t n = simulate_campaign(store, *campaign, scene.shots, scene.specimen, sensors,
+                                          run_options(scene.plan), threads, progress);
+  progress.finish();
+  if (args.json)
+    fmt::print("{}\n", nlohmann::ordered_json{{"campaign", *campaign}, {"simulated", n}}.dump(2));
+  fmt::print(stderr, "campaign {}: {} closings simulated\n", *campaign, n);
+  return StopOnSignal::asked() ? Exit::interrupted : Exit::pass;
+}
+
+}  // namespace powbench::host

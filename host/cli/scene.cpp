@@ -1,0 +1,73 @@
+#include "host/cli/scene.h"
+
+#include "core/version.h"
+#include "host/store/hash.h"
+
+namespace powbench::host {
+
+Scene load_scene(const std::string& plan_file, std::optional<std::uint64_t> seed) {
+  Scene scene;
+  scene.plan = read_plan(plan_file);
+  if (seed) scene.plan.seed = *seed;
+  scene.specimen = load_specimen(scene.plan);
+  scene.shots = expand(scene.plan, scene.specimen.name);
+  scene.plan_text = resolved_text(scene.plan);
+  scene.plan_hash = sha256_hex(scene.plan_text);
+  scene.specimen_text = resolved_text(scene.specimen);
+  scene.specimen_hash = sha256_hex(scene.specimen_text);
+  return scene;
+}
+
+RigFile rig_file(const std::string& uri) {
+  constexpr std::string_view scheme = "sim:";
+  if (!uri.starts_with(scheme) || uri.size() == scheme.size()) return {};
+  return read_rig(uri.substr(scheme.size()));
+}
+
+std::unique_ptr<rigs::Rig> open_rig(const std::string& uri, const sim::Specimen& specimen) {
+  const RigFile file = rig_file(uri);
+  return rigs::open(uri, file.config, file.specimen.empty() ? specimen : load_specimen(file));
+}
+
+CampaignInfo campaign_info(const Scene& scene, const std::string& rig_uri, const std::string& rig_identity) {
+  CampaignInfo info;
+  info.name = scene.plan.name;
+  info.plan = scene.plan_text;
+  info.plan_hash = scene.plan_hash;
+  info.specimen = scene.specimen_text;
+  info.specimen_hash = scene.specimen_hash;
+  info.rig_uri = rig_uri;
+  info.rig_file = rig_uri.starts_with("sim:") ? resolved_text(rig_file(rig_uri)) : "";
+  info.rig_identity = rig_identity;
+  info.program_version = program_version;
+  return info;
+}
+
+std::vector<Limit> plan_limits(const Plan& plan) {
+  std::vector<Limit> limits;
+  for (std::size_t i = 0; i < quantity_table.size(); ++i) {
+    const auto& range = plan.limits[i];
+    if (!std::isnan(range.low) || !std::isnan(range.high))
+      limits.push_back({std::string(quantity_table[i].symbol), range.low, range.high});
+  }
+  return limits;
+}
+
+RunOptions run_options(const Plan& plan) {
+  RunOptions options;
+  options.extract.mains_hertz = plan.mains_hertz;
+  options.limits = plan_limits(plan);
+  options.angle_tolerance = plan.angle_tolerance;
+  options.pause = plan.pause;
+  options.shot_limit += std::chrono::milliseconds(static_cast<int>(plan.hold_time * 1000.0));
+  return options;
+}
+
+Progress::Style progress_style(const std::string& word) {
+  if (word == "bar") return Progress::Style::bar;
+  if (word == "lines") return Progress::Style::lines;
+  if (word == "none") return Progress::Style::none;
+  return Progress::Style::automatic;
+}
+
+}  // namespace powbench::host

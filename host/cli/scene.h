@@ -1,0 +1,42 @@
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "host/config/plan_file.h"
+#include "host/config/rig_file.h"
+#include "host/config/specimen_file.h"
+#include "host/plan/expand.h"
+#include "host/run/campaign.h"
+#include "host/run/progress.h"
+#include "rigs/registry.h"
+
+/// What the verbs share: files read, names resolved, hashes taken.
+
+namespace powbench::host {
+
+/// A plan with everything it names, read and checked: all mistakes of all files at once.
+struct Scene {
+  Plan plan;
+  sim::Specimen specimen;
+  std::vector<PlannedShot> shots;
+  std::string plan_text, plan_hash;          ///< resolved
+  std::string specimen_text, specimen_hash;  ///< resolved
+};
+Scene load_scene(const std::string& plan_file, std::optional<std::uint64_t> seed = std::nullopt);
+
+/// Rig file behind a `sim:` URI, or the built-in one; other URIs have none.
+RigFile rig_file(const std::string& uri);
+
+/// Opens a rig by its URI; `specimen` sits on a simulated one unless its rig file names another.
+std::unique_ptr<rigs::Rig> open_rig(const std::string& uri, const sim::Specimen& specimen);
+
+/// Campaign row of a scene, not yet stored.
+CampaignInfo campaign_info(const Scene&, const std::string& rig_uri, const std::string& rig_identity);
+
+RunOptions run_options(const Plan&);
+std::vector<Limit> plan_limits(const Plan&);
+Progress::Style progress_style(const std::string& word);
+
+}  // namespace powbench::host

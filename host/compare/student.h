@@ -1,0 +1,14 @@
+#pragma once
+
+/// Student's t distribution: the coverage factor of a mean with few repeats.
+
+namespace powbench::host {
+
+/// P(|T| <= t) for `dof` > 0 degrees of freedom, t >= 0. dof may be fractional or infinite (normal distribution).
+/// By the incomplete beta function: P = 1 - I_x(dof / 2, 1 / 2), x = dof / (dof + t^2); good to 1e-10.
+double student_probability(double t, double dof);
+
+/// The t with P(|T| <= t) = probability; probability in (0, 1). Throws std::invalid_argument outside, or for dof <= 0.
+double coverage_factor(double dof, double probability = 0.95);
+
+}  // namespace powbench::host

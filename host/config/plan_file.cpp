@@ -1,0 +1,117 @@
+#include "host/config/plan_file.h"
+
+#include <cmath>
+
+#include "core/phase.h"
+#include "host/config/file_reader.h"
+#include "host/config/specimen_file.h"
+
+namespace powbench::host {
+namespace {
+
+constexpr double most_shots = 100'000;
+
+/// Suffix of the limit keys of a quantity: times are given in ms.
+std::string limit_suffix(const Quantity& q) {
+  if (q.unit == "s") return "ms";
+  return q.unit == "m/s" ? "m_per_s" : std::string(q.unit);
+}
+
+FileKind kind_of(Plan& p) {
+  FileKind kind("plan", "what a campaign does");
+  kind.text("name", p.name, "name of the campaign");
+  kind.text("specimen", p.specimen,
+            "specimen file, relative to this file; without it the built-in reference contactor");
+  kind.sweep("angles_deg", p.angles, {0, 360},
+             "closing angles (0 = rising zero crossing): a list, or { start = 0, stop = 180, step = 30 }",
+             Need::required);
+  kind.integer("repeats", p.repeats, {1, 10'000}, "closings at each angle", Need::required);
+  kind.choice("order", p.order, {"random", "sequential"},
+              "of the angles within each repeat; random keeps coil heating out of the angle's effect");
+  kind.seed("seed", p.seed, "of the order and of everything random in the shots");
+  kind.number("supply_volts", p.supply_volts, {1, 1000}, "rms, at the coil terminals");
+  kind.number("mains_hertz", p.mains_hertz, {10, 1000}, "mains frequency");
+  kind.number("hold_time_ms", p.hold_time, {1, 10'000}, "how long the coil stays switched on");
+  kind.number("pause_s", p.pause, {0, 3600}, "between two shots, for the coil to cool down");
+  kind.number("ambient_degC", p.ambient, {-50, 150}, "ambient and coil temperature at the start");
+  kind.choice("polarity", p.polarity, {"positive", "negative", "alternate"},
+              "negative fires half a period later; alternate changes from shot to shot");
+  kind.number("angle_tolerance_deg", p.angle_tolerance, {0.01, 90},
+              "a shot further off its angle does not count");
+  kind.number("limits_vs_simulation_percent", p.limits_vs_simulation, {0, 1000},
+              "largest difference between measurement and simulation", Need::optional);
+  for (std::size_t i = 0; i < quantity_table.size(); ++i) {
+    const Quantity& q = quantity_table[i];
+    kind.section("limits." + std::string(q.symbol), std::string(q.meaning));
+    kind.number("min_" + limit_suffix(q), p.limits[i].low, {0, 1e6}, "smallest value that passes",
+                Need::optional);
+    kind.number("max_" + limit_suffix(q), p.limits[i].high, {0, 1e6}, "largest value that passes",
+                Need::optional);
+  }
+  return kind;
+}
+
+void check_angles(FileReader& reader, Plan& p) {
+  for (double& angle : p.angles) angle = wrap_turn(angle);
+  for (std::size_t i = 0; i < p.angles.size(); ++i)
+    for (std::size_t j = 0; j < i; ++j)
+      if (to_centi_degrees(p.angles[i]) == to_centi_degrees(p.angles[j])) {
+        reader.fail("", "angles_deg",
+                    number_text(to_centi_degrees(p.angles[i]) / 100.0) +
+                        " deg is listed twice (360 deg is 0 deg; steps of 0.01 deg); use repeats");
+        return;
+      }
+}
+
+void check(FileReader& reader, Plan& p) {
+  if (reader.good("", "angles_deg")) check_angles(reader, p);
+  const double shots = static_cast<double>(p.angles.size()) * p.repeats;
+  if (reader.good("", "repeats") && shots > most_shots)
+    reader.fail("", "repeats",
+                "gives " + number_text(shots) + " shots with " + std::to_string(p.angles.size()) + " angles",
+                "1..100000 shots");
+  for (std::size_t i = 0; i < p.limits.size(); ++i) {
+    if (!(p.limits[i].low > p.limits[i].high)) continue;
+    const Quantity& q = quantity_table[i];
+    reader.fail("limits." + std::string(q.symbol), "min_" + limit_suffix(q),
+                "is above max_" + limit_suffix(q));
+  }
+}
+
+Plan read_with(FileReader reader) {
+  Plan p;
+  reader.read(kind_of(p));
+  check(reader, p);
+  reader.finish();
+  return p;
+}
+
+}  // namespace
+
+Plan read_plan(const std::filesystem::path& path) {
+  Plan p = read_with(FileReader::open(path));
+  p.folder = path.parent_path();
+  return p;
+}
+
+Plan parse_plan(std::string text, std::string file) {
+  return read_with(FileReader(std::move(file), std::move(text)));
+}
+
+std::string plan_template() {
+  Plan p;
+  for (int deg = 0; deg <= 180; deg += 30) p.angles.push_back(radians(deg));
+  p.specimen = "reference.specimen.toml";
+  return kind_of(p).template_text();
+}
+
+std::string resolved_text(const Plan& plan) {
+  Plan p = plan;
+  return kind_of(p).resolved_text();
+}
+
+sim::Specimen load_specimen(const Plan& plan) {
+  return plan.specimen.empty() ? sim::Specimen{} : read_specimen(plan.folder / plan.specimen);
+}
+
+}  // namespace powbench::host

@@ -1,0 +1,23 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+#include "host/config/bad_input.h"
+#include "sim/specimen.h"
+
+/// The specimen file: one contactor. Owner: its designer. Keys carry their unit; ranges are those of sim/validate.
+
+namespace powbench::host {
+
+/// Throws BadInput with all mistakes, those of sim::validate included.
+sim::Specimen read_specimen(const std::filesystem::path&);
+sim::Specimen parse_specimen(std::string text, std::string file);
+
+/// Commented file of the reference contactor.
+std::string specimen_template();
+
+/// Canonical text: equal specimens give equal bytes. Hash and store this.
+std::string resolved_text(const sim::Specimen&);
+
+}  // namespace powbench::host

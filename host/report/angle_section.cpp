@@ -1,0 +1,94 @@
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "core/quantities.h"
+#include "host/report/number.h"
+#include "host/report/sections.h"
+
+namespace powbench::host {
+namespace {
+
+constexpr std::string_view dagger = " \xE2\x80\xA0";
+
+/// A published value in the unit of the row, with a dagger when it cannot serve as a reference.
+std::string published_text(const PublishedRow* p, double si_value, const ReadableUnit& unit) {
+  if (!std::isfinite(si_value)) return std::string(no_value);
+  return fixed(si_value * unit.per_si, unit.decimals) +
+         (p != nullptr && p->excluded ? std::string(dagger) : "");
+}
+
+void event_row(Markup& out, const ReportInput& input, const Quantity& quantity, const ComparisonRow& row) {
+  const ReadableUnit unit = readable_unit(quantity.unit);
+  const PublishedRow* published = published_at(input, quantity.symbol, row.closing_angle);
+  const bool failed = row.outcome == Outcome::fail;
+  out.open("tr", {{"class", failed ? "bad" : ""}});
+  out.element("th", quantity.symbol, {{"scope", "row"}, {"class", "sym"}});
+  out.open("td", {{"class", "left"}}).text(quantity.meaning);
+  if (row.two_modes) out.element("span", " two groups", {{"class", "warn"}});
+  if (failed) out.element("span", " outside limit", {{"class", "warn"}});
+  out.close();
+  out.element("td", unit.name, {{"class", "unit"}});
+  out.element("td", with_uncertainty(row.measured, row.coverage, unit.per_si, unit.decimals),
+              {{"class", "key"}});
+  out.element("td", fmt::format("{}", row.repeats));
+  out.element("td", fixed(row.scatter * unit.per_si, unit.decimals + 1));
+  out.element("td", fixed(row.simulated * unit.per_si, unit.decimals), {{"class", "sim"}});
+  out.element("td", signed_fixed((row.simulated - row.measured.value) * unit.per_si, unit.decimals));
+  out.element("td", published_text(published, row.published_measurement, unit), {{"class", "pub"}});
+  out.element("td", published_text(published, row.published_simulation, unit), {{"class", "pub"}});
+  out.close();
+}
+
+Markup event_table(const ReportInput& input, const AngleView& view) {
+  Markup out;
+  out.open("table", {{"class", "events"}});
+  out.open("thead").open("tr");
+  out.element("th", "Quantity", {{"scope", "col"}, {"colspan", "3"}});
+  for (const std::string_view head : {"measured \xC2\xB1 U", "n", "s", "simulated", "difference"})
+    out.element("th", head, {{"scope", "col"}});
+  out.element("th", "published meas.", {{"scope", "col"}});
+  out.element("th", "published sim.", {{"scope", "col"}});
+  out.close().close().open("tbody");
+  bool daggered = false;
+  for (const auto& quantity : quantity_table) {
+    const ComparisonRow* row = row_at(input.comparison, quantity.symbol, view.angle);
+    if (row == nullptr) continue;
+    event_row(out, input, quantity, *row);
+    const PublishedRow* p = published_at(input, quantity.symbol, view.angle);
+    daggered = daggered || (p != nullptr && p->excluded);
+  }
+  out.close().close();
+  if (daggered)
+    out.element(
+        "p",
+        "\xE2\x80\xA0 Impossible as printed: the core would land before the contacts touch. Not used as a "
+        "reference.",
+        {{"class", "fine"}});
+  return out;
+}
+
+}  // namespace
+
+Markup angle_section(const ReportInput& input, const AngleView& view, const Range& window_ms) {
+  Markup out;
+  out.open("section", {{"class", "page angle"}, {"id", fmt::format("angle-{:.2f}", degrees(view.angle))}});
+  out.open("h2").text("Closing angle ").text(angle_text(view.angle));
+  int valid = 0;
+  for (const auto* shot : view.shots) valid += shot->events.has_value() ? 1 : 0;
+  out.element("span", fmt::format(" {} of {} shots measured", valid, view.shots.size()),
+              {{"class", "aside"}});
+  out.close();
+  out.open("figure").embed(waveform_figure(input, view, window_ms));
+  out.element(
+      "figcaption",
+      "Blue: measured. Orange: simulated under the same conditions, through the same sensors, filters and "
+      "extraction. Vertical lines: mean instants, measured solid, simulated dashed. Pale blue: pole closed "
+      "in "
+      "the first measured shot. Dotted grey: shape of the mains.");
+  out.close();
+  out.embed(event_table(input, view));
+  return out.close();
+}
+
+}  // namespace powbench::host

@@ -1,0 +1,183 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/phase.h"
+#include "host/compare/compare.h"
+#include "host/report/number.h"
+#include "host/report/plot.h"
+#include "host/report/sections.h"
+
+namespace powbench::host {
+namespace {
+
+constexpr double width = 1000, height = 344;
+constexpr Plot::Box box{74, 40, 912, 250};
+
+/// A quantity in a chart over the closing angle.
+struct Series {
+  std::string_view quantity;
+  std::string_view name;
+  Shape shape;
+  std::string_view dash;
+};
+
+/// Closing angles on the axis, degrees.
+Range angle_axis(const ReportInput& input) {
+  Range x;
+  for (const auto& view : angles_of(input)) x.include(degrees(view.angle));
+  for (const auto& row : input.published) x.include(row.theta_deg);
+  return x.empty() ? Range{0, 180} : Range{x.low - 8, x.high + 8};
+}
+
+Ticks angle_ticks(const Range& x) {
+  return ticks_every(x, x.span() > 220 ? 45 : x.span() > 100 ? 30 : x.span() > 25 ? 10 : 5);
+}
+
+/// Rows of one quantity, in order of angle.
+std::vector<const ComparisonRow*> rows_of(const ReportInput& input, std::string_view quantity) {
+  std::vector<const ComparisonRow*> rows;
+  for (const auto& row : input.comparison.rows)
+    if (row.quantity == quantity) rows.push_back(&row);
+  return rows;
+}
+
+Range values_of(const ReportInput& input, const std::vector<Series>& all) {
+  Range y;
+  for (const auto& series : all) {
+    for (const auto* row : rows_of(input, series.quantity))
+      for (const double v : {row->measured.value, row->lowest, row->highest, row->simulated})
+        y.include(v * 1e3);
+    for (const auto& p : input.published)
+      if (p.quantity == series.quantity && p.table > 0 && !p.excluded)
+        for (const double v : {p.measurement, p.simulation}) y.include(v);
+  }
+  return y.padded(0.09, 0.5);
+}
+
+void draw_series(Plot& plot, const ReportInput& input, const Series& series) {
+  const auto rows = rows_of(input, series.quantity);
+  std::vector<XY> simulated;
+  for (const auto* row : rows) simulated.push_back({degrees(row->closing_angle), row->simulated * 1e3});
+  plot.line(simulated, {colour::simulated, 2.2, 0.6, series.dash});
+  for (const auto& p : simulated) plot.point(p, {series.shape, colour::simulated, 2.6, true, 0.8});
+  for (const auto& p : input.published) {
+    if (p.quantity != series.quantity || p.table == 0 || p.excluded) continue;
+    plot.point({p.theta_deg + 2.2, p.simulation}, {Shape::triangle, colour::published, 4, false});
+    plot.point({p.theta_deg + 2.2, p.measurement}, {Shape::triangle, colour::published, 4, true});
+  }
+  for (const auto* row : rows) {
+    const double x = degrees(row->closing_angle);
+    plot.line({{x, row->lowest * 1e3}, {x, row->highest * 1e3}}, {colour::measured, 5, 0.18});
+    plot.error_bar({x, row->measured.value * 1e3}, row->coverage * row->measured.u * 1e3,
+                   {colour::measured, 1.3});
+    plot.point({x, row->measured.value * 1e3}, {series.shape, colour::measured, 4});
+  }
+}
+
+std::vector<Plot::LegendEntry> legend_of(const ReportInput& input, const std::vector<Series>& all) {
+  std::vector<Plot::LegendEntry> legend;
+  for (const auto& series : all) {
+    const std::string name = all.size() > 1 ? fmt::format("{}, ", series.name) : std::string();
+    legend.push_back({name + "measured", {}, false, {series.shape, colour::measured, 4}, true});
+    legend.push_back({name + "simulated",
+                      {colour::simulated, 2.2, 0.6, series.dash},
+                      true,
+                      {series.shape, colour::simulated, 2.6},
+                      true});
+  }
+  if (!input.published.empty()) {
+    legend.push_back({"published measurement", {}, false, {Shape::triangle, colour::published, 4}, true});
+    legend.push_back(
+        {"published simulation", {}, false, {Shape::triangle, colour::published, 4, false}, true});
+  }
+  return legend;
+}
+
+Markup angle_chart(const ReportInput& input, std::string_view title, std::string_view axis,
+                   const std::vector<Series>& all) {
+  const Range x = angle_axis(input), y = values_of(input, all);
+  Plot plot(box, x, y);
+  const Ticks x_ticks = angle_ticks(x), y_ticks = nice_ticks(y, 5);
+  plot.grid(x_ticks, y_ticks);
+  for (const auto& series : all) draw_series(plot, input, series);
+  plot.frame();
+  plot.x_labels(x_ticks, "closing angle", "\xC2\xB0");
+  plot.y_labels(y_ticks, axis);
+  plot.legend(legend_of(input, all), 14);
+  return figure(width, height, title, {plot.finish()});
+}
+
+Markup reached_chart(const ReportInput& input) {
+  const double tolerance = degrees(input.angle_tolerance);
+  const auto deviation = [](const ReportShot& s) {
+    return degrees(wrap_half_turn(s.events->coil.closing_angle.value - effective_angle(s.conditions)));
+  };
+  Range y;
+  if (tolerance > 0) y = {-tolerance, tolerance};
+  for (const auto& s : input.shots)
+    if (s.events && s.events->coil.closing_angle.known()) y.include(deviation(s));
+  y.include(0);
+  y = y.padded(0.12, 0.1);
+  const Range x = angle_axis(input);
+  Plot plot(box, x, y);
+  const Ticks x_ticks = angle_ticks(x), y_ticks = nice_ticks(y, 5);
+  plot.grid(x_ticks, y_ticks);
+  if (tolerance > 0) plot.shade_y(-tolerance, tolerance, colour::published, 0.08);
+  plot.horizontal(0, {colour::soft, 1});
+  for (const auto& view : angles_of(input)) {
+    const double n = static_cast<double>(view.shots.size());
+    for (std::size_t i = 0; i < view.shots.size(); ++i) {
+      const ReportShot& s = *view.shots[i];
+      if (!s.events || !s.events->coil.closing_angle.known()) continue;
+      const double spread = std::min(1.6, 8.0 / n);  // repeats side by side, in executed order
+      const XY at{degrees(view.angle) + spread * (static_cast<double>(i) - (n - 1) / 2), deviation(s)};
+      plot.error_bar(at, 2 * degrees(s.events->coil.closing_angle.u), {colour::measured, 1.0, 0.8});
+      plot.point(at, {Shape::circle, colour::measured, 3});
+    }
+  }
+  plot.frame();
+  plot.x_labels(x_ticks, "commanded closing angle", "\xC2\xB0");
+  plot.y_labels(y_ticks, "reached \xE2\x88\x92 commanded / \xC2\xB0");
+  std::vector<Plot::LegendEntry> legend{
+      {"one shot, bar: 2 u", {}, false, {Shape::circle, colour::measured, 3}, true}};
+  if (tolerance > 0)
+    legend.push_back({fmt::format("band: tolerance {}", angle_text(input.angle_tolerance)),
+                      {colour::published, 8, 0.2},
+                      true});
+  plot.legend(legend, 14);
+  return figure(width, height, "Closing angle reached minus commanded", {plot.finish()});
+}
+
+void chart(Markup& out, std::string_view title, std::string_view caption, const Markup& drawing) {
+  out.open("figure");
+  out.element("h3", title);
+  out.embed(drawing);
+  out.element("figcaption", caption);
+  out.close();
+}
+
+}  // namespace
+
+Markup chart_section(const ReportInput& input) {
+  Markup out;
+  out.open("section", {{"class", "page"}, {"id", "angles"}});
+  out.element("h2", "Behaviour over the closing angle");
+  constexpr std::string_view points =
+      "Points: mean of the repeats; bar: expanded uncertainty U (95 %); pale column: smallest to largest "
+      "repeat. "
+      "Published points are drawn 2\xC2\xB0 to the right.";
+  chart(out, "Contact bounce time", points,
+        angle_chart(input, "Contact bounce time over closing angle", "bounce time / ms",
+                    {{"t_ct_bon", "bounce", Shape::circle, ""}}));
+  chart(out, "First contact touch and core seat", points,
+        angle_chart(input, "First touch and core seat over closing angle", "time after switch-on / ms",
+                    {{"t_ct1", "touch", Shape::circle, ""}, {"t_xt1", "seat", Shape::diamond, "6 3"}}));
+  chart(out, "Closing angle: commanded against reached",
+        "The angle reached is fitted to the recorded mains and read at the step of the coil voltage.",
+        reached_chart(input));
+  return out.close();
+}
+
+}  // namespace powbench::host

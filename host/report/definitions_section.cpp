@@ -1,0 +1,98 @@
+#include <fmt/format.h>
+
+#include <set>
+#include <sstream>
+
+#include "core/quantities.h"
+#include "host/report/number.h"
+#include "host/report/sections.h"
+
+namespace powbench::host {
+namespace {
+
+void term(Markup& out, std::string_view word, std::string_view meaning) {
+  out.element("dt", word).element("dd", meaning);
+}
+
+std::string joined(const std::set<std::string>& words) {
+  std::string all;
+  for (const auto& w : words) all += (all.empty() ? "" : ", ") + w;
+  return all.empty() ? std::string(no_value) : all;
+}
+
+/// Which channel the contact times of each shot come from, with what that channel can resolve.
+std::string timing_channels(const ReportInput& input) {
+  std::set<std::string> seen;
+  for (const auto& shot : input.shots) {
+    if (!shot.events) continue;
+    const ContactTrain& train = timing_train(*shot.events);
+    const std::string channel = shot.events->contact_voltage.present ? "contact voltage"
+                                : shot.events->pvdf_a.present        ? "force A"
+                                                                     : "force B";
+    seen.insert(
+        fmt::format("{} (shortest opening resolved: {:.0f} \xC2\xB5s)", channel, train.resolution * 1e6));
+  }
+  return joined(seen);
+}
+
+void parameter_table(Markup& out, const std::string& text) {
+  out.element("h3", "Extraction parameters");
+  out.open("div", {{"class", "columns"}}).open("table", {{"class", "parameters"}}).open("tbody");
+  std::istringstream lines(text);
+  for (std::string line; std::getline(lines, line);) {
+    const auto equal = line.find('=');
+    if (equal == std::string::npos) continue;
+    out.open("tr").element("th", line.substr(0, equal), {{"scope", "row"}});
+    out.element("td", line.substr(equal + 1)).close();
+  }
+  out.close().close().close();
+}
+
+}  // namespace
+
+Markup definitions_section(const ReportInput& input) {
+  std::set<std::string> methods, hashes;
+  for (const auto& shot : input.shots) {
+    if (!shot.events) continue;
+    if (!shot.events->method.empty()) methods.insert(shot.events->method);
+    if (!shot.events->parameters_hash.empty()) hashes.insert(shot.events->parameters_hash);
+  }
+  Markup out;
+  out.open("section", {{"class", "page"}, {"id", "definitions"}});
+  out.element("h2", "Definitions and method");
+  out.open("dl");
+  term(out, "Closing angle",
+       "Phase of the coil voltage at switch-on; 0\xC2\xB0 is its rising zero crossing, sine reference. All "
+       "times count "
+       "from the step of the coil voltage.");
+  for (const auto& q : quantity_table)
+    term(out, q.symbol, fmt::format("{} ({})", q.meaning, readable_unit(q.unit).name));
+  term(out, "Contact closed",
+       "The measured pole is closed while both its breaks are closed. Openings too short for the channel are "
+       "not "
+       "resolved. Pulsation of the force after settling, at twice the mains frequency, is not bounce.");
+  term(out, "Contact times from", timing_channels(input));
+  term(out, "Extraction", fmt::format("{}; parameters {}", joined(methods), joined(hashes)));
+  term(out, "Uncertainty U",
+       "U = k u with the standard uncertainty u combined from the scatter of the mean (type A, s / "
+       "\xE2\x88\x9An) and the "
+       "events' own uncertainty, taken as common to all repeats (type B). k is the two-sided 95 % quantile "
+       "of Student's "
+       "t at the effective degrees of freedom after Welch and Satterthwaite. s: standard deviation of the "
+       "repeats.");
+  term(out, "Limits",
+       "Simple acceptance: every single repeat must lie inside; a limited quantity that a record does not "
+       "show is outside.");
+  term(out, "Published values",
+       fmt::format("Tables 1 and 2 of \xE2\x80\x9C{}\xE2\x80\x9D: another device, single shots, "
+                   "thresholds not printed. Shown for orientation.",
+                   paper_closing));
+  term(out, "two groups",
+       "The repeats fall into two separate groups, as happens near a closing angle where the device "
+       "just fails to close within one half-wave; their mean describes neither.");
+  out.close();
+  if (!input.extraction_parameters.empty()) parameter_table(out, input.extraction_parameters);
+  return out.close();
+}
+
+}  // namespace powbench::host

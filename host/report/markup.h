@@ -1,0 +1,46 @@
+#pragma once
+
+#include <initializer_list>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+namespace powbench::host {
+
+/// Text made safe for element content and attribute values: & < > " ' become entities; bytes that are not UTF-8 and
+/// characters XML 1.0 forbids become U+FFFD.
+std::string escaped(std::string_view text);
+
+/// Writes HTML, SVG or XML that is well-formed by construction: every text and attribute is escaped, every element
+/// closed in order. Markup gets in only through `embed`, from another Markup.
+class Markup {
+ public:
+  using Attributes = std::initializer_list<std::pair<std::string_view, std::string_view>>;
+
+  /// Opens an element; `close` or `str` must follow.
+  Markup& open(std::string_view tag, Attributes = {});
+  Markup& close();
+  Markup& text(std::string_view);
+
+  /// <tag ...>text</tag>
+  Markup& element(std::string_view tag, std::string_view content, Attributes = {});
+  /// <tag .../>
+  Markup& empty(std::string_view tag, Attributes = {});
+
+  /// The finished content of another Markup. Its elements must all be closed.
+  Markup& embed(const Markup&);
+
+  /// What has been written. All elements must be closed.
+  const std::string& str() const;
+
+  bool finished() const { return open_.empty(); }
+
+ private:
+  void start(std::string_view tag, Attributes);
+
+  std::string out_;
+  std::vector<std::string> open_;
+};
+
+}  // namespace powbench::host

@@ -1,0 +1,100 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "core/comparison.h"
+#include "core/conditions.h"
+#include "core/events.h"
+#include "core/outcome.h"
+#include "host/compare/limits.h"
+#include "host/paper/published.h"
+
+/// What a campaign's report is made of, and the two texts made from it. Nothing is read or written here.
+
+namespace powbench::host {
+
+/// One prepared signal for display. value i was taken t0 + i dt after switch-on. SI.
+struct Waveform {
+  std::string
+      channel;  ///< name of the channel table: pvdf_a, pvdf_b, laser, coil_current, contact_a, mains_voltage
+  std::string unit;           ///< SI
+  double t0 = 0;              ///< s
+  double dt = 0;              ///< s, > 0
+  std::vector<float> values;  ///< not finite = not measured
+};
+
+struct ReportShot {
+  int index = 0;          ///< position in the executed order, from 1
+  Conditions conditions;  ///< as asked
+  Outcome outcome = Outcome::error;
+  std::string reason;            ///< one line for anything but pass
+  std::optional<Events> events;  ///< absent without a valid record
+  std::vector<Waveform> waveforms;
+  std::string record_hash;  ///< empty without a record
+};
+
+/// The simulated closing laid beside the measured ones of its angle.
+struct SimulatedClosing {
+  double closing_angle = 0;  ///< rad, polarity included
+  Events events;
+  std::vector<Waveform> waveforms;
+};
+
+/// Where everything comes from. Empty = unknown, printed as a dash.
+struct Provenance {
+  std::string program;      ///< name and version
+  std::string rig;          ///< model, serial, URI
+  std::string firmware;     ///< version
+  std::string calibration;  ///< id, with its expiry where known
+  std::string plan_hash;
+  std::string specimen_hash;
+  std::string extraction_hash;    ///< of the extraction parameters
+  std::string seed;               ///< of the plan
+  std::string order;              ///< how the shots were ordered, e.g. "random, seed 1"
+  std::string started, finished;  ///< date and time, ISO 8601
+  std::string operator_name;
+  std::string database;                                   ///< file name of the store
+  std::vector<std::pair<std::string, std::string>> more;  ///< anything else: name, value
+};
+
+struct ReportInput {
+  std::string campaign;        ///< name
+  std::string specimen;        ///< name
+  std::size_t planned = 0;     ///< shots the plan asks for
+  double angle_tolerance = 0;  ///< rad: allowed deviation of the angle reached; 0 = none given
+  Provenance provenance;
+  std::vector<ReportShot> shots;  ///< in executed order
+  std::vector<SimulatedClosing> simulated;
+  Comparison comparison;                ///< from `compare`
+  std::vector<PublishedRow> published;  ///< rows shown beside the measurement; empty = none
+  std::vector<Limit> limits;
+  std::string extraction_parameters;  ///< one `name=value` a line
+};
+
+/// Shots by outcome.
+struct Counts {
+  std::size_t planned = 0;
+  std::size_t done = 0;  ///< valid measurement: passed + failed
+  std::size_t passed = 0;
+  std::size_t failed = 0;   ///< outside limits
+  std::size_t errors = 0;   ///< ERROR, TIMEOUT, ABORTED
+  std::size_t missing = 0;  ///< planned and never attempted
+};
+Counts count(const ReportInput&);
+
+/// The campaign in one word: FAIL if any shot or limit failed, else ERROR, else TIMEOUT, else ABORTED (also when planned
+/// shots are missing or there is none), else PASS.
+Outcome verdict(const ReportInput&);
+
+/// One self-contained HTML page: no script, no network, inline SVG, made to be printed on A4. Also well-formed XML.
+std::string render_html(const ReportInput&);
+
+/// JUnit XML: one suite; a case per shot, per limit and for the number of shots done. FAIL is a failure; ERROR, TIMEOUT,
+/// ABORTED are errors.
+std::string render_junit(const ReportInput&);
+
+}  // namespace powbench::host

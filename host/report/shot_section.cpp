@@ -1,0 +1,75 @@
+#include <fmt/format.h>
+
+#include <string>
+
+#include "core/phase.h"
+#include "core/quantities.h"
+#include "host/compare/compare.h"
+#include "host/report/number.h"
+#include "host/report/sections.h"
+
+namespace powbench::host {
+namespace {
+
+std::string value_text(const ReportShot& shot, std::string_view symbol) {
+  return shot.events ? fixed(find_quantity(symbol)->of(*shot.events).value * 1e3, 3) : std::string(no_value);
+}
+
+std::string reached_text(const ReportShot& shot) {
+  if (!shot.events) return std::string(no_value);
+  Measured m = shot.events->coil.closing_angle;
+  // shown next to the commanded angle: 359.9 deg for a commanded 0 deg reads as -0.1
+  const double asked = effective_angle(shot.conditions);
+  m.value = asked + wrap_half_turn(m.value - asked);
+  return with_uncertainty(m, 1, degrees(1), 2);
+}
+
+/// Everything that makes a shot doubtful, in words.
+std::string remarks(const ReportShot& shot) {
+  std::string text = shot.reason;
+  if (!shot.events) return text;
+  const Events& e = *shot.events;
+  const std::string flags = flags_text(e.flags | e.coil.flags | e.core.flags | timing_train(e).flags);
+  if (!text.empty() && !flags.empty()) text += "; ";
+  return text + flags;
+}
+
+}  // namespace
+
+Markup shot_section(const ReportInput& input) {
+  Markup out;
+  out.open("section", {{"class", "page"}, {"id", "shots"}});
+  out.element("h2", "Every shot, in executed order");
+  if (input.shots.empty()) {
+    out.element("p", "No shot has been fired.");
+    return out.close();
+  }
+  out.open("table", {{"class", "shots"}}).open("thead").open("tr");
+  for (const std::string_view head :
+       {"#", "asked", "reached \xC2\xB1 u / \xC2\xB0", "outcome", "t_ct1 / ms", "t_ct_bon / ms", "t_xt1 / ms",
+        "re-openings", "seed", "record", "remarks"})
+    out.element("th", head, {{"scope", "col"}});
+  out.close().close().open("tbody");
+  for (const auto& shot : input.shots) {
+    out.open("tr");
+    out.element("td", fmt::format("{}", shot.index));
+    out.element("td", angle_text(effective_angle(shot.conditions)));
+    out.element("td", reached_text(shot), {{"class", "nowrap"}});
+    out.open("td").element("span", name(shot.outcome), {{"class", badge_class(shot.outcome)}}).close();
+    for (const std::string_view symbol : {"t_ct1", "t_ct_bon", "t_xt1"})
+      out.element("td", value_text(shot, symbol));
+    const bool train = shot.events && !timing_train(*shot.events).contacts.empty();
+    out.element("td",
+                train ? fmt::format("{}", timing_train(*shot.events).bounce_count) : std::string(no_value));
+    out.element("td", fmt::format("{:x}", shot.conditions.seed), {{"class", "code"}});
+    out.element("td", short_hash(shot.record_hash), {{"class", "code"}});
+    out.element("td", remarks(shot), {{"class", "left"}});
+    out.close();
+  }
+  out.close().close();
+  out.element("p", "Contact times are those of the channel named under Definitions. Seeds are hexadecimal.",
+              {{"class", "fine"}});
+  return out.close();
+}
+
+}  // namespace powbench::host

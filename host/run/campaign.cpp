@@ -1,0 +1,193 @@
+#include "host/run/campaign.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <map>
+#include <mutex>
+#include <optional>
+#include <set>
+#include <thread>
+
+#include "core/phase.h"
+#include "core/version.h"
+#include "dsp/extract.h"
+#include "host/compare/compare.h"
+#include "host/run/stop.h"
+#include "rigs/simulated_record.h"
+
+namespace powbench::host {
+
+namespace {
+
+using std::chrono::milliseconds;
+
+ExtractionInfo extraction_info(const RunOptions& options) {
+  return {dsp::to_text(options.extract), program_version};
+}
+
+StoredShot stored(std::int64_t campaign, ShotKind kind, const PlannedShot& planned) {
+  StoredShot shot;
+  shot.campaign = campaign;
+  shot.kind = kind;
+  shot.number = planned.index;
+  shot.repeat = planned.repeat;
+  shot.conditions = planned.conditions;
+  shot.angle_deg = to_centi_degrees(effective_angle(planned.conditions)) / 100.0;
+  return shot;
+}
+
+/// Looks for a lost rig with growing pauses, about 4 s in all.
+bool find_again(rigs::Rig& rig, Progress& progress) {
+  progress.say("the rig is gone; looking for it");
+  for (const int ms : {250, 500, 1000, 2000}) {
+    if (rig.reconnect()) return true;
+    std::this_thread::sleep_for(milliseconds(ms));
+    if (StopOnSignal::asked()) return false;
+  }
+  return rig.reconnect();
+}
+
+/// Turns a shot with a record into its verdict: angle tolerance, then limits.
+void judge_shot(StoredShot& shot, const Events& events, const RunOptions& options) {
+  std::string reason;
+  if ((events.coil.flags & flag_angle_off) != 0)
+    reason = fmt::format("closing angle {:.2f} deg, commanded {:.2f} deg, tolerance {:.2f} deg",
+                         degrees(events.coil.closing_angle.value), shot.angle_deg,
+                         degrees(options.angle_tolerance));
+  const Judgement limits = judge(events, options.limits);
+  if (!limits.reason.empty()) reason += (reason.empty() ? "" : "; ") + limits.reason;
+  shot.outcome = reason.empty() ? Outcome::pass : Outcome::fail;
+  shot.reason = reason;
+}
+
+void pause_between(double seconds) {
+  for (double left = seconds; left > 0 && !StopOnSignal::asked(); left -= 0.05)
+    std::this_thread::sleep_for(std::chrono::duration<double>(std::min(left, 0.05)));
+}
+
+}  // namespace
+
+Exit RunSummary::exit_code() const {
+  if (interrupted) return Exit::interrupted;
+  if (interlock) return Exit::interlock;
+  if (rig_lost || count(Outcome::error) > 0) return Exit::rig_fault;
+  if (count(Outcome::timeout) > 0) return Exit::timeout;
+  return count(Outcome::fail) > 0 ? Exit::outside_limits : Exit::pass;
+}
+
+Events extract_checked(const Record& record, const RunOptions& options) {
+  Events events = dsp::extract_events(record, options.extract);
+  const double off = wrap_half_turn(events.coil.closing_angle.value - effective_angle(record.conditions));
+  if (events.coil.closing_angle.known() && std::abs(off) > options.angle_tolerance)
+    events.coil.flags |= flag_angle_off;
+  return events;
+}
+
+RunSummary run_campaign(Store& store, std::int64_t campaign, std::span<const PlannedShot> plan,
+                        rigs::Rig& rig, const RunOptions& options, Progress& progress) {
+  RunSummary summary;
+  summary.planned = plan.size();
+  std::set<int> done;
+  for (const StoredShot& s : store.shots(campaign, ShotKind::measured)) {
+    if (s.outcome != Outcome::pass && s.outcome != Outcome::fail) continue;
+    done.insert(s.number);
+    ++summary.counts[static_cast<std::size_t>(s.outcome)];
+  }
+  std::size_t fired = 0;
+  int failures = 0;
+  for (const PlannedShot& planned : plan) {
+    if (done.contains(planned.index)) continue;
+    if (StopOnSignal::asked()) {
+      summary.interrupted = true;
+      summary.stopped = "stopped by the operator; go on with --resume";
+      break;
+    }
+    StoredShot shot = stored(campaign, ShotKind::measured, planned);
+    rigs::Shot result = rig.fire(planned.conditions, options.shot_limit);
+    shot.outcome = result.outcome;
+    shot.reason = result.reason;
+    std::optional<Events> events;
+    if (result.outcome == Outcome::pass) {
+      events = extract_checked(result.record, options);
+      judge_shot(shot, *events, options);
+    }
+    store.store_shot(shot, events ? &result.record : nullptr, events ? &*events : nullptr,
+                     extraction_info(options));
+    ++summary.counts[static_cast<std::size_t>(shot.outcome)];
+    failures = events ? 0 : failures + 1;
+    if (!shot.reason.empty())
+      progress.say(fmt::format("shot {} at {:.1f} deg: {}: {}", shot.number + 1, shot.angle_deg,
+                               name(shot.outcome), shot.reason));
+    progress.update(done.size() + ++fired, fmt::format("{:.0f} deg", shot.angle_deg));
+
+    summary.interlock = summary.interlock || result.interlock;
+    if (result.rig_lost && !find_again(rig, progress)) {
+      summary.rig_lost = true;
+      summary.stopped = "the rig did not come back; what was stored is safe, go on with --resume";
+      break;
+    }
+    if (failures >= options.max_failures) {
+      summary.stopped = fmt::format(
+          "stopped after {} shots in a row without a record; mend the cause, then go on with --resume",
+          failures);
+      break;
+    }
+    pause_between(options.pause);
+  }
+  store.set_finished(campaign, summary.done() == summary.planned);
+  return summary;
+}
+
+std::size_t simulate_campaign(Store& store, std::int64_t campaign, std::span<const PlannedShot> plan,
+                              const sim::Specimen& specimen, const rigs::SimRigConfig& rig,
+                              const RunOptions& options, int threads, Progress& progress) {
+  std::set<double> known;
+  for (const StoredShot& s : store.shots(campaign, ShotKind::simulated)) known.insert(s.angle_deg);
+  // one simulation for each different angle: repeats differ by noise alone, and a prediction has none
+  std::map<double, StoredShot> missing;
+  for (const PlannedShot& planned : plan) {
+    StoredShot shot = stored(campaign, ShotKind::simulated, planned);
+    if (!known.contains(shot.angle_deg)) missing.emplace(shot.angle_deg, shot);
+  }
+  std::vector<StoredShot> shots;
+  for (auto& [angle, shot] : missing) shots.push_back(shot);
+
+  std::vector<std::optional<rigs::SimulatedClosing>> results(shots.size());
+  std::vector<Events> events(shots.size());
+  std::atomic<std::size_t> next = 0, finished = 0;
+  std::mutex mutex;
+  std::exception_ptr trouble;
+  const auto work = [&] {
+    for (std::size_t i = next++; i < shots.size() && !StopOnSignal::asked(); i = next++) {
+      try {
+        results[i] = rigs::simulate_record(specimen, shots[i].conditions, rig);
+        events[i] = extract_checked(results[i]->record, options);
+      } catch (...) {
+        const std::scoped_lock lock(mutex);
+        trouble = std::current_exception();
+        return;
+      }
+      const std::scoped_lock lock(mutex);
+      progress.update(++finished);
+    }
+  };
+  std::vector<std::thread> pool;
+  for (int t = 0; t < std::max(threads, 1); ++t) pool.emplace_back(work);
+  for (auto& t : pool) t.join();
+  if (trouble) std::rethrow_exception(trouble);
+
+  // stored in the order of the angles, whatever thread was first
+  std::size_t stored_shots = 0;
+  for (std::size_t i = 0; i < shots.size(); ++i) {
+    if (!results[i]) continue;
+    shots[i].outcome = Outcome::pass;
+    store.store_shot(shots[i], &results[i]->record, &events[i], extraction_info(options));
+    ++stored_shots;
+  }
+  return stored_shots;
+}
+
+}  // namespace powbench::host

@@ -1,0 +1,59 @@
+#pragma once
+
+#include <cstddef>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "core/outcome.h"
+#include "dsp/options.h"
+#include "host/compare/limits.h"
+#include "host/plan/expand.h"
+#include "host/run/progress.h"
+#include "host/store/store.h"
+#include "rigs/rig.h"
+#include "rigs/sim_rig_config.h"
+#include "sim/specimen.h"
+
+/// Executes a plan: every shot acquired, its events extracted, judged and stored before the next one is fired.
+
+namespace powbench::host {
+
+struct RunOptions {
+  dsp::ExtractOptions extract;
+  std::vector<Limit> limits;     ///< of the plan
+  double angle_tolerance = 0.0;  ///< rad: reached against commanded closing angle
+  double pause = 0.0;            ///< s between two shots
+  int max_failures = 5;          ///< shots without a record in a row after which the campaign stops
+  std::chrono::milliseconds shot_limit{15'000};  ///< longest time for one shot, hold time included
+};
+
+/// How a campaign went.
+struct RunSummary {
+  std::size_t planned = 0;
+  std::size_t counts[5] = {};  ///< shots of each Outcome, earlier runs of the campaign included
+  bool rig_lost = false;       ///< stopped: the rig went away and did not come back
+  bool interlock = false;      ///< stopped: the rig tripped or refused for safety
+  bool interrupted = false;    ///< stopped by the operator
+  std::string stopped;         ///< why it stopped early, one sentence; empty when it ran to the end
+
+  std::size_t count(Outcome o) const { return counts[static_cast<std::size_t>(o)]; }
+  std::size_t done() const { return count(Outcome::pass) + count(Outcome::fail); }
+  Exit exit_code() const;
+};
+
+/// Fires what is still to do (a shot that gave a record before is not fired again) and stores each shot in one
+/// transaction. A rig that goes away is looked for again; a rig that stays away ends the run, never the data.
+RunSummary run_campaign(Store&, std::int64_t campaign, std::span<const PlannedShot>, rigs::Rig&,
+                        const RunOptions&, Progress&);
+
+/// Simulates each different set of conditions of the plan once, on `threads` threads, and stores the results as
+/// simulated shots with record and events. What is stored already is kept.
+std::size_t simulate_campaign(Store&, std::int64_t campaign, std::span<const PlannedShot>,
+                              const sim::Specimen&, const rigs::SimRigConfig&, const RunOptions&, int threads,
+                              Progress&);
+
+/// Events of a record with the checks that need its conditions: closing angle within tolerance.
+Events extract_checked(const Record&, const RunOptions&);
+
+}  // namespace powbench::host

@@ -1,0 +1,35 @@
+#include "host/run/stop.h"
+
+#include <unistd.h>
+
+#include <csignal>
+
+#include "core/outcome.h"
+
+namespace powbench::host {
+
+namespace {
+volatile std::sig_atomic_t signals_seen = 0;
+
+void on_signal(int) {
+  if (signals_seen != 0) _exit(static_cast<int>(Exit::interrupted));
+  signals_seen = 1;
+}
+}  // namespace
+
+StopOnSignal::StopOnSignal() {
+  signals_seen = 0;
+  std::signal(SIGINT, on_signal);
+  std::signal(SIGTERM, on_signal);
+}
+
+StopOnSignal::~StopOnSignal() {
+  std::signal(SIGINT, SIG_DFL);
+  std::signal(SIGTERM, SIG_DFL);
+}
+
+bool StopOnSignal::asked() {
+  return signals_seen != 0;
+}
+
+}  // namespace powbench::host

@@ -1,0 +1,199 @@
+#include "host/store/json.h"
+
+#include <array>
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <stdexcept>
+#include <utility>
+
+namespace powbench::host {
+
+namespace {
+
+using nlohmann::json;
+using Ordered = nlohmann::ordered_json;
+
+constexpr std::array<std::pair<std::uint32_t, const char*>, 10> flag_table{
+    {{flag_clipped, "clipped"},
+     {flag_gap, "gap"},
+     {flag_edge, "edge"},
+     {flag_poor_fit, "poor_fit"},
+     {flag_no_hum_fit, "no_hum_fit"},
+     {flag_polarity, "polarity"},
+     {flag_contradiction, "contradiction"},
+     {flag_ring_overlap, "ring_overlap"},
+     {flag_no_calibration, "no_calibration"},
+     {flag_angle_off, "angle_off"}}};
+
+Ordered flags_json(std::uint32_t flags) {
+  Ordered list = Ordered::array();
+  for (const auto& [bit, text] : flag_table)
+    if ((flags & bit) != 0) list.push_back(text);
+  return list;
+}
+
+std::uint32_t flags_from(const json& list) {
+  std::uint32_t flags = 0;
+  for (const json& item : list)
+    for (const auto& [bit, text] : flag_table)
+      if (item.get<std::string>() == text) flags |= bit;
+  return flags;
+}
+
+Ordered number(double x) {
+  return std::isfinite(x) ? Ordered(x) : Ordered(nullptr);
+}
+double number_from(const json& j) {
+  return j.is_null() ? std::nan("") : j.get<double>();
+}
+
+// {"value": x, "u": y}
+Ordered measured(const Measured& m) {
+  return {{"value", number(m.value)}, {"u", number(m.u)}};
+}
+Measured measured_from(const json& j) {
+  return {number_from(j.at("value")), number_from(j.at("u"))};
+}
+
+Ordered train_json(const ContactTrain& t) {
+  Ordered contacts = Ordered::array();
+  for (const Contact& c : t.contacts)
+    contacts.push_back({{"touch_s", measured(c.touch)},
+                        {"release_s", measured(c.release)},
+                        {"peak", measured(c.peak)},
+                        {"impulse", measured(c.impulse)},
+                        {"flags", flags_json(c.flags)}});
+  return {{"present", t.present},
+          {"contacts", contacts},
+          {"settled_s", measured(t.settled)},
+          {"settled_force", measured(t.settled_force)},
+          {"bounce_time_s", measured(t.bounce_time)},
+          {"bounce_count", t.bounce_count},
+          {"resolution_s", number(t.resolution)},
+          {"noise", number(t.noise)},
+          {"flags", flags_json(t.flags)}};
+}
+
+ContactTrain train_from(const json& j) {
+  ContactTrain t;
+  t.present = j.at("present").get<bool>();
+  for (const json& c : j.at("contacts"))
+    t.contacts.push_back({.touch = measured_from(c.at("touch_s")),
+                          .release = measured_from(c.at("release_s")),
+                          .peak = measured_from(c.at("peak")),
+                          .impulse = measured_from(c.at("impulse")),
+                          .flags = flags_from(c.at("flags"))});
+  t.settled = measured_from(j.at("settled_s"));
+  t.settled_force = measured_from(j.at("settled_force"));
+  t.bounce_time = measured_from(j.at("bounce_time_s"));
+  t.bounce_count = j.at("bounce_count").get<int>();
+  t.resolution = number_from(j.at("resolution_s"));
+  t.noise = number_from(j.at("noise"));
+  t.flags = flags_from(j.at("flags"));
+  return t;
+}
+
+Ordered core_json(const CoreEvents& c) {
+  return {{"present", c.present},
+          {"seat_s", measured(c.seat)},
+          {"settled_s", measured(c.settled)},
+          {"bounce_time_s", measured(c.bounce_time)},
+          {"impact_velocity", measured(c.impact_velocity)},
+          {"travel_m", measured(c.travel)},
+          {"flags", flags_json(c.flags)}};
+}
+
+CoreEvents core_from(const json& j) {
+  return {.present = j.at("present").get<bool>(),
+          .seat = measured_from(j.at("seat_s")),
+          .settled = measured_from(j.at("settled_s")),
+          .bounce_time = measured_from(j.at("bounce_time_s")),
+          .impact_velocity = measured_from(j.at("impact_velocity")),
+          .travel = measured_from(j.at("travel_m")),
+          .flags = flags_from(j.at("flags"))};
+}
+
+Ordered coil_json(const CoilEvents& c) {
+  return {{"closing_angle_rad", measured(c.closing_angle)}, {"switch_on_s", measured(c.switch_on)},
+          {"mains_hertz", measured(c.mains_hertz)},         {"supply_volts", measured(c.supply_volts)},
+          {"peak_current", measured(c.peak_current)},       {"flags", flags_json(c.flags)}};
+}
+
+CoilEvents coil_from(const json& j) {
+  return {.closing_angle = measured_from(j.at("closing_angle_rad")),
+          .switch_on = measured_from(j.at("switch_on_s")),
+          .mains_hertz = measured_from(j.at("mains_hertz")),
+          .supply_volts = measured_from(j.at("supply_volts")),
+          .peak_current = measured_from(j.at("peak_current")),
+          .flags = flags_from(j.at("flags"))};
+}
+
+template <class F>
+auto parsed(std::string_view text, F&& build) {
+  try {
+    return build(json::parse(text));
+  } catch (const json::exception& e) {
+    throw std::invalid_argument(std::string("stored text is not what it should be: ") + e.what());
+  }
+}
+
+}  // namespace
+
+std::string flag_names(std::uint32_t flags) {
+  std::string text;
+  for (const auto& [bit, name] : flag_table)
+    if ((flags & bit) != 0) text += (text.empty() ? "" : ", ") + std::string(name);
+  return text;
+}
+
+std::string to_json(const Events& e, int indent) {
+  const Ordered j = {{"pvdf_a", train_json(e.pvdf_a)},
+                     {"pvdf_b", train_json(e.pvdf_b)},
+                     {"contact_voltage", train_json(e.contact_voltage)},
+                     {"core", core_json(e.core)},
+                     {"coil", coil_json(e.coil)},
+                     {"method", e.method},
+                     {"parameters_hash", e.parameters_hash},
+                     {"flags", flags_json(e.flags)}};
+  return j.dump(indent);
+}
+
+std::string to_json(const Conditions& c, int indent) {
+  const Ordered j = {{"supply_volts", c.supply_volts},   {"mains_hertz", c.mains_hertz},
+                     {"closing_angle", c.closing_angle}, {"polarity", c.polarity},
+                     {"hold_time", c.hold_time},         {"ambient", c.ambient},
+                     {"specimen", c.specimen},           {"seed", c.seed}};
+  return j.dump(indent);
+}
+
+Events events_from_json(std::string_view text) {
+  return parsed(text, [](const json& j) {
+    Events e;
+    e.pvdf_a = train_from(j.at("pvdf_a"));
+    e.pvdf_b = train_from(j.at("pvdf_b"));
+    e.contact_voltage = train_from(j.at("contact_voltage"));
+    e.core = core_from(j.at("core"));
+    e.coil = coil_from(j.at("coil"));
+    e.method = j.at("method").get<std::string>();
+    e.parameters_hash = j.at("parameters_hash").get<std::string>();
+    e.flags = flags_from(j.at("flags"));
+    return e;
+  });
+}
+
+Conditions conditions_from_json(std::string_view text) {
+  return parsed(text, [](const json& j) {
+    Conditions c;
+    c.supply_volts = j.at("supply_volts").get<double>();
+    c.mains_hertz = j.at("mains_hertz").get<double>();
+    c.closing_angle = j.at("closing_angle").get<double>();
+    c.polarity = j.at("polarity").get<int>();
+    c.hold_time = j.at("hold_time").get<double>();
+    c.ambient = j.at("ambient").get<double>();
+    c.specimen = j.at("specimen").get<std::string>();
+    c.seed = j.at("seed").get<std::uint64_t>();
+    return c;
+  });
+}
+
+}  // namespace powbench::host

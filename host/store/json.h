@@ -1,0 +1,21 @@
+#pragma once
+
+#include <string>
+#include <string_view>
+
+#include "core/conditions.h"
+#include "core/events.h"
+
+namespace powbench::host {
+
+/// Lossless JSON of the shared structs: SI, 17 digits, null for what is unknown. The same text stands in the store and
+/// comes out of `--json`. Reading throws std::invalid_argument for text that is not such an object.
+std::string to_json(const Events&, int indent = -1);
+std::string to_json(const Conditions&, int indent = -1);
+Events events_from_json(std::string_view);
+Conditions conditions_from_json(std::string_view);
+
+/// Names of the set flags, e.g. "clipped, poor_fit"; empty when none is set.
+std::string flag_names(std::uint32_t flags);
+
+}  // namespace powbench::host

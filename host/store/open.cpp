@@ -1,0 +1,124 @@
+#include "host/store/open.h"
+
+#include <unistd.h>
+
+#include <array>
+#include <cerrno>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+
+#include "host/store/migrations.h"
+
+namespace powbench::host {
+
+namespace fs = std::filesystem;
+using sqlite::Database;
+
+namespace {
+
+constexpr std::size_t header_bytes = 100;
+using Header = std::array<unsigned char, header_bytes>;
+
+/// Big-endian field of the SQLite header (file format, section 1.3).
+std::uint32_t field(const Header& h, std::size_t at) {
+  return static_cast<std::uint32_t>(h[at]) << 24 | static_cast<std::uint32_t>(h[at + 1]) << 16 |
+         static_cast<std::uint32_t>(h[at + 2]) << 8 | h[at + 3];
+}
+
+bool has_content(const fs::path& file) {
+  std::error_code ignored;
+  const auto size = fs::file_size(file, ignored);
+  return !ignored && size > 0;
+}
+
+void refuse_newer(const std::string& path, int version) {
+  if (version > Store::schema_version)
+    throw StoreError(path + ": made by a newer powbench (schema " + std::to_string(version) +
+                     ", this one knows " + std::to_string(Store::schema_version) + "); update the program");
+}
+
+void inspect(const std::string& path) {
+  const auto size = fs::file_size(path);
+  Header h{};
+  std::ifstream in(path, std::ios::binary);
+  if (!in) throw StoreError(path + ": cannot be read; check its permissions");
+  in.read(reinterpret_cast<char*>(h.data()), header_bytes);
+  if (static_cast<std::size_t>(in.gcount()) < header_bytes)
+    throw StoreError(path + ": the file is damaged (cut off); restore it from a copy");
+  if (std::memcmp(h.data(), "SQLite format 3", 16) != 0)
+    throw StoreError(path + ": not a powbench store; name another file");
+  if (field(h, 68) != Store::application_id)
+    throw StoreError(path + ": a database of another program; name another file");
+  refuse_newer(path, static_cast<int>(field(h, 60)));
+  const std::uint64_t page = (h[16] << 8 | h[17]) == 1 ? 65536U : static_cast<unsigned>(h[16] << 8 | h[17]);
+  // an unfinished checkpoint may leave the file short, but then the log holds the rest
+  if (!has_content(path + "-wal") && size < field(h, 28) * page)
+    throw StoreError(path + ": the file is damaged (cut off); restore it from a copy");
+}
+
+void migrate(Database& db) {
+  for (auto version = static_cast<std::size_t>(db.number("PRAGMA user_version"));
+       version < store_migrations.size(); ++version) {
+    sqlite::Transaction t(db);
+    db.run(std::string(store_migrations[version]));
+    db.run("PRAGMA user_version = " + std::to_string(version + 1));
+    t.commit();
+  }
+}
+
+/// A new store is made aside and renamed into place: a file under its final name is always whole.
+void create(const std::string& path) {
+  const fs::path folder = fs::path(path).has_parent_path() ? fs::path(path).parent_path() : fs::path(".");
+  if (!fs::is_directory(folder))
+    throw StoreError(path + ": there is no folder " + folder.string() + "; make it first");
+  const std::string aside = path + ".new-" + std::to_string(getpid());
+  fs::remove(aside);
+  {
+    Database db(aside, SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE);
+    db.run("PRAGMA application_id = " + std::to_string(Store::application_id));
+    migrate(db);
+    db.run("PRAGMA journal_mode = WAL");
+  }
+  // a link is refused where somebody else was quicker; an empty file in the way is replaced
+  if (has_content(path) || link(aside.c_str(), path.c_str()) == 0 || (errno == EEXIST && has_content(path)))
+    fs::remove(aside);
+  else
+    fs::rename(aside, path);
+}
+
+/// Read-only. A log beside the file needs its index, which needs a folder that can be written; without a log the file
+/// is all there is and can be taken as it stands.
+Database open_for_reading(const std::string& path) {
+  const fs::path folder = fs::path(path).has_parent_path() ? fs::path(path).parent_path() : fs::path(".");
+  const bool writable = access(path.c_str(), W_OK) == 0 && access(folder.c_str(), W_OK) == 0;
+  if (!writable && !has_content(path + "-wal"))
+    return Database("file:" + path + "?immutable=1", SQLITE_OPEN_READONLY | SQLITE_OPEN_URI);
+  // a reader that may write clears the log away behind itself; query_only keeps it from changing anything
+  Database db(path, writable ? SQLITE_OPEN_READWRITE : SQLITE_OPEN_READONLY);
+  db.run("PRAGMA query_only = ON");
+  return db;
+}
+
+}  // namespace
+
+Database open_store(const std::string& path, Store::Mode mode) {
+  std::error_code ignored;
+  if (fs::is_directory(path, ignored)) throw StoreError(path + ": is a folder; name a file");
+  if (!has_content(path)) {
+    if (mode == Store::Mode::read_only) throw StoreError(path + ": no such store; run a plan first");
+    create(path);
+  }
+  inspect(path);
+  Database db =
+      mode == Store::Mode::read_only ? open_for_reading(path) : Database(path, SQLITE_OPEN_READWRITE);
+  refuse_newer(path, static_cast<int>(db.number("PRAGMA user_version")));  // it may stand in the log only
+  db.run("PRAGMA foreign_keys = ON");
+  if (mode == Store::Mode::read_write) {
+    db.run("PRAGMA synchronous = FULL");  // a stored shot survives a power cut; costs one flush a shot
+    migrate(db);
+  }
+  return db;
+}
+
+}  // namespace powbench::host

@@ -1,0 +1,12 @@
+#pragma once
+
+#include "host/store/sqlite.h"
+#include "host/store/store.h"
+
+namespace powbench::host {
+
+/// Opens the file behind a Store. What must be refused is refused from the raw header, before SQLite touches anything,
+/// so that a refused file stays as it was.
+sqlite::Database open_store(const std::string& path, Store::Mode mode);
+
+}  // namespace powbench::host

@@ -1,0 +1,158 @@
+#include "host/store/record_rows.h"
+
+#include <nlohmann/json.hpp>
+
+#include "core/crc32.h"
+#include "host/store/hash.h"
+#include "host/store/seal.h"
+#include "host/store/store.h"
+
+namespace powbench::host {
+
+using sqlite::Database;
+using sqlite::Statement;
+
+namespace {
+
+/// Scans in wire order: sample by sample, channel by channel, little endian.
+std::vector<std::uint8_t> interleave(const Record& r) {
+  std::vector<std::uint8_t> bytes;
+  bytes.reserve(2 * r.channels.size() * r.samples());
+  for (std::size_t i = 0; i < r.samples(); ++i) {
+    for (const ChannelRecord& c : r.channels) {
+      const auto value = static_cast<std::uint16_t>(c.raw[i]);
+      bytes.push_back(static_cast<std::uint8_t>(value & 0xFFU));
+      bytes.push_back(static_cast<std::uint8_t>(value >> 8));
+    }
+  }
+  return bytes;
+}
+
+void insert_channels(Database& db, std::int64_t record_id, const Record& record) {
+  for (std::size_t i = 0; i < record.channels.size(); ++i) {
+    const ChannelRecord& c = record.channels[i];
+    Statement(db,
+              "INSERT INTO channel (record_id, position, name, unit, scale, offset, delay, corner_hertz, "
+              "clip_low, clip_high) "
+              "VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?)")
+        .bind(record_id)
+        .bind(static_cast<std::int64_t>(i))
+        .bind(info(c.channel).name)
+        .bind(info(c.channel).unit)
+        .bind(c.scale)
+        .bind(c.offset)
+        .bind(c.delay)
+        .bind(c.corner_hertz)
+        .bind(static_cast<int>(c.clip_low))
+        .bind(static_cast<int>(c.clip_high))
+        .run();
+  }
+}
+
+/// Of everything but the samples, which have a hash of their own.
+std::string seal_of(const Record& r, const std::string& content_hash, const std::string& gaps) {
+  Seal seal;
+  seal.add(content_hash).add(r.sample_rate).add(r.fire_sample).add(r.fire_offset).add(gaps);
+  seal.add(static_cast<std::int64_t>(r.overruns)).add(static_cast<std::int64_t>(r.crc32));
+  seal.add(static_cast<std::int64_t>(r.shot_id)).add(r.rig).add(r.firmware).add(r.calibration);
+  for (const ChannelRecord& c : r.channels) {
+    seal.add(info(c.channel).name).add(c.scale).add(c.offset).add(c.delay).add(c.corner_hertz);
+    seal.add(static_cast<int>(c.clip_low)).add(static_cast<int>(c.clip_high));
+  }
+  return seal.hex();
+}
+
+Channel channel_named(const std::string& name) {
+  for (std::size_t i = 0; i < channel_count; ++i)
+    if (channel_table[i].name == name) return static_cast<Channel>(i);
+  throw StoreError("unknown channel '" + name + "' in the store: the file is damaged");
+}
+
+}  // namespace
+
+std::int64_t insert_record(Database& db, std::int64_t shot, const Record& r) {
+  const std::vector<std::uint8_t> scans = interleave(r);
+  nlohmann::json gaps = nlohmann::json::array();
+  for (const Gap& g : r.gaps) gaps.push_back({g.first, g.count});
+  const std::string content_hash = sha256_hex(scans);
+  Statement(db,
+            "INSERT INTO record (shot_id, content_hash, sample_rate, samples, fire_sample, fire_offset, "
+            "gaps, overruns, crc32, "
+            "rig_shot_id, rig, firmware, calibration, seal, scans) VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, "
+            "?, ?, ?, ?)")
+      .bind(shot)
+      .bind(content_hash)
+      .bind(r.sample_rate)
+      .bind(static_cast<std::int64_t>(r.samples()))
+      .bind(r.fire_sample)
+      .bind(r.fire_offset)
+      .bind(gaps.dump())
+      .bind(static_cast<std::int64_t>(r.overruns))
+      .bind(static_cast<std::int64_t>(r.crc32))
+      .bind(static_cast<std::int64_t>(r.shot_id))
+      .bind(r.rig)
+      .bind(r.firmware)
+      .bind(r.calibration)
+      .bind(seal_of(r, content_hash, gaps.dump()))
+      .bind_blob(scans)
+      .run();
+  const std::int64_t record_id = db.last_id();
+  insert_channels(db, record_id, r);
+  return record_id;
+}
+
+Record select_record(const Database& db, std::int64_t shot) {
+  Statement s(db,
+              "SELECT id, content_hash, sample_rate, samples, fire_sample, fire_offset, gaps, overruns, "
+              "crc32, rig_shot_id, rig, "
+              "firmware, calibration, scans, seal FROM record WHERE shot_id = ?");
+  s.bind(shot);
+  const std::string where = db.path() + ": shot " + std::to_string(shot);
+  if (!s.step()) throw StoreError(where + " has no record");
+  Record r;
+  r.sample_rate = s.real(2);
+  r.fire_sample = s.integer(4);
+  r.fire_offset = s.real(5);
+  for (const auto& gap : nlohmann::json::parse(s.text(6), nullptr, false))
+    if (gap.is_array() && gap.size() == 2)
+      r.gaps.push_back({gap[0].get<std::int64_t>(), gap[1].get<std::int64_t>()});
+  r.overruns = static_cast<std::uint32_t>(s.integer(7));
+  r.crc32 = static_cast<std::uint32_t>(s.integer(8));
+  r.shot_id = static_cast<std::uint64_t>(s.integer(9));
+  r.rig = s.text(10);
+  r.firmware = s.text(11);
+  r.calibration = s.text(12);
+
+  Statement c(db,
+              "SELECT name, scale, offset, delay, corner_hertz, clip_low, clip_high FROM channel WHERE "
+              "record_id = ? ORDER BY position");
+  c.bind(s.integer(0));
+  while (c.step())
+    r.channels.push_back({.channel = channel_named(c.text(0)),
+                          .raw = {},
+                          .scale = c.real(1),
+                          .offset = c.real(2),
+                          .delay = c.real(3),
+                          .corner_hertz = c.real(4),
+                          .clip_low = static_cast<std::int16_t>(c.integer(5)),
+                          .clip_high = static_cast<std::int16_t>(c.integer(6))});
+
+  if (seal_of(r, s.text(1), s.text(6)) != s.text(14))
+    throw StoreError(where +
+                     ": the record does not match its checksum: the file is damaged; restore it from a copy");
+  const auto scans = s.blob(13);
+  const auto samples = static_cast<std::size_t>(s.integer(3));
+  if (sha256_hex(scans) != s.text(1) || scans.size() != samples * r.channels.size() * 2)
+    throw StoreError(where + ": its samples do not match their hash: the record is damaged");
+  for (std::size_t k = 0; k < r.channels.size(); ++k) {
+    auto& raw = r.channels[k].raw;
+    raw.resize(samples);
+    for (std::size_t i = 0; i < samples; ++i) {
+      const std::size_t at = 2 * (i * r.channels.size() + k);
+      raw[i] = static_cast<std::int16_t>(static_cast<std::uint16_t>(scans[at] | scans[at + 1] << 8));
+    }
+  }
+  return r;
+}
+
+}  // namespace powbench::host

@@ -1,0 +1,112 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "core/conditions.h"
+#include "core/events.h"
+#include "core/outcome.h"
+#include "core/record.h"
+
+/// The store: one SQLite file (WAL, STRICT tables) that holds campaigns, shots, raw records and events. A shot is written
+/// in one transaction; raw samples are never changed.
+
+namespace powbench::host {
+
+/// The file cannot be used: damaged, foreign, from a newer program, full, or not writable. One sentence: what and what
+/// to do. A refused file is left as it was.
+class StoreError : public std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
+
+enum class ShotKind { measured, simulated };
+std::string_view name(ShotKind);
+
+struct CampaignInfo {
+  std::int64_t id = 0;
+  std::string created;  ///< UTC, ISO 8601
+  std::string name;
+  std::string plan;  ///< resolved, TOML
+  std::string plan_hash;
+  std::string specimen;  ///< resolved, TOML
+  std::string specimen_hash;
+  std::string rig_file;  ///< resolved, TOML
+  std::string rig_uri;
+  std::string rig_identity;
+  std::string program_version;
+  bool finished = false;
+};
+
+/// One shot as it is stored.
+struct StoredShot {
+  std::int64_t id = 0;
+  std::int64_t campaign = 0;
+  ShotKind kind = ShotKind::measured;
+  int number = 0;  ///< place in the plan's order
+  int repeat = 0;
+  double angle_deg = 0.0;  ///< commanded, polarity included
+  Conditions conditions;
+  Outcome outcome = Outcome::error;
+  std::string reason;
+  std::string started;      ///< UTC, ISO 8601
+  std::string record_hash;  ///< sha256 of the scans, empty without a record
+};
+
+/// What store_events needs beside the events.
+struct ExtractionInfo {
+  std::string parameters;  ///< canonical text
+  std::string program_version;
+};
+
+class Store {
+ public:
+  /// Marks the file as a powbench store ("PoWb").
+  static constexpr std::uint32_t application_id = 0x506F5762;
+  static constexpr int schema_version = 1;
+
+  enum class Mode { read_only, read_write };
+
+  /// Opens `path`; in read_write mode a missing or empty file becomes a new store, and an older schema is migrated.
+  explicit Store(const std::string& path, Mode mode = Mode::read_write);
+  ~Store();
+  Store(Store&&) noexcept;
+  Store& operator=(Store&&) noexcept;
+
+  /// Stores the campaign; id, created and finished of `info` are ignored. Returns its id.
+  std::int64_t create_campaign(const CampaignInfo& info);
+  void set_finished(std::int64_t campaign, bool finished);
+  std::vector<CampaignInfo> campaigns() const;
+  /// The newest campaign, or the one with this id. Throws StoreError when there is none.
+  CampaignInfo campaign(std::optional<std::int64_t> id = std::nullopt) const;
+  /// The newest unfinished campaign of this plan and specimen.
+  std::optional<CampaignInfo> find_unfinished(const std::string& plan_hash,
+                                              const std::string& specimen_hash) const;
+
+  /// Shot, record and events in one transaction. id and record_hash of `shot` are ignored. Returns the shot's id.
+  /// A shot that is there already (same campaign, kind, number) is replaced only if it has no valid record.
+  std::int64_t store_shot(const StoredShot& shot, const Record* record, const Events* events,
+                          const ExtractionInfo& extraction);
+  /// All shots of a campaign, by kind, then number.
+  std::vector<StoredShot> shots(std::int64_t campaign) const;
+  std::vector<StoredShot> shots(std::int64_t campaign, ShotKind kind) const;
+  StoredShot shot(std::int64_t id) const;
+
+  /// Throws StoreError when the samples do not match their hash.
+  Record load_record(std::int64_t shot) const;
+  /// The newest events of a shot.
+  std::optional<Events> load_events(std::int64_t shot) const;
+  void store_events(std::int64_t shot, const Events&, const ExtractionInfo&);
+
+  /// For tests: refuse to grow beyond this many pages, as a full disk does.
+  void limit_pages(int pages);
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace powbench::host

@@ -1,0 +1,88 @@
+#pragma once
+
+#include <string_view>
+#include <vector>
+
+/// The rules of the house as data: which folder may include which, and where a third-party header may appear.
+/// docs/architecture.md explains them; this table is what the tests enforce.
+
+namespace powbench::architecture {
+
+/// A top-level folder with C++ sources. `may_include` lists other folders; a folder may always include
+/// itself.
+struct Folder {
+  std::string_view name;
+  std::vector<std::string_view> may_include;
+  bool pure = false;         ///< no files, no streams, no operating system
+  bool third_party = false;  ///< any third-party header is welcome (tests and benchmarks with their peers)
+};
+
+/// Where the headers of one library may be included: in files whose path starts with `where`. The path of a
+/// single file names that file alone.
+struct Allowance {
+  std::string_view header;   ///< beginning of the name between the angle brackets
+  std::string_view where;    ///< beginning of the path of the including file
+  bool sources_only;         ///< in .cpp files only
+  std::string_view library;  ///< name in docs/dependencies.md
+};
+
+inline const std::vector<Folder>& folders() {
+  static const std::vector<Folder> table{
+      {"core", {}, true, false},
+      {"firmware", {"core"}, true, false},
+      {"dsp", {"core"}, true, false},
+      {"sim", {"core"}, true, false},
+      {"rigs", {"core", "sim", "firmware"}, false, false},
+      {"host", {"core", "dsp", "sim", "rigs"}, false, false},
+      {"bench", {"core", "firmware", "dsp", "sim", "rigs", "host"}, false, true},
+      {"tests", {"core", "firmware", "dsp", "sim", "rigs", "host", "bench"}, false, true},
+  };
+  return table;
+}
+
+inline const std::vector<Allowance>& allowances() {
+  static const std::vector<Allowance> table{
+      {"Eigen/", "dsp/", true, "Eigen"},
+      {"Eigen/", "sim/", true, "Eigen"},
+      {"iio.h", "rigs/iio_rig.cpp", true, "libiio"},
+      {"boost/asio", "rigs/iiod_server.cpp", true, "Boost.Asio"},
+      {"sqlite3.h", "host/store/", false, "SQLite"},
+      {"toml++/", "host/config/", true, "toml++"},
+      {"CLI/", "host/", true, "CLI11"},
+      {"nlohmann/", "host/", true, "nlohmann-json"},
+      {"fmt/", "host/", true, "fmt"},
+      {"openssl/", "host/", true, "OpenSSL"},
+  };
+  return table;
+}
+
+/// Standard headers that bring the heap, exceptions or the operating system: out of reach of the firmware,
+/// also through the core headers it includes.
+inline const std::vector<std::string_view>& hosted_headers() {
+  static const std::vector<std::string_view> table{
+      "string", "vector", "map",        "set",      "unordered_map", "unordered_set", "deque",  "list",
+      "memory", "thread", "stdexcept",  "iostream", "sstream",       "fstream",       "future", "filesystem",
+      "mutex",  "chrono", "functional", "regex",    "format",        "cstdio",        "any",    "locale"};
+  return table;
+}
+
+/// Standard headers a pure folder does without.
+inline const std::vector<std::string_view>& file_headers() {
+  static const std::vector<std::string_view> table{"fstream", "iostream", "filesystem",
+                                                   "thread",  "future",   "chrono"};
+  return table;
+}
+
+/// Headers that the build makes from other files; they are included like any other.
+inline const std::vector<std::string_view>& generated_headers() {
+  static const std::vector<std::string_view> table{"host/store/migrations.h", "host/cli/scenes.h"};
+  return table;
+}
+
+/// The portable part of the firmware: everything but the ports.
+inline constexpr std::string_view portable_firmware = "firmware/";
+inline constexpr std::string_view firmware_ports = "firmware/port/";
+
+inline constexpr int longest_file = 500;  ///< lines
+
+}  // namespace powbench::architecture

@@ -1,0 +1,63 @@
+#include <sys/wait.h>
+
+#include <catch2/catch.hpp>
+#include <cstdio>
+#include <filesystem>
+
+#include "tests/architecture/tree.h"
+
+/// The closing line of `./dev test` must be what the test programs counted, also when one of them ends badly.
+
+using namespace powbench::architecture;
+
+namespace {
+
+/// One program's part of ctest's log.
+std::string block(int number, const std::string& name, const std::string& output,
+                  const std::string& verdict) {
+  return std::to_string(number) + "/4 Testing: " + name + "\nOutput:\n---\n" + output +
+         "<end of output>\nTest time =   0.01 sec\n---\n" + verdict + "\n\n";
+}
+
+std::string closing_line(const std::string& log) {
+  const auto path = std::filesystem::path(POWBENCH_BINARY_DIR) / "count-tests.log";
+  std::ofstream(path, std::ios::binary) << "Start testing\n---\n" << log << "End testing\n";
+  const auto command =
+      "bash '" + (project_root() / "dev").string() + "' count-tests '" + path.string() + "' 2>&1";
+  std::FILE* pipe = popen(command.c_str(), "r");
+  REQUIRE(pipe != nullptr);
+  std::string said;
+  for (int c = std::fgetc(pipe); c != EOF; c = std::fgetc(pipe)) said += static_cast<char>(c);
+  REQUIRE(WEXITSTATUS(pclose(pipe)) == 0);
+  return said;
+}
+
+const std::string all_passed = "All tests passed (123 assertions in 12 test cases)\n";
+
+}  // namespace
+
+TEST_CASE("test cases are summed over the programs") {
+  CHECK(closing_line(block(1, "core", all_passed, "Test Passed.") +
+                     block(2, "dsp", "All tests passed (1 assertion in 1 test case)\n", "Test Passed.")) ==
+        "13 passed, 0 failed\n");
+}
+
+TEST_CASE("failed test cases are counted, and the passed ones beside them") {
+  const std::string some =
+      "===\ntest cases:  5 |  4 passed |  1 failed\nassertions: 10 | 9 passed | 1 failed\n";
+  CHECK(closing_line(block(1, "core", some, "Test Failed.") + block(2, "dsp", all_passed, "Test Passed.")) ==
+        "16 passed, 1 failed\n");
+  CHECK(closing_line(block(1, "core", "test cases: 3 | 3 failed\n", "Test Failed.")) ==
+        "0 passed, 3 failed\n");
+}
+
+TEST_CASE("a program that ends without a summary is one failure") {
+  CHECK(closing_line(block(1, "core", all_passed, "Test Passed.") + block(2, "dsp", "", "Test Failed.")) ==
+        "12 passed, 1 failed\n");
+  CHECK(closing_line(block(1, "core", all_passed, "Test Failed.")) == "12 passed, 1 failed\n");
+}
+
+TEST_CASE("a program without matching test cases adds nothing") {
+  CHECK(closing_line(block(1, "core.slow", "No test cases matched '[.slow]'\n===\nNo tests ran\n",
+                           "Test Passed.")) == "0 passed, 0 failed\n");
+}

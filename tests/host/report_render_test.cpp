@@ -1,0 +1,235 @@
+#include <catch2/catch.hpp>
+#include <cctype>
+#include <cmath>
+#include <string>
+
+#include "host/compare/compare.h"
+#include "host/report/report.h"
+#include "tests/host/report_xml_check.h"
+
+using namespace powbench;
+using namespace powbench::host;
+using test::xml_error;
+
+namespace {
+
+Waveform wave(const char* channel, const char* unit, std::size_t n) {
+  Waveform w{channel, unit, -10e-3, 10e-6, {}};
+  for (std::size_t i = 0; i < n; ++i)
+    w.values.push_back(static_cast<float>(std::sin(0.01 * static_cast<double>(i))));
+  return w;
+}
+
+Events some_events(double touch) {
+  Events e;
+  e.method = "method <one>";
+  e.parameters_hash = "cafe";
+  e.contact_voltage.present = true;
+  Contact first, last;
+  first.touch = {touch, 2e-6};
+  first.release = {touch + 1e-3, 2e-6};
+  last.touch = {touch + 3e-3, 2e-6};
+  e.contact_voltage.contacts = {first, last};
+  e.contact_voltage.settled = last.touch;
+  e.contact_voltage.bounce_time = {3e-3, 3e-6};
+  e.contact_voltage.bounce_count = 1;
+  e.core.seat = {touch + 2e-3, 10e-6};
+  e.coil.closing_angle = {radians(30.1), radians(0.02)};
+  return e;
+}
+
+ReportShot some_shot(int index) {
+  ReportShot s;
+  s.index = index;
+  s.conditions.closing_angle = radians(30);
+  s.outcome = Outcome::pass;
+  s.events = some_events(12e-3);
+  s.waveforms = {wave("pvdf_a", "N", 6000), wave("laser", "m", 6000), wave("mains_voltage", "V", 6000)};
+  s.record_hash = "0123456789abcdef";
+  return s;
+}
+
+void compare_into(ReportInput& in) {
+  std::vector<AngleGroup> groups;
+  for (const auto& s : in.shots) {
+    auto& group = group_at(groups, effective_angle(s.conditions));
+    if (s.events) group.measured.push_back(*s.events);
+  }
+  for (const auto& s : in.simulated) group_at(groups, s.closing_angle).simulated.push_back(s.events);
+  in.comparison = compare(groups, in.published, in.limits);
+}
+
+bool has_word(const std::string& text, const std::string& word) {
+  const auto letter = [](char c) { return std::isalpha(static_cast<unsigned char>(c)) != 0; };
+  for (auto i = text.find(word); i != std::string::npos; i = text.find(word, i + 1)) {
+    const bool before = i > 0 && letter(text[i - 1]);
+    const bool after = i + word.size() < text.size() && letter(text[i + word.size()]);
+    if (!before && !after) return true;
+  }
+  return false;
+}
+
+bool contains(const std::string& text, const std::string& part) {
+  return text.find(part) != std::string::npos;
+}
+
+/// What must hold for every report whatsoever.
+void check_page(const ReportInput& in) {
+  const std::string html = render_html(in), junit = render_junit(in);
+  CHECK(xml_error(html) == "");
+  CHECK(xml_error(junit) == "");
+  for (const std::string word : {"nan", "inf", "NaN", "-nan"}) {
+    CHECK_FALSE(has_word(html, word));
+    CHECK_FALSE(has_word(junit, word));
+  }
+  CHECK_FALSE(contains(html, "<script"));
+  CHECK_FALSE(contains(html, "src="));
+  CHECK_FALSE(contains(html, "href="));
+  CHECK_FALSE(contains(html, "@import"));
+  CHECK_FALSE(contains(html, "url("));
+}
+
+}  // namespace
+
+TEST_CASE("an empty campaign gives a complete page", "[report]") {
+  ReportInput in;
+  check_page(in);
+  CHECK(verdict(in) == Outcome::aborted);
+  CHECK(contains(render_html(in), "No shot has been fired"));
+  in.planned = 21;
+  check_page(in);
+  CHECK(count(in).missing == 21);
+  CHECK(contains(render_junit(in), "0 of 21 planned shots fired"));
+}
+
+TEST_CASE("one shot, without simulation or publication", "[report]") {
+  ReportInput in;
+  in.campaign = "single";
+  in.planned = 1;
+  in.shots = {some_shot(1)};
+  compare_into(in);
+  check_page(in);
+  CHECK(verdict(in) == Outcome::pass);
+  const std::string html = render_html(in);
+  CHECK(contains(html, "Closing angle 30\xC2\xB0"));
+  CHECK(contains(html, "12.000"));         // t_ct1 in ms
+  CHECK(contains(html, "0123456789ab<"));  // record hash, shortened
+  CHECK(contains(html, "@media print"));
+}
+
+TEST_CASE("everything unknown in a shot's events prints dashes", "[report]") {
+  ReportInput in;
+  in.planned = 1;
+  in.shots = {some_shot(1)};
+  in.shots[0].events = Events{};
+  in.shots[0].waveforms = {Waveform{"pvdf_a", "N", 0, 1e-5, std::vector<float>(50, std::nanf(""))},
+                           Waveform{"laser", "m", 0, 0, {1, 2}}, Waveform{"coil_current", "A", 0, 1e-5, {}}};
+  in.published = published_rows();
+  Limit limit;
+  limit.quantity = "t_ct1";
+  limit.high = 1;
+  in.limits = {limit};
+  compare_into(in);
+  check_page(in);
+  CHECK(verdict(in) == Outcome::fail);  // a limited quantity that nobody saw is outside
+}
+
+TEST_CASE("hostile names stay text", "[report]") {
+  const std::string evil = "<script>alert(1)</script>\"'&\x01\xff]]>";
+  ReportInput in;
+  in.campaign = in.specimen = evil;
+  in.planned = 2;
+  in.provenance = {evil, evil, evil, evil, evil, evil, evil,
+                   evil, evil, evil, evil, evil, evil, {{evil, evil}}};
+  in.shots = {some_shot(1), some_shot(2)};
+  in.shots[0].reason = evil;
+  in.shots[0].record_hash = evil;
+  in.shots[0].events->method = evil;
+  in.shots[1].waveforms[0].channel = evil;
+  in.extraction_parameters = evil + "=" + evil + "\nno equal sign\n=\n";
+  compare_into(in);
+  check_page(in);
+}
+
+TEST_CASE("shots without a record are counted, listed and explained", "[report]") {
+  ReportInput in;
+  in.campaign = "rough day";
+  in.planned = 6;
+  for (int i = 1; i <= 5; ++i) in.shots.push_back(some_shot(i));
+  const Outcome outcomes[] = {Outcome::pass, Outcome::fail, Outcome::error, Outcome::timeout,
+                              Outcome::aborted};
+  for (std::size_t i = 0; i < 5; ++i) in.shots[i].outcome = outcomes[i];
+  for (std::size_t i = 2; i < 5; ++i) {
+    in.shots[i].events.reset();
+    in.shots[i].waveforms.clear();
+    in.shots[i].record_hash.clear();
+    in.shots[i].reason = "rig lost in shot " + std::to_string(i + 1);
+  }
+  compare_into(in);
+  check_page(in);
+  const Counts c = count(in);
+  CHECK(c.planned == 6);
+  CHECK(c.done == 2);
+  CHECK(c.passed == 1);
+  CHECK(c.failed == 1);
+  CHECK(c.errors == 3);
+  CHECK(c.missing == 1);
+  CHECK(verdict(in) == Outcome::fail);
+  const std::string html = render_html(in), junit = render_junit(in);
+  CHECK(contains(html, "rig lost in shot 4"));
+  CHECK(contains(html, "2 of 5 shots measured"));
+  // 5 shots + completeness; completeness is an error as well
+  CHECK(contains(junit, "tests=\"6\" failures=\"1\" errors=\"4\""));
+  CHECK(contains(junit, "<error type=\"TIMEOUT\" message=\"rig lost in shot 4\"/>"));
+  CHECK(contains(junit, "<failure type=\"FAIL\""));
+}
+
+TEST_CASE("the verdict follows the worst outcome", "[report]") {
+  ReportInput in;
+  in.planned = 2;
+  in.shots = {some_shot(1), some_shot(2)};
+  CHECK(verdict(in) == Outcome::pass);
+  for (const Outcome o : {Outcome::aborted, Outcome::timeout, Outcome::error, Outcome::fail}) {
+    in.shots[1].outcome = o;
+    CHECK(verdict(in) == o);
+  }
+  in.shots[1].outcome = Outcome::pass;
+  in.planned = 3;
+  CHECK(verdict(in) == Outcome::aborted);
+}
+
+TEST_CASE("a limit is a JUnit case of its own", "[report]") {
+  ReportInput in;
+  in.campaign = "limits";
+  in.planned = 1;
+  in.shots = {some_shot(1)};
+  Limit tight;
+  tight.quantity = "t_ct_bon";
+  tight.high = 2e-3;
+  Limit wide = tight;
+  wide.high = 9e-3;
+  in.limits = {tight, wide};
+  compare_into(in);
+  const std::string junit = render_junit(in);
+  CHECK(contains(
+      junit,
+      "name=\"t_ct_bon \xE2\x89\xA4 2 ms\"><failure type=\"FAIL\" message=\"outside at 30.00 deg\"/>"));
+  check_page(in);
+}
+
+TEST_CASE("measured, simulated and published stand side by side", "[report]") {
+  ReportInput in;
+  in.planned = 1;
+  in.shots = {some_shot(1)};
+  in.published = published_rows();
+  in.simulated = {{radians(30), some_events(12.34e-3), {wave("pvdf_a", "N", 6000)}},
+                  {radians(90), some_events(17.05e-3), {wave("pvdf_a", "N", 6000)}}};
+  compare_into(in);
+  check_page(in);
+  const std::string html = render_html(in);
+  CHECK(contains(html, "<td class=\"sim\">12.34</td>"));
+  CHECK(contains(html, "<td class=\"pub\">11.86</td>"));
+  CHECK(contains(html, "<td class=\"pub\">11.65</td>"));
+  CHECK(contains(html, "<td class=\"pub\">16.82 \xE2\x80\xA0</td>"));  // excluded row at 90 deg
+  CHECK(contains(html, "0 of 0 shots measured"));
+}

@@ -1,0 +1,252 @@
+#include "host/store/store.h"
+
+#include <sqlite3.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <catch2/catch.hpp>
+
+#include "tests/host/store_samples.h"
+
+using namespace powbench;
+using namespace powbench::host;
+using Catch::Matchers::Contains;
+
+namespace fs = std::filesystem;
+
+namespace {
+
+const ExtractionInfo extraction{"cutoff = 1\n", "0.1.0"};
+
+/// One statement on a file, past the store.
+void sql(const std::string& path, const std::string& statement) {
+  sqlite3* db = nullptr;
+  REQUIRE(sqlite3_open(path.c_str(), &db) == SQLITE_OK);
+  CHECK(sqlite3_exec(db, statement.c_str(), nullptr, nullptr, nullptr) == SQLITE_OK);
+  sqlite3_close(db);
+}
+
+}  // namespace
+
+TEST_CASE("campaign, shot, record and events come back as they went in", "[store]") {
+  const Folder folder;
+  std::int64_t campaign = 0;
+  {
+    Store store(folder.file());
+    campaign = fill(store, 3);
+  }
+  Store store(folder.file());
+  const CampaignInfo info = store.campaign();
+  CHECK(info.id == campaign);
+  CHECK(info.plan == sample_campaign().plan);
+  CHECK(info.rig_identity == sample_campaign().rig_identity);
+  CHECK(info.created.size() == 20);
+  CHECK_FALSE(info.finished);
+
+  const auto shots = store.shots(campaign, ShotKind::measured);
+  REQUIRE(shots.size() == 3);
+  CHECK(store.shots(campaign, ShotKind::simulated).empty());
+  for (int i = 0; i < 3; ++i) {
+    const StoredShot& s = shots[static_cast<std::size_t>(i)];
+    const StoredShot asked = sample_shot(campaign, i);
+    CHECK(s.number == i);
+    CHECK(same(s.conditions, asked.conditions));
+    CHECK(s.angle_deg == asked.angle_deg);
+    CHECK(s.outcome == Outcome::pass);
+    CHECK(s.record_hash.size() == 64);
+    const auto seed = static_cast<std::uint64_t>(i);
+    const Record record = store.load_record(s.id);
+    CHECK(same(record, sample_record(seed)));
+    CHECK(same(record.conditions, asked.conditions));
+    CHECK(same(store.load_events(s.id).value(), sample_events(seed)));
+  }
+}
+
+TEST_CASE("a record takes 16 bytes a sample and little more", "[store]") {
+  const Folder folder;
+  constexpr int shots = 10;
+  constexpr std::size_t samples = 14'000;
+  {
+    Store store(folder.file());
+    fill(store, shots, samples);
+  }
+  const auto size = static_cast<double>(fs::file_size(folder.file()));
+  CHECK(size / (shots * 16.0 * samples) < 1.1);
+}
+
+TEST_CASE("a shot with a valid record is there once; one without may be done again", "[store]") {
+  const Folder folder;
+  Store store(folder.file());
+  const auto campaign = fill(store, 1);
+  const Record other = sample_record(99);
+  CHECK_THROWS_AS(store.store_shot(sample_shot(campaign, 0), &other, nullptr, extraction), StoreError);
+  const auto kept = store.shots(campaign);
+  REQUIRE(kept.size() == 1);
+  CHECK(same(store.load_record(kept[0].id), sample_record(0)));
+
+  store.store_shot(sample_shot(campaign, 1, Outcome::error), nullptr, nullptr, extraction);
+  CHECK(store.shots(campaign)[1].reason == "the rig did not answer");
+  CHECK(store.shots(campaign)[1].record_hash.empty());
+  const auto id = store.store_shot(sample_shot(campaign, 1), &other, nullptr, extraction);
+  REQUIRE(store.shots(campaign).size() == 2);
+  CHECK(store.shot(id).outcome == Outcome::pass);
+  CHECK_FALSE(store.load_events(id).has_value());
+
+  StoredShot simulated = sample_shot(campaign, 0);
+  simulated.kind = ShotKind::simulated;
+  store.store_shot(simulated, &other, nullptr, extraction);
+  CHECK(store.shots(campaign).size() == 3);
+}
+
+TEST_CASE("events of another extraction are kept beside the first", "[store]") {
+  const Folder folder;
+  Store store(folder.file());
+  const auto campaign = fill(store, 1);
+  const auto shot = store.shots(campaign)[0].id;
+  Events other = sample_events(5);
+  other.parameters_hash = "4567";
+  store.store_events(shot, other, extraction);
+  CHECK(same(store.load_events(shot).value(), other));
+}
+
+TEST_CASE("the newest unfinished campaign of a plan is found for resuming", "[store]") {
+  const Folder folder;
+  Store store(folder.file());
+  CHECK_FALSE(store.find_unfinished("plan-demo", "specimen-demo").has_value());
+  CHECK_THROWS_WITH(store.campaign(), Contains("no campaign yet"));
+  const auto first = store.create_campaign(sample_campaign());
+  const auto second = store.create_campaign(sample_campaign());
+  store.create_campaign(sample_campaign("other"));
+  CHECK(store.find_unfinished("plan-demo", "specimen-demo")->id == second);
+  store.set_finished(second, true);
+  CHECK(store.find_unfinished("plan-demo", "specimen-demo")->id == first);
+  CHECK_FALSE(store.find_unfinished("plan-demo", "specimen-other").has_value());
+  CHECK(store.campaign(second).finished);
+  CHECK(store.campaigns().size() == 3);
+  CHECK_THROWS_AS(store.campaign(999), StoreError);
+  CHECK_THROWS_AS(store.shot(999), StoreError);
+  CHECK_THROWS_AS(store.load_record(999), StoreError);
+}
+
+TEST_CASE("shots need their campaign", "[store]") {
+  const Folder folder;
+  Store store(folder.file());
+  CHECK_THROWS_AS(store.store_shot(sample_shot(12, 0), nullptr, nullptr, extraction), StoreError);
+}
+
+TEST_CASE("a zero-length file is a new store, and a closed store is one file", "[store]") {
+  const Folder folder;
+  write_bytes(folder.file(), "");
+  {
+    Store store(folder.file());
+    fill(store, 1);
+  }
+  {
+    const Store reader(folder.file(), Store::Mode::read_only);
+    CHECK(reader.shots(1).size() == 1);
+  }
+  int files = 0;
+  for (const auto& entry : fs::directory_iterator(folder.path())) {
+    CAPTURE(entry.path());
+    ++files;
+  }
+  CHECK(files == 1);
+}
+
+TEST_CASE("refused files get one sentence and stay as they are", "[store]") {
+  const Folder folder;
+  const auto refuse = [&](const std::string& file, const std::string& words) {
+    const std::string before = bytes_of(file);
+    for (const auto mode : {Store::Mode::read_write, Store::Mode::read_only})
+      CHECK_THROWS_WITH(Store(file, mode), Contains(words) && Contains(file));
+    CHECK(bytes_of(file) == before);
+    CHECK_FALSE(fs::exists(file + "-wal"));
+    CHECK_FALSE(fs::exists(file + "-shm"));
+  };
+
+  write_bytes(folder.file("notes.txt"), std::string(5000, 'x'));
+  refuse(folder.file("notes.txt"), "not a powbench store");
+  sql(folder.file("other.db"), "CREATE TABLE t (x); INSERT INTO t VALUES (1)");
+  refuse(folder.file("other.db"), "another program");
+  { Store store(folder.file("newer.db")); }
+  sql(folder.file("newer.db"), "PRAGMA user_version = 99");
+  refuse(folder.file("newer.db"), "newer powbench");
+  write_bytes(folder.file("short.db"), bytes_of(folder.file("newer.db")).substr(0, 60));
+  refuse(folder.file("short.db"), "damaged");
+
+  CHECK_THROWS_WITH(Store(folder.path().string()), Contains("folder"));
+  CHECK_THROWS_WITH(Store(folder.file("nowhere/x.db")), Contains("there is no folder"));
+  CHECK_THROWS_WITH(Store(folder.file("absent.db"), Store::Mode::read_only), Contains("no such store"));
+  CHECK_FALSE(fs::exists(folder.file("absent.db")));
+}
+
+TEST_CASE("a newer schema is seen even while it stands in the log only", "[store]") {
+  const Folder folder;
+  { Store store(folder.file()); }
+  sqlite3* db = nullptr;  // another program keeps the file open: its change is in the log
+  REQUIRE(sqlite3_open(folder.file().c_str(), &db) == SQLITE_OK);
+  REQUIRE(sqlite3_exec(db, "PRAGMA user_version = 99", nullptr, nullptr, nullptr) == SQLITE_OK);
+  CHECK_THROWS_WITH(Store(folder.file()), Contains("newer powbench"));
+  sqlite3_close(db);
+}
+
+TEST_CASE("two processes that make the same store at once both keep their campaign", "[store]") {
+  for (int round = 0; round < 20; ++round) {
+    const Folder folder;
+    std::array<pid_t, 2> children{};
+    for (pid_t& child : children) {
+      child = fork();
+      if (child == 0) {
+        try {
+          Store store(folder.file());
+          fill(store, 1, 20);
+          _exit(0);
+        } catch (...) {
+          _exit(1);
+        }
+      }
+    }
+    for (const pid_t child : children) {
+      int status = 0;
+      waitpid(child, &status, 0);
+      CHECK(status == 0);
+    }
+    Store store(folder.file());
+    REQUIRE(store.campaigns().size() == 2);
+  }
+}
+
+TEST_CASE("a store that may not be written is read, and writing is refused in words", "[store]") {
+  const Folder folder;
+  {
+    Store store(folder.file());
+    fill(store, 1);
+  }
+  fs::permissions(folder.path(), fs::perms(0555));
+  fs::permissions(folder.file(), fs::perms(0444));
+  const std::string before = bytes_of(folder.file());
+  const pid_t child = fork();
+  if (child == 0) {
+    if (geteuid() == 0 && setuid(65534) != 0) _exit(10);
+    try {
+      const Store reader(folder.file(), Store::Mode::read_only);
+      if (!same(reader.load_record(reader.shots(1).at(0).id), sample_record(0))) _exit(1);
+    } catch (const std::exception& e) {
+      _exit(2);
+    }
+    try {
+      Store writer(folder.file());
+      writer.create_campaign(sample_campaign());
+      _exit(3);
+    } catch (const StoreError&) {
+      _exit(0);
+    } catch (...) {
+      _exit(4);
+    }
+  }
+  int status = 0;
+  waitpid(child, &status, 0);
+  fs::permissions(folder.path(), fs::perms(0755));
+  CHECK(WEXITSTATUS(status) == 0);
+  CHECK(bytes_of(folder.file()) == before);
+}

@@ -1,0 +1,94 @@
+#include <catch2/catch.hpp>
+
+#include "tests/system/program.h"
+
+using namespace powbench::test;
+using Catch::Contains;
+
+TEST_CASE("all mistakes of a plan at once, with file, line, key, range and the nearest key", "[system]") {
+  Folder folder;
+  const std::string plan = folder.write("bad.plan.toml",
+                                        "name = \"x\"\n"
+                                        "angles_deg = [0, 400]\n"
+                                        "repeets = 3\n"
+                                        "supply_V = \"high\"\n");
+  for (const char* verb : {"run", "sim"}) {
+    const Finished r = run(folder, {verb, plan, "--db", folder.file("a.db")});
+    CHECK(r.status == 2);
+    CHECK_THAT(r.err, Contains("bad.plan.toml:2"));
+    CHECK_THAT(r.err, Contains("400"));
+    CHECK_THAT(r.err, Contains("bad.plan.toml:3"));
+    CHECK_THAT(r.err, Contains("did you mean 'repeats'"));
+    CHECK_THAT(r.err, Contains("bad.plan.toml:4"));
+    CHECK(r.out.empty());
+    CHECK_FALSE(std::filesystem::exists(folder.file("a.db")));
+  }
+  CHECK(run(folder, {"plan", "check", plan}).status == 2);
+  CHECK(run(folder, {"plan", "check", folder.file("none.toml")}).status == 2);
+}
+
+TEST_CASE("words the command line does not know", "[system]") {
+  Folder folder;
+  CHECK(run(folder, {}).status == 2);
+  CHECK(run(folder, {"fly"}).status == 2);
+  CHECK(run(folder, {"run"}).status == 2);
+  CHECK(run(folder, {"run", "x", "--progress", "loud"}).status == 2);
+  const Finished help = run(folder, {"--help"});
+  CHECK(help.status == 0);
+  CHECK_THAT(help.out, Contains("powbench demo"));
+  CHECK_THAT(help.out, Contains("Exit codes"));
+}
+
+TEST_CASE(
+    "an unreachable rig is exit 3, one sentence, and leaves no store behind a campaign that never began",
+    "[system]") {
+  Folder folder;
+  const std::string plan = folder.write("p.toml", "angles_deg = [0]\nrepeats = 1\n");
+  for (const char* rig : {"ip:127.0.0.254", "ip:nowhere.invalid", "teapot:"}) {
+    const Finished r = run(folder, {"run", plan, "--rig", rig, "--db", folder.file("a.db")});
+    INFO(rig << "\n" << r.err);
+    CHECK(r.status == 3);
+    CHECK_THAT(r.err, Contains("powbench: "));
+    // libiio itself may add a line about its name service
+    const std::string sentence = r.err.substr(r.err.find("powbench: "));
+    CHECK(std::count(sentence.begin(), sentence.end(), '\n') == 1);
+  }
+  CHECK(run(folder, {"compare", "--db", folder.file("a.db")}).status == 5);
+}
+
+TEST_CASE("databases that must be refused are refused untouched, with exit 5", "[system]") {
+  Folder folder;
+  const std::string plan = folder.write("p.toml", "angles_deg = [0]\nrepeats = 1\n");
+  const std::string db = folder.file("a.db");
+  REQUIRE(run(folder, {"run", plan, "--db", db}).status == 0);
+  const std::string good = read_file(db);
+
+  const auto refuse = [&](const std::string& content, const std::string& word) {
+    folder.write("a.db", content);
+    for (const std::vector<std::string>& command : {std::vector<std::string>{"run", plan, "--db", db},
+                                                    {"report", "--db", db, "-o", folder.file("out")},
+                                                    {"campaigns", "--db", db}}) {
+      const Finished r = run(folder, command);
+      INFO(word << ": " << r.err);
+      CHECK(r.status == 5);
+      CHECK_THAT(r.err, Contains(word));
+    }
+    CHECK(read_file(db) == content);
+    CHECK_FALSE(std::filesystem::exists(db + "-wal"));
+    CHECK_FALSE(std::filesystem::exists(db + "-journal"));
+  };
+  std::string newer = good;
+  newer[63] = 99;
+  refuse(newer, "newer powbench");
+  std::string foreign = good;
+  foreign[68] = 0;
+  refuse(foreign, "another program");
+  refuse(good.substr(0, good.size() / 2), "damaged");
+  refuse(good.substr(0, 50), "damaged");
+  refuse("time [s],force [N]\n0,1\n" + std::string(200, ' '), "not a powbench store");
+
+  folder.write("a.db", good);
+  CHECK(run(folder, {"campaigns", "--db", db}).status == 0);
+  CHECK(run(folder, {"run", plan, "--db", folder.file("no/such/folder/a.db")}).status == 5);
+  CHECK(run(folder, {"events", "77", "--db", db}).status == 5);
+}

@@ -1,0 +1,122 @@
+#pragma once
+
+#include <fcntl.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <csignal>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+#include <stdexcept>
+#include <string>
+#include <thread>
+#include <vector>
+
+/// The command line as a user runs it: a process of its own, in a folder of its own.
+namespace powbench::test {
+
+/// A folder that is gone with the object.
+class Folder {
+ public:
+  Folder() {
+    std::string name = (std::filesystem::temp_directory_path() / "powbench-system-XXXXXX").string();
+    if (!mkdtemp(name.data())) throw std::runtime_error("no temporary folder");
+    path_ = name;
+  }
+  ~Folder() {
+    std::error_code ignored;
+    std::filesystem::remove_all(path_, ignored);
+  }
+  Folder(const Folder&) = delete;
+  Folder& operator=(const Folder&) = delete;
+
+  std::string file(const std::string& name) const { return (path_ / name).string(); }
+  std::string write(const std::string& name, const std::string& text) const {
+    std::ofstream(path_ / name, std::ios::binary) << text;
+    return file(name);
+  }
+
+ private:
+  std::filesystem::path path_;
+};
+
+inline std::string read_file(const std::string& path) {
+  std::ifstream in(path, std::ios::binary);
+  std::ostringstream text;
+  text << in.rdbuf();
+  return text.str();
+}
+
+/// A running program; killed with the object.
+class Program {
+ public:
+  Program(const Folder& folder, const std::vector<std::string>& arguments)
+      : out_(folder.file("stdout.txt")), err_(folder.file("stderr.txt")) {
+    pid_ = fork();
+    if (pid_ != 0) return;
+    const auto redirect = [](const std::string& file, int to) {
+      const int fd = open(file.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600);
+      dup2(fd, to);
+      close(fd);
+    };
+    redirect(out_, STDOUT_FILENO);
+    redirect(err_, STDERR_FILENO);
+    std::vector<char*> argv{const_cast<char*>(POWBENCH_PROGRAM)};
+    for (const auto& a : arguments) argv.push_back(const_cast<char*>(a.c_str()));
+    argv.push_back(nullptr);
+    execv(POWBENCH_PROGRAM, argv.data());
+    _exit(127);
+  }
+  ~Program() {
+    if (pid_ > 0) {
+      kill(pid_, SIGKILL);
+      wait();
+    }
+  }
+  Program(const Program&) = delete;
+  Program& operator=(const Program&) = delete;
+
+  void send(int signal) const { kill(pid_, signal); }
+
+  /// Exit code; -signal when a signal ended it.
+  int wait() {
+    if (pid_ <= 0) return status_;
+    int raw = 0;
+    waitpid(pid_, &raw, 0);
+    pid_ = -1;
+    status_ = WIFEXITED(raw) ? WEXITSTATUS(raw) : -WTERMSIG(raw);
+    return status_;
+  }
+  /// Exit code if it has ended, else -1000.
+  int poll() {
+    if (pid_ <= 0) return status_;
+    int raw = 0;
+    if (waitpid(pid_, &raw, WNOHANG) == 0) return -1000;
+    pid_ = -1;
+    return status_ = WIFEXITED(raw) ? WEXITSTATUS(raw) : -WTERMSIG(raw);
+  }
+
+  std::string out() const { return read_file(out_); }
+  std::string err() const { return read_file(err_); }
+
+ private:
+  std::string out_, err_;
+  pid_t pid_ = -1;
+  int status_ = 0;
+};
+
+struct Finished {
+  int status;
+  std::string out, err;
+};
+
+inline Finished run(const Folder& folder, const std::vector<std::string>& arguments) {
+  Program program(folder, arguments);
+  const int status = program.wait();
+  return {status, program.out(), program.err()};
+}
+
+}  // namespace powbench::test
