@@ -4,6 +4,8 @@
 
 #include <array>
 #include <cerrno>
+#include <csignal>
+#include <cstdlib>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
@@ -58,11 +60,14 @@ void inspect(const std::string& path) {
 }
 
 void migrate(Database& db) {
-  for (auto version = static_cast<std::size_t>(db.number("PRAGMA user_version"));
-       version < store_migrations.size(); ++version) {
+  const auto known = [&] { return static_cast<std::size_t>(db.number("PRAGMA user_version")); };
+  while (known() < store_migrations.size()) {
     sqlite::Transaction t(db);
-    db.run(std::string(store_migrations[version]));
-    db.run("PRAGMA user_version = " + std::to_string(version + 1));
+    const std::size_t version = known();  // again, inside: another process may have been quicker
+    if (version < store_migrations.size()) {
+      db.run(std::string(store_migrations[version]));
+      db.run("PRAGMA user_version = " + std::to_string(version + 1));
+    }
     t.commit();
   }
 }
@@ -72,6 +77,14 @@ void create(const std::string& path) {
   const fs::path folder = fs::path(path).has_parent_path() ? fs::path(path).parent_path() : fs::path(".");
   if (!fs::is_directory(folder))
     throw StoreError(path + ": there is no folder " + folder.string() + "; make it first");
+  // what a creation that was killed left behind goes first
+  const std::string beginning = fs::path(path).filename().string() + ".new-";
+  for (const auto& entry : fs::directory_iterator(folder)) {
+    const std::string name = entry.path().filename().string();
+    if (!name.starts_with(beginning)) continue;
+    const pid_t owner = static_cast<pid_t>(std::atol(name.c_str() + beginning.size()));
+    if (owner <= 0 || (kill(owner, 0) != 0 && errno == ESRCH)) fs::remove(entry.path());
+  }
   const std::string aside = path + ".new-" + std::to_string(getpid());
   fs::remove(aside);
   {
@@ -93,11 +106,24 @@ Database open_for_reading(const std::string& path) {
   const fs::path folder = fs::path(path).has_parent_path() ? fs::path(path).parent_path() : fs::path(".");
   const bool writable = access(path.c_str(), W_OK) == 0 && access(folder.c_str(), W_OK) == 0;
   if (!writable && !has_content(path + "-wal"))
-    return Database("file:" + path + "?immutable=1", SQLITE_OPEN_READONLY | SQLITE_OPEN_URI);
+    return Database(path, SQLITE_OPEN_READONLY, Database::Immutable{});
   // a reader that may write clears the log away behind itself; query_only keeps it from changing anything
   Database db(path, writable ? SQLITE_OPEN_READWRITE : SQLITE_OPEN_READONLY);
   db.run("PRAGMA query_only = ON");
   return db;
+}
+
+}  // namespace
+
+namespace {
+
+/// Rows and indices agree: a flipped bit in an index must not hide a shot. Leaves the samples out, they have a hash each.
+void check_structure(Database& db) {
+  for (const char* table : {"campaign", "shot", "channel", "events"}) {
+    sqlite::Statement check(db, std::string("PRAGMA integrity_check(") + table + ")");
+    if (!check.step() || check.text(0) != "ok")
+      throw StoreError(db.path() + ": the file is damaged (" + check.text(0) + "); restore it from a copy");
+  }
 }
 
 }  // namespace
@@ -110,9 +136,13 @@ Database open_store(const std::string& path, Store::Mode mode) {
     create(path);
   }
   inspect(path);
+  const bool has_log = has_content(path + "-wal");
   Database db =
       mode == Store::Mode::read_only ? open_for_reading(path) : Database(path, SQLITE_OPEN_READWRITE);
+  if (has_log) db.write_log_back(false);  // nothing goes from the log into a file that may still be refused
+  check_structure(db);
   refuse_newer(path, static_cast<int>(db.number("PRAGMA user_version")));  // it may stand in the log only
+  db.write_log_back(true);
   db.run("PRAGMA foreign_keys = ON");
   if (mode == Store::Mode::read_write) {
     db.run("PRAGMA synchronous = FULL");  // a stored shot survives a power cut; costs one flush a shot

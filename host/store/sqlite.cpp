@@ -30,14 +30,40 @@ void fail(int code, const std::string& path, const std::string& detail, int disk
   }
 }
 
-Database::Database(const std::string& path, int flags) : path_(path) {
+namespace {
+
+/// Path as a URI that opens the file as it stands.
+std::string immutable_uri(const std::string& path) {
+  std::string uri = "file:";
+  for (const char c : path) {
+    if (c == '%' || c == '?' || c == '#') {
+      uri += '%';
+      uri += "0123456789ABCDEF"[static_cast<unsigned char>(c) >> 4];
+      uri += "0123456789ABCDEF"[static_cast<unsigned char>(c) & 15U];
+    } else {
+      uri += c;
+    }
+  }
+  return uri + "?immutable=1";
+}
+
+}  // namespace
+
+Database::Database(const std::string& path, int flags, Immutable)
+    : Database(path, immutable_uri(path), flags | SQLITE_OPEN_URI) {}
+
+Database::Database(const std::string& path, const std::string& name, int flags) : path_(path) {
   sqlite3* raw = nullptr;
-  const int code = sqlite3_open_v2(path.c_str(), &raw, flags, nullptr);
+  const int code = sqlite3_open_v2(name.c_str(), &raw, flags, nullptr);
   db_.reset(raw);
   if (code != SQLITE_OK)
     sqlite::fail(code, path_, raw ? sqlite3_errmsg(raw) : sqlite3_errstr(code),
                  raw ? sqlite3_system_errno(raw) : 0);
   sqlite3_busy_timeout(raw, 5000);
+}
+
+void Database::write_log_back(bool on) {
+  sqlite3_db_config(db_.get(), SQLITE_DBCONFIG_NO_CKPT_ON_CLOSE, on ? 0 : 1, nullptr);
 }
 
 void Database::fail() const {

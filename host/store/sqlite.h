@@ -17,15 +17,22 @@ namespace powbench::host::sqlite {
 
 class Database {
  public:
-  Database(const std::string& path, int flags);
+  struct Immutable {};  ///< tag: the file is taken as it stands, without log and locks
+
+  Database(const std::string& path, int flags) : Database(path, path, flags) {}
+  Database(const std::string& path, int flags, Immutable);
   void run(const std::string& sql);
   std::int64_t number(const std::string& sql);
   sqlite3* handle() const { return db_.get(); }
   const std::string& path() const { return path_; }
   std::int64_t last_id() const { return sqlite3_last_insert_rowid(db_.get()); }
   [[noreturn]] void fail() const;
+  /// Whether closing copies the log into the file; off until write_log_back(true).
+  void write_log_back(bool on);
 
  private:
+  Database(const std::string& path, const std::string& name, int flags);
+
   struct Close {
     void operator()(sqlite3* db) const { sqlite3_close(db); }
   };
