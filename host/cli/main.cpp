@@ -84,8 +84,9 @@ void add_plan_verbs(CLI::App& app) {
   acquire->add_option("--rig", run->rig, "rig: ip:ADDRESS, sim: or sim:RIG.toml, usb:...")
       ->capture_default_str();
   acquire->add_option("--db", run->database, "store to write; made if missing")->capture_default_str();
-  acquire->add_flag("--resume", run->resume,
-                    "go on with the unfinished campaign of this plan, if there is one");
+  acquire->add_flag(
+      "--resume", run->resume,
+      "go on with the newest campaign of this plan: fire what is missing, begin if there is none");
   acquire->add_flag("--dry-run", run->dry_run, "check everything, fire nothing");
   acquire->add_option("--seed", run->seed, "seed instead of the plan's");
   acquire->add_option("--max-failures", run->max_failures, "shots without a record in a row before stopping")

@@ -39,15 +39,16 @@ Exit run_plan(const RunArgs& args) {
   // the rig first: a campaign that could not begin leaves no trace
   const auto rig = open_rig(args.rig, scene.specimen);
   const std::string identity = rig->info().model + ", " + rig->info().serial;
+  const auto begun = store.find_campaign(scene.plan_hash, scene.specimen_hash);
   std::int64_t campaign = 0;
-  if (const auto unfinished =
-          args.resume ? store.find_unfinished(scene.plan_hash, scene.specimen_hash) : std::nullopt) {
-    campaign = unfinished->id;
-    if (unfinished->rig_identity != identity)
-      throw rigs::RigError("campaign " + std::to_string(campaign) + " was begun on '" +
-                           unfinished->rig_identity + "', this rig is '" + identity +
-                           "'; use that rig, or start anew without --resume");
+  if (args.resume && begun) {
+    campaign = begun->id;
+    if (begun->rig_identity != identity)
+      throw rigs::RigError("campaign " + std::to_string(campaign) + " was begun on '" + begun->rig_identity +
+                           "', this rig is '" + identity + "'; use that rig, or start anew without --resume");
   } else {
+    if (begun && !begun->finished)
+      fmt::print(stderr, "campaign {} of this plan is unfinished; --resume would go on with it\n", begun->id);
     campaign = store.create_campaign(campaign_info(scene, args.rig, identity));
   }
   RunOptions options = run_options(scene.plan);

@@ -219,10 +219,10 @@ CampaignInfo Store::campaign(std::optional<std::int64_t> id) const {
                    (id ? "no campaign " + std::to_string(*id) : "no campaign yet; run a plan first"));
 }
 
-std::optional<CampaignInfo> Store::find_unfinished(const std::string& plan_hash,
-                                                   const std::string& specimen_hash) const {
+std::optional<CampaignInfo> Store::find_campaign(const std::string& plan_hash,
+                                                 const std::string& specimen_hash) const {
   Statement s(impl_->db, std::string("SELECT ") + campaign_columns +
-                             " FROM campaign WHERE finished = 0 AND plan_hash = ? AND specimen_hash = ? "
+                             " FROM campaign WHERE plan_hash = ? AND specimen_hash = ? AND rig_uri <> '' "
                              "ORDER BY id DESC LIMIT 1");
   s.bind(plan_hash).bind(specimen_hash);
   if (!s.step()) return std::nullopt;

@@ -82,8 +82,8 @@ class Store {
   std::vector<CampaignInfo> campaigns() const;
   /// The newest campaign, or the one with this id. Throws StoreError when there is none.
   CampaignInfo campaign(std::optional<std::int64_t> id = std::nullopt) const;
-  /// The newest unfinished campaign of this plan and specimen.
-  std::optional<CampaignInfo> find_unfinished(const std::string& plan_hash,
+  /// The newest campaign of this plan and specimen that was fired on a rig, finished or not.
+  std::optional<CampaignInfo> find_campaign(const std::string& plan_hash,
                                               const std::string& specimen_hash) const;
 
   /// Shot, record and events in one transaction. id and record_hash of `shot` are ignored. Returns the shot's id.

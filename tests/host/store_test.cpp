@@ -109,20 +109,25 @@ TEST_CASE("events of another extraction are kept beside the first", "[store]") {
   CHECK(same(store.load_events(shot).value(), other));
 }
 
-TEST_CASE("the newest unfinished campaign of a plan is found for resuming", "[store]") {
+TEST_CASE("the newest campaign of a plan that was fired on a rig is found for resuming", "[store]") {
   const Folder folder;
   Store store(folder.file());
-  CHECK_FALSE(store.find_unfinished("plan-demo", "specimen-demo").has_value());
+  CHECK_FALSE(store.find_campaign("plan-demo", "specimen-demo").has_value());
   CHECK_THROWS_WITH(store.campaign(), Contains("no campaign yet"));
   const auto first = store.create_campaign(sample_campaign());
   const auto second = store.create_campaign(sample_campaign());
   store.create_campaign(sample_campaign("other"));
-  CHECK(store.find_unfinished("plan-demo", "specimen-demo")->id == second);
+  CHECK(store.find_campaign("plan-demo", "specimen-demo")->id == second);
+  CHECK(second != first);
   store.set_finished(second, true);
-  CHECK(store.find_unfinished("plan-demo", "specimen-demo")->id == first);
-  CHECK_FALSE(store.find_unfinished("plan-demo", "specimen-other").has_value());
+  CHECK(store.find_campaign("plan-demo", "specimen-demo")->finished);
+  CampaignInfo simulated = sample_campaign();
+  simulated.rig_uri = "";
+  store.create_campaign(simulated);
+  CHECK(store.find_campaign("plan-demo", "specimen-demo")->id == second);
+  CHECK_FALSE(store.find_campaign("plan-demo", "specimen-other").has_value());
   CHECK(store.campaign(second).finished);
-  CHECK(store.campaigns().size() == 3);
+  CHECK(store.campaigns().size() == 4);
   CHECK_THROWS_AS(store.campaign(999), StoreError);
   CHECK_THROWS_AS(store.shot(999), StoreError);
   CHECK_THROWS_AS(store.load_record(999), StoreError);

@@ -65,12 +65,7 @@ TEST_CASE(
     const Finished resumed = run(folder, {"run", plan, "--db", db, "--resume", "--progress", "none"});
     INFO("kill " << i << ": " << resumed.err);
     REQUIRE(resumed.status == 0);
-    // a campaign that had just been finished before the kill leaves nothing to resume, and a second one begins
-    const host::Store store(db, host::Store::Mode::read_only);
-    const auto campaigns = store.campaigns();
-    REQUIRE(!campaigns.empty());
-    for (const auto& c : campaigns) CHECK(c.finished);
-    if (campaigns.size() == 1) check_complete(db, reference.size());
+    check_complete(db, reference.size());
     CHECK(hashes(db) == reference);
   }
   CHECK(interrupted > 25);
