@@ -9,14 +9,14 @@
 /// Columns: name | IIO channel id | SI unit on the host | factor from the IIO unit (kPa, m, mA, mV) to SI | meaning
 /// For the two force channels the factor gives pascal; force is pressure times the film area (attribute `film_area`, m2).
 /// The order is the scan order on the wire. Shared with firmware: no heap, no exceptions.
-#define POWBENCH_CHANNELS(X)                                                                                  \
-  X(pvdf_a, "pressure0", "N", 1e3, "contact force, fixed contact A (PVDF film, charge amplifier)")            \
-  X(pvdf_b, "pressure1", "N", 1e3, "contact force, fixed contact B (PVDF film, charge amplifier)")            \
-  X(laser, "distance0", "m", 1.0, "travel of the moving core, positive in closing direction")                 \
-  X(coil_current, "current0", "A", 1e-3, "coil current")                                                      \
-  X(coil_voltage, "voltage0", "V", 1e-3, "voltage at the coil terminals")                                     \
-  X(mains_voltage, "voltage1", "V", 1e-3, "mains ahead of the coil switch")                                   \
-  X(contact_a, "voltage2", "V", 1e-3, "contact-voltage of the measured pole: 6 V open, 0 V closed (10 mA)")   \
+#define POWBENCH_CHANNELS(X)                                                                                \
+  X(pvdf_a, "pressure0", "N", 1e3, "contact force, fixed contact A (PVDF film, charge amplifier)")          \
+  X(pvdf_b, "pressure1", "N", 1e3, "contact force, fixed contact B (PVDF film, charge amplifier)")          \
+  X(laser, "distance0", "m", 1.0, "travel of the moving core, positive in closing direction")               \
+  X(coil_current, "current0", "A", 1e-3, "coil current")                                                    \
+  X(coil_voltage, "voltage0", "V", 1e-3, "voltage at the coil terminals")                                   \
+  X(mains_voltage, "voltage1", "V", 1e-3, "mains ahead of the coil switch")                                 \
+  X(contact_a, "voltage2", "V", 1e-3, "contact-voltage of the measured pole: 6 V open, 0 V closed (10 mA)") \
   X(aux, "voltage3", "V", 1e-3, "auxiliary input; a base accelerometer on the simulated rig")
 
 namespace powbench {
@@ -42,7 +42,11 @@ inline constexpr std::array channel_table{
 };
 
 inline constexpr std::size_t channel_count = channel_table.size();
-constexpr const ChannelInfo& info(Channel c) { return channel_table[static_cast<std::size_t>(c)]; }
-constexpr std::size_t index(Channel c) { return static_cast<std::size_t>(c); }
+constexpr const ChannelInfo& info(Channel c) {
+  return channel_table[static_cast<std::size_t>(c)];
+}
+constexpr std::size_t index(Channel c) {
+  return static_cast<std::size_t>(c);
+}
 
 }  // namespace powbench

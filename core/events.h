@@ -30,7 +30,8 @@ enum Flag : std::uint32_t {
   flag_contradiction = 1U << 6,   ///< force and contact-voltage disagree on open or closed
   flag_ring_overlap = 1U << 7,    ///< core vibration overlaps the contact band and could not be separated
   flag_no_calibration = 1U << 8,  ///< the calibration is missing or expired
-  flag_angle_off = 1U << 9,       ///< closing angle reached differs from the commanded one by more than the tolerance
+  flag_angle_off =
+      1U << 9,  ///< closing angle reached differs from the commanded one by more than the tolerance
 };
 
 /// One closed interval of one contact.
@@ -44,14 +45,14 @@ struct Contact {
 
 /// The train of touches seen by one channel (a force channel or the contact-voltage channel).
 struct ContactTrain {
-  bool present = false;            ///< the channel exists and passed its quality gate
-  std::vector<Contact> contacts;   ///< in order of touch
-  Measured settled;                ///< s: last touch, after which the contact stays closed (AC pulsation allowed)
-  Measured settled_force;          ///< N: mean force at the end of the record
-  Measured bounce_time;            ///< s: settled - first touch (first to last closing; relay standards)
-  int bounce_count = 0;            ///< re-openings within the bounce time
-  double resolution = 0.0;         ///< s: shortest opening this channel can resolve
-  double noise = 0.0;              ///< rms of the pre-trigger after offset and hum were removed, channel unit
+  bool present = false;           ///< the channel exists and passed its quality gate
+  std::vector<Contact> contacts;  ///< in order of touch
+  Measured settled;         ///< s: last touch, after which the contact stays closed (AC pulsation allowed)
+  Measured settled_force;   ///< N: mean force at the end of the record
+  Measured bounce_time;     ///< s: settled - first touch (first to last closing; relay standards)
+  int bounce_count = 0;     ///< re-openings within the bounce time
+  double resolution = 0.0;  ///< s: shortest opening this channel can resolve
+  double noise = 0.0;       ///< rms of the pre-trigger after offset and hum were removed, channel unit
   std::uint32_t flags = flag_none;
 };
 

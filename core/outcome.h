@@ -17,7 +17,9 @@ enum class Outcome : std::uint8_t {
 };
 
 inline constexpr std::array<std::string_view, 5> outcome_names{"PASS", "FAIL", "ERROR", "TIMEOUT", "ABORTED"};
-constexpr std::string_view name(Outcome o) { return outcome_names[static_cast<std::size_t>(o)]; }
+constexpr std::string_view name(Outcome o) {
+  return outcome_names[static_cast<std::size_t>(o)];
+}
 
 /// Exit codes of the command line.
 enum class Exit : int {

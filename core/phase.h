@@ -24,7 +24,9 @@ constexpr double wrap_turn(double angle) {
 }
 
 /// Angle mapped to [-pi, pi): the difference of two phases.
-constexpr double wrap_half_turn(double angle) { return wrap_turn(angle + pi) - pi; }
+constexpr double wrap_half_turn(double angle) {
+  return wrap_turn(angle + pi) - pi;
+}
 
 /// Nearest hundredth of a degree, 0 .. 35999.
 constexpr CentiDegrees to_centi_degrees(double angle) {
@@ -32,6 +34,8 @@ constexpr CentiDegrees to_centi_degrees(double angle) {
   return centi >= full_turn_centi ? centi - full_turn_centi : centi;
 }
 
-constexpr double from_centi_degrees(CentiDegrees centi) { return radians(centi / 100.0); }
+constexpr double from_centi_degrees(CentiDegrees centi) {
+  return radians(centi / 100.0);
+}
 
 }  // namespace powbench

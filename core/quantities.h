@@ -33,11 +33,13 @@ inline constexpr std::array quantity_table{
              [](const Events& e) { return timing_train(e).bounce_time; }},
     Quantity{"t_ct2", "s", "contact settled: last touch",
              [](const Events& e) { return timing_train(e).settled; }},
-    Quantity{"t_xt1", "s", "core seat: first arrival of the moving core", [](const Events& e) { return e.core.seat; }},
+    Quantity{"t_xt1", "s", "core seat: first arrival of the moving core",
+             [](const Events& e) { return e.core.seat; }},
     Quantity{"t_xt_bon", "s", "core bounce time: first to last arrival",
              [](const Events& e) { return e.core.bounce_time; }},
     Quantity{"t_xt2", "s", "core settled: last arrival", [](const Events& e) { return e.core.settled; }},
-    Quantity{"v_core", "m/s", "core velocity at the seat", [](const Events& e) { return e.core.impact_velocity; }},
+    Quantity{"v_core", "m/s", "core velocity at the seat",
+             [](const Events& e) { return e.core.impact_velocity; }},
     Quantity{"F_peak", "N", "largest contact force on either film",
              [](const Events& e) {
                Measured peak;

@@ -14,11 +14,11 @@ namespace powbench {
 /// One sampled channel as the converter gave it. value = (raw + offset) * scale, in the SI unit of the channel table.
 struct ChannelRecord {
   Channel channel{};
-  std::vector<std::int16_t> raw;   ///< (samples)
-  double scale = 1.0;              ///< SI unit per count; negative for a film glued upside down
-  double offset = 0.0;             ///< counts
-  double delay = 0.0;              ///< s: the value at time t shows the quantity at t - delay
-  double corner_hertz = 0.0;       ///< low corner of the charge amplifier; 0 = coupled down to DC
+  std::vector<std::int16_t> raw;  ///< (samples)
+  double scale = 1.0;             ///< SI unit per count; negative for a film glued upside down
+  double offset = 0.0;            ///< counts
+  double delay = 0.0;             ///< s: the value at time t shows the quantity at t - delay
+  double corner_hertz = 0.0;      ///< low corner of the charge amplifier; 0 = coupled down to DC
   std::int16_t clip_low = std::numeric_limits<std::int16_t>::min();   ///< counts at or below: saturated
   std::int16_t clip_high = std::numeric_limits<std::int16_t>::max();  ///< counts at or above: saturated
 
@@ -41,12 +41,12 @@ struct Record {
   double fire_offset = 0.0;             ///< s, [0, 1/rate): time from the gate edge to `fire_sample`
   std::vector<ChannelRecord> channels;  ///< in scan order; absent channels are left out
   std::vector<Gap> gaps;
-  std::uint32_t overruns = 0;           ///< conversions lost, as counted by the rig
-  std::uint32_t crc32 = 0;              ///< over the scans in wire order, as computed by the rig
-  std::uint64_t shot_id = 0;            ///< the rig's own counter
-  std::string rig;                      ///< hw_model, hw_serial
-  std::string firmware;                 ///< fw_version
-  std::string calibration;              ///< id of the calibration in force
+  std::uint32_t overruns = 0;  ///< conversions lost, as counted by the rig
+  std::uint32_t crc32 = 0;     ///< over the scans in wire order, as computed by the rig
+  std::uint64_t shot_id = 0;   ///< the rig's own counter
+  std::string rig;             ///< hw_model, hw_serial
+  std::string firmware;        ///< fw_version
+  std::string calibration;     ///< id of the calibration in force
 
   std::size_t samples() const { return channels.empty() ? 0 : channels.front().raw.size(); }
   double time(std::size_t i) const {

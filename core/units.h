@@ -9,7 +9,11 @@ namespace powbench {
 inline constexpr double pi = 3.141592653589793238462643383279502884;
 inline constexpr double zero_celsius = 273.15;  ///< K
 
-constexpr double radians(double degrees) { return degrees * (pi / 180.0); }
-constexpr double degrees(double radians) { return radians * (180.0 / pi); }
+constexpr double radians(double degrees) {
+  return degrees * (pi / 180.0);
+}
+constexpr double degrees(double radians) {
+  return radians * (180.0 / pi);
+}
 
 }  // namespace powbench

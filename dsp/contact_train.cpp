@@ -25,15 +25,20 @@ Neighbours neighbours(const std::vector<Interval>& c, std::size_t i) {
   return nb;
 }
 
-/// Standard deviation of x where `open`, between the first touch and the last.
+/// Standard deviation of x where `open`, between the first touch and the last: robust, or with `bursts` the plain one, in
+/// which a ring that dies quickly counts in full.
 double open_sigma(std::span<const double> x, const std::vector<std::uint8_t>& open, const Signal& s,
-                  const Detection& d) {
+                  const Detection& d, bool bursts = false) {
   if (d.intervals.empty()) return 0.0;
   const double end = d.intervals.back().open_ended() ? d.intervals.back().touch : d.intervals.back().release;
   std::vector<double> left;
   for (std::size_t i = s.index_at(d.intervals.front().touch); i < s.index_at(end); ++i)
     if (open[i] && !s.masked[i]) left.push_back(x[i]);
-  return left.size() < 30 ? 0.0 : robust_sigma(left);
+  if (left.size() < 30) return 0.0;
+  if (!bursts) return robust_sigma(left);
+  double squares = 0;
+  for (const double v : left) squares += v * v;
+  return std::sqrt(squares / static_cast<double>(left.size()));
 }
 
 /// A fit that ran into its neighbour or inside out gives way to the coarse crossings, flagged.
@@ -55,17 +60,6 @@ void keep_order(Round& r) {
   }
 }
 
-/// The same, not robust: bursts count.
-double open_deviation(std::span<const double> x, const std::vector<std::uint8_t>& open, const Signal& s,
-                      const Detection& d) {
-  if (d.intervals.empty()) return 0.0;
-  const double end = d.intervals.back().open_ended() ? d.intervals.back().touch : d.intervals.back().release;
-  double squares = 0, n = 0;
-  for (std::size_t i = s.index_at(d.intervals.front().touch); i < s.index_at(end); ++i)
-    if (open[i] && !s.masked[i]) squares += x[i] * x[i], n += 1;
-  return n < 30 ? 0.0 : std::sqrt(squares / n);
-}
-
 /// Contacts above white noise; where the open time rings at a frequency that a wider Gaussian removes and a narrow one
 /// does not, the wider one is taken (and the resolution reported with it).
 Round find_contacts(const Signal& force, double noise, double settled, double t_end, const ExtractOptions& o,
@@ -76,7 +70,7 @@ Round find_contacts(const Signal& force, double noise, double settled, double t_
   r.levels = detection_levels(noise, force.dt, settled, o);
   const double begin = force.t0 + 5 * r.levels.width;
   Detection d = detect_contacts(force, r.levels, begin, t_end, o);
-  const auto open = zero_on_average(force, std::max(0.1 * settled, r.levels.release));
+  const auto open = zero_on_average(force, std::max(0.1 * settled, r.levels.release), final_round);
   const double narrow_sigma = open_sigma(d.smooth, open, force, d);
   if (r.levels.width < wide && narrow_sigma > 2.5 * r.levels.noise) {
     const double white = noise * gaussian_noise_gain(wide / force.dt);
@@ -88,13 +82,16 @@ Round find_contacts(const Signal& force, double noise, double settled, double t_
       d = detect_contacts(force, r.levels, begin, t_end, o);
     }
   }
-  const double rest = final_round ? open_deviation(d.smooth, open, force, d) : 0.0;
-  if (rest > 1.5 * r.levels.noise) {
+  // A decaying ring is half again as large at its start as its median says.
+  const double rest = final_round ? std::max(1.5 * open_sigma(d.smooth, open, force, d),
+                                             open_sigma(d.smooth, open, force, d, true))
+                                  : 0.0;
+  if (rest > 2.5 * r.levels.noise && 4 * rest > r.levels.touch) {
     // Vibration that could not be taken out: the levels rise above it, and the train says so.
     r.levels =
         levels_at_width(r.levels.width, std::min(0.7 * rest, 0.5 * settled / o.touch_sigmas + r.levels.noise),
                         force.dt, settled, o);
-    r.noise = std::max(r.noise, open_deviation(force.value, open, force, d));
+    r.noise = std::max(r.noise, open_sigma(force.value, open, force, d));
     r.overlap = true;
     d = detect_contacts(force, r.levels, begin, t_end, o);
   }
@@ -308,7 +305,9 @@ ForceAnalysis analyse_force(const Force& f, double t_end, std::optional<double> 
   if (!f.present) return out;
 
   Round round = find_contacts(f.signal, f.noise, f.settled, t_end, o);
+  double first_open = 0;  // s: end of the open time before anything was taken out
   if (o.ring_modes > 0 && !round.intervals.empty()) {
+    first_open = last_open(round);
     Ring ring = ring_from_tail(f, round, t_end, o);
     ring = better_start(f, round, std::move(ring), onset_range(round, core_seat, f.signal.t0, t_end), o);
     for (int k = 0; k < o.ring_rounds && !ring.empty(); ++k) {
@@ -319,6 +318,12 @@ ForceAnalysis analyse_force(const Force& f, double t_end, std::optional<double> 
       ring.onset =
           find_onset(k == 0 ? f.signal : before.signal, k == 0 ? nullptr : &before.usable, ring, t1, t2);
       ring.onset = onset_within_contact(f, round, ring, t1, t2, o);
+      // Carried back to its start, a mode that belongs to the closed contact grows beyond reason.
+      const double limit = 1.5 * std::max(f.settled, 20 * f.noise);
+      std::erase_if(ring.modes, [&](const RingMode& m) {
+        return std::hypot(m.cosine, m.sine) * std::exp(-m.pole.decay * (ring.onset - ring.reference)) > limit;
+      });
+      if (ring.empty()) break;
       out.stripped = f.signal;
       ring.add_to(out.stripped, -1.0);
       const double noise = k == 0 ? f.noise : open_noise(out.stripped, round, ring, t_end, f.noise);
@@ -335,7 +340,8 @@ ForceAnalysis analyse_force(const Force& f, double t_end, std::optional<double> 
     }
   }
   if (!out.ring.empty() && !round.intervals.empty() &&
-      !lowers_energy(f.signal, out.ring, last_open(round), f.noise, open_level(f, round))) {
+      !lowers_energy(f.signal, out.ring, std::max(last_open(round), first_open), f.noise,
+                     open_level(f, round))) {
     out.ring = {};
     out.stripped = f.signal;
   }

@@ -96,7 +96,7 @@ LeastSquares levenberg_marquardt(const Residuals& f, std::size_t rows, std::span
       const double next_cost = trial.squaredNorm();
       if (next_cost < cost || (next_cost == cost && next == x)) {
         accepted = true;
-        out.converged = cost - next_cost < 1e-4;
+        out.converged = cost - next_cost < 1e-6;
         x = next;
         r = trial;
         cost = next_cost;

@@ -28,16 +28,16 @@ namespace powbench::dsp {
   X(int, ring_modes, 5, "largest number of core-vibration modes; 0 = leave the ringing in")                 \
   X(double, ring_low_hertz, 800.0, "Hz: lowest core-vibration mode looked for")                             \
   X(double, ring_high_hertz, 18e3, "Hz: highest core-vibration mode looked for")                            \
+  X(double, ring_damping_max, 0.04, "largest damping ratio of a core-vibration mode")                       \
   X(double, ring_tail, 12e-3, "s: length of the closed tail in which the modes are identified")             \
   X(int, ring_rounds, 4, "alternations between ring fit and contact fit")                                   \
-  X(double, crosstalk_max, 0.08, "largest share of one film's force that the other film may show")          \
   X(double, settled_window, 10e-3, "s: end of the closed time over which the settled force is averaged")    \
   X(double, min_open_voltage, 10e-6, "s: shortest opening counted on the contact-voltage channel")          \
   X(double, open_share, 0.5, "share of the open-circuit voltage above which the pole counts as open")       \
   X(double, merge_openings, 0.0,                                                                            \
     "s: bounce filter on request; openings up to here count as closed; 0 = off")                            \
   X(double, seat_window, 400e-6, "s: travel on either side of the core seat that enters its fit")           \
-  X(double, seat_share, 0.1, "later velocity drop, as a share of the first, that counts as a core bounce")  \
+  X(double, seat_share, 0.3, "later velocity drop, as a share of the first, that counts as a core bounce")  \
   X(int, display_order, 4, "order of the Butterworth low-pass of the displayed force")                      \
   X(double, display_hertz, 10e3, "Hz: its -3 dB frequency after both passes")                               \
   X(double, core_band_low_hertz, 1e3, "Hz: lower edge of the displayed core-vibration band")                \

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <complex>
+#include <utility>
 
 #include "core/units.h"
 #include "dsp/statistics.h"
@@ -88,54 +89,94 @@ Matrix smooth_columns(const Rows& r, double closed_from, double to) {
 }
 
 struct Solution {
-  Vector linear;     ///< (2 K + smooth)
-  Vector pole_step;  ///< (2 K) Gauss-Newton step of (w, decay)
-  Vector variance;   ///< (2 K) of the mode amplitudes, unit noise
+  Matrix modes;     ///< (rows x 2 K) cosine and sine of each mode
+  Matrix gram;      ///< normal equations of modes and smooth columns
+  Vector rhs;       ///< their right-hand side
+  Vector linear;    ///< (2 K + smooth) amplitudes
+  Vector variance;  ///< of the amplitudes, unit noise
   double chi2 = 0;
 };
 
-/// Least squares on scaled normal equations; well conditioned after scaling because the modes are distinct.
-Vector normal_solve(const Matrix& A, const Vector& y, Vector* variance) {
-  const Vector scale = A.colwise().norm().cwiseMax(1e-12).cwiseInverse().transpose();
-  const Matrix S = A * scale.asDiagonal();
-  Matrix N = S.transpose() * S;
+/// Least squares from normal equations G c = q, scaled to a unit diagonal; well conditioned after scaling because the
+/// modes are distinct.
+Vector gram_solve(const Matrix& G, const Vector& q, Vector* variance) {
+  const Vector scale = G.diagonal().cwiseSqrt().cwiseMax(1e-12).cwiseInverse();
+  Matrix N = scale.asDiagonal() * G * scale.asDiagonal();
   N.diagonal().array() += 1e-10;
   const Eigen::LDLT<Matrix> ldlt(N);
   if (variance) {
     const Matrix inverse = ldlt.solve(Matrix::Identity(N.rows(), N.cols()));
     *variance = inverse.diagonal().cwiseProduct(scale.cwiseProduct(scale));
   }
-  return scale.cwiseProduct(Vector(ldlt.solve(S.transpose() * y)));
+  return scale.cwiseProduct(Vector(ldlt.solve(scale.cwiseProduct(q))));
 }
 
-Solution solve(const Rows& r, const std::vector<Pole>& poles, double reference, const Matrix& smooth) {
-  const auto n = static_cast<Index>(r.t.size()), k = static_cast<Index>(poles.size());
-  Matrix A(n, 4 * k + smooth.cols());
+Vector normal_solve(const Matrix& A, const Vector& y, Vector* variance) {
+  return gram_solve(A.transpose() * A, A.transpose() * y, variance);
+}
+
+/// The smooth columns with their share of the normal equations, which no pole changes.
+struct Smooth {
+  Matrix columns;
+  Matrix gram;
+  Vector rhs;
+};
+
+/// Amplitudes for given poles: columns 2j, 2j + 1 are the cosine and sine of mode j, the smooth columns follow.
+Solution solve(const Rows& r, const std::vector<Pole>& poles, double reference, const Smooth& smooth) {
+  const auto n = static_cast<Index>(r.t.size()), k = static_cast<Index>(poles.size()),
+             m = smooth.columns.cols();
+  Solution s;
+  s.modes.resize(n, 2 * k);
   for (Index j = 0; j < k; ++j) {
     const Pole& p = poles[static_cast<std::size_t>(j)];
-    const auto g = block_gain(r, p);
+    const auto g = block_gain(r, p), turn = std::exp(pole_s(p) * r.dt);
+    std::complex<double> e = 0;
     for (Index i = 0; i < n; ++i) {
-      const auto e = g * std::exp(pole_s(p) * (r.t[static_cast<std::size_t>(i)] - reference));
-      A(i, 2 * j) = e.real();
-      A(i, 2 * j + 1) = e.imag();
+      const auto at = static_cast<std::size_t>(i);
+      // one step of the recurrence where rows are neighbours; afresh behind a gap and often enough to keep its rounding small
+      const bool neighbour = i % 128 != 0 && r.t[at] - r.t[at - 1] < 1.5 * r.dt;
+      e = neighbour ? e * turn : g * std::exp(pole_s(p) * (r.t[at] - reference));
+      s.modes(i, 2 * j) = e.real();
+      s.modes(i, 2 * j + 1) = e.imag();
     }
   }
-  A.middleCols(2 * k, smooth.cols()) = smooth;
   const Eigen::Map<const Vector> y(r.y.data(), n);
-  const Index m = 2 * k + smooth.cols();
-  Solution s;
-  s.linear = normal_solve(A.leftCols(m), y, &s.variance);
-  s.chi2 = (y - A.leftCols(m) * s.linear).squaredNorm();
-  for (Index j = 0; j < k; ++j) {
-    const double a = s.linear[2 * j], b = s.linear[2 * j + 1];
+  s.gram.resize(2 * k + m, 2 * k + m);
+  s.gram.topLeftCorner(2 * k, 2 * k).noalias() = s.modes.transpose() * s.modes;
+  s.gram.topRightCorner(2 * k, m).noalias() = s.modes.transpose() * smooth.columns;
+  s.gram.bottomLeftCorner(m, 2 * k) = s.gram.topRightCorner(2 * k, m).transpose();
+  s.gram.bottomRightCorner(m, m) = smooth.gram;
+  s.rhs.resize(2 * k + m);
+  s.rhs << s.modes.transpose() * y, smooth.rhs;
+  s.linear = gram_solve(s.gram, s.rhs, &s.variance);
+  s.chi2 = (y - s.modes * s.linear.head(2 * k) - smooth.columns * s.linear.tail(m)).squaredNorm();
+  return s;
+}
+
+/// Gauss-Newton step of all poles (2 per mode: angular frequency, decay) from a solution.
+Vector pole_step(const Rows& r, const Solution& s, double reference, const Smooth& smooth) {
+  const Index n = s.modes.rows(), k2 = s.modes.cols(), m = smooth.columns.cols(), old = k2 + m;
+  Matrix D(n, k2);
+  for (Index j = 0; j < k2; j += 2) {
+    const double a = s.linear[j], b = s.linear[j + 1];
     for (Index i = 0; i < n; ++i) {
-      const double tau = r.t[static_cast<std::size_t>(i)] - reference, c = A(i, 2 * j), d = A(i, 2 * j + 1);
-      A(i, m + 2 * j) = tau * (b * c - a * d);
-      A(i, m + 2 * j + 1) = -tau * (a * c + b * d);
+      const double tau = r.t[static_cast<std::size_t>(i)] - reference, c = s.modes(i, j),
+                   d = s.modes(i, j + 1);
+      D(i, j) = tau * (b * c - a * d);
+      D(i, j + 1) = -tau * (a * c + b * d);
     }
   }
-  s.pole_step = normal_solve(A, y, nullptr).tail(2 * k);
-  return s;
+  const Eigen::Map<const Vector> y(r.y.data(), n);
+  Matrix G(old + k2, old + k2);
+  G.topLeftCorner(old, old) = s.gram;
+  G.block(0, old, k2, k2).noalias() = s.modes.transpose() * D;
+  G.block(k2, old, m, k2).noalias() = smooth.columns.transpose() * D;
+  G.bottomLeftCorner(k2, old) = G.topRightCorner(old, k2).transpose();
+  G.bottomRightCorner(k2, k2).noalias() = D.transpose() * D;
+  Vector q(old + k2);
+  q << s.rhs, D.transpose() * y;
+  return gram_solve(G, q, nullptr).tail(k2);
 }
 
 std::vector<Pole> stepped(const std::vector<Pole>& poles, const Vector& step, double factor) {
@@ -215,15 +256,19 @@ Ring fit_ring(const RingInput& in, std::vector<Pole> poles, const ExtractOptions
   ring.onset = ring.reference = in.from;
   const Rows r = only_good(rows_of(in.residual, &in.usable, in.from, in.to));
   const double noise = in.noise / std::sqrt(r.block);
-  const Matrix smooth = smooth_columns(r, in.closed_from, in.to);
+  Smooth smooth{.columns = smooth_columns(r, in.closed_from, in.to), .gram = {}, .rhs = {}};
+  const Eigen::Map<const Vector> y(r.y.data(), static_cast<Index>(r.y.size()));
+  smooth.gram = smooth.columns.transpose() * smooth.columns;
+  smooth.rhs = smooth.columns.transpose() * y;
   poles = distinct(std::move(poles));
   while (!poles.empty() &&
-         static_cast<Index>(r.t.size()) > 6 * static_cast<Index>(poles.size()) + smooth.cols()) {
+         static_cast<Index>(r.t.size()) > 6 * static_cast<Index>(poles.size()) + smooth.columns.cols()) {
     Solution s = solve(r, poles, ring.reference, smooth);
     for (int i = 0; i < 8; ++i) {
       bool better = false;
+      const Vector step = pole_step(r, s, ring.reference, smooth);
       for (const double factor : {1.0, 0.4, 0.1}) {
-        const auto next = stepped(poles, s.pole_step, factor);
+        const auto next = stepped(poles, step, factor);
         Solution t = solve(r, next, ring.reference, smooth);
         if (!(t.chi2 < s.chi2)) continue;
         better = s.chi2 - t.chi2 > 1e-4 * s.chi2;
@@ -241,7 +286,7 @@ Ring fit_ring(const RingInput& in, std::vector<Pole> poles, const ExtractOptions
       const double u = noise * std::sqrt(0.5 * (s.variance[i] + s.variance[i + 1]));
       double z = std::hypot(s.linear[i], s.linear[i + 1]) / std::max(u, 1e-300);
       if (poles[j].hertz < o.ring_low_hertz || poles[j].hertz > o.ring_high_hertz ||
-          poles[j].decay > 0.12 * 2 * pi * poles[j].hertz)
+          poles[j].decay > o.ring_damping_max * 2 * pi * poles[j].hertz)
         z = 0;
       if (!(z >= lowest)) lowest = z, weakest = j;
     }
@@ -303,7 +348,7 @@ std::optional<Pole> strongest_pole(const RingInput& in, const Ring& ring, const 
     for (double hertz = o.ring_low_hertz; hertz <= high; hertz += std::max(40.0, 0.012 * hertz))
       look(hertz, damping);
   const double centre = at.hertz, step = std::max(20.0, 0.006 * centre);
-  for (const double damping : {0.005, 0.01, 0.015, 0.02, 0.03, 0.045})
+  for (const double damping : {0.005, 0.01, 0.015, 0.02, 0.03})
     for (int k = -2; k <= 2; ++k) look(centre + 0.5 * k * step, damping);
   // Of a few hundred trials on pure noise the largest gain is about 2 ln(trials) = 12; ask for clearly more.
   return best > 40 * noise * noise ? std::optional(at) : std::nullopt;
@@ -318,7 +363,7 @@ bool plausible(const RingInput& in, const Ring& ring) {
     if (in.usable[i] && !in.residual.masked[i]) largest = std::max(largest, std::abs(in.residual.value[i]));
   if (largest == 0) return true;  // only the tail is used: the settled force hides the scale
   return std::all_of(ring.modes.begin(), ring.modes.end(),
-                     [&](const RingMode& m) { return std::hypot(m.cosine, m.sine) < 1.5 * largest; });
+                     [&](const RingMode& m) { return std::hypot(m.cosine, m.sine) < 3 * largest; });
 }
 
 }  // namespace
@@ -345,18 +390,22 @@ Ring grow_ring(const RingInput& in, std::vector<Pole> start, const ExtractOption
   return ring;
 }
 
-std::vector<std::uint8_t> zero_on_average(const Signal& force, double open_level) {
-  const auto mean = gaussian_smooth(force.value, 80e-6 / force.dt);
+std::vector<std::uint8_t> zero_on_average(const Signal& force, double open_level, bool both_means) {
   std::vector<std::uint8_t> open(force.size());
   const auto guard = static_cast<std::size_t>(120e-6 / force.dt);  // a contact's own foot is not open time
-  std::size_t clear_from = 0;
-  for (std::size_t i = 0; i < open.size(); ++i) {
-    const bool zero = std::abs(mean[i]) < open_level;
-    if (!zero) {
-      for (std::size_t k = i - std::min(i, guard); k < i; ++k) open[k] = 0;
-      clear_from = i + guard;
+  // The longer mean also cancels slow modes, the shorter one also sees short openings.
+  for (const auto& [width, level] : {std::pair(80e-6, open_level), std::pair(200e-6, open_level)}) {
+    if (width > 100e-6 && !both_means) break;
+    const auto mean = bell_mean(force.value, width / force.dt);
+    std::size_t run = 0;  // samples since the mean last left zero
+    for (std::size_t i = 0; i <= open.size(); ++i) {
+      if (i < open.size() && std::abs(mean[i]) < level) {
+        ++run;
+        continue;
+      }
+      for (std::size_t k = i - run + guard; k + guard < i; ++k) open[k] = 1;
+      run = 0;
     }
-    open[i] = zero && i >= clear_from;
   }
   return open;
 }
@@ -380,14 +429,14 @@ OpenEnergy energy_at(const Signal& force, const std::vector<std::uint8_t>& open,
 
 OpenEnergy open_energy(const Signal& force, const Ring& ring, double t1, double t2, double noise,
                        double open_level) {
-  return energy_at(force, zero_on_average(force, open_level), ring, t1, t2, noise);
+  return energy_at(force, zero_on_average(force, open_level, false), ring, t1, t2, noise);
 }
 
 bool lowers_energy(const Signal& force, const Ring& ring, double t2, double noise, double open_level) {
   Signal stripped = force;
   ring.add_to(stripped, -1.0);
-  auto open = zero_on_average(stripped, open_level);
-  const auto also = zero_on_average(force, open_level);
+  auto open = zero_on_average(stripped, open_level, true);
+  const auto also = zero_on_average(force, open_level, true);
   for (std::size_t i = 0; i < open.size(); ++i) open[i] |= also[i];
   const OpenEnergy with = energy_at(force, open, {}, ring.onset, t2, noise);
   if (with.samples < 40) return true;
@@ -397,7 +446,7 @@ bool lowers_energy(const Signal& force, const Ring& ring, double t2, double nois
 
 Ring ring_from_open_time(const Signal& force, double t1, double t2, double to, double noise,
                          double open_level, const ExtractOptions& o) {
-  const auto open = zero_on_average(force, open_level);
+  const auto open = zero_on_average(force, open_level, false);
   Ring best;
   double least = energy_at(force, open, {}, t1, to, noise).chi2;
   for (double from = t1; from < t2; from += 0.25e-3) {

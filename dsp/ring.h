@@ -66,9 +66,9 @@ std::optional<Pole> strongest_pole(const RingInput&, const Ring& ring, const Ext
 /// fit_ring, then modes added one by one by strongest_pole while they are significant.
 Ring grow_ring(const RingInput&, std::vector<Pole> start, const ExtractOptions&);
 
-/// 1 where the force averages to zero (Gaussian of 80 us standard deviation, 120 us clear of any other force): open,
-/// whatever rings on top.
-std::vector<std::uint8_t> zero_on_average(const Signal& force, double open_level);
+/// 1 where the force averages to zero: open, whatever rings on top. Gaussian mean of 80 us, or with `both_means` of 200 us too
+/// (it also cancels slow modes), below `open_level`, 120 us clear of any other force.
+std::vector<std::uint8_t> zero_on_average(const Signal& force, double open_level, bool both_means);
 
 /// Sum of squares over noise^2 and number of samples between t1 and t2 where the force averages to zero
 /// (|mean over 0.2 ms| < `open_level`), after `ring` is taken out: 1 a sample when nothing but noise is left.

@@ -83,6 +83,26 @@ std::vector<double> gaussian_smooth(std::span<const double> x, double sigma) {
   return y;
 }
 
+std::vector<double> bell_mean(std::span<const double> x, double sigma) {
+  // A running mean of 2 h + 1 samples has the variance (h^2 + h) / 3; three of them are to have sigma^2.
+  const auto half =
+      static_cast<std::size_t>(std::lround(std::max(0.0, std::sqrt(0.25 + sigma * sigma) - 0.5)));
+  const std::size_t n = x.size();
+  std::vector<double> y(x.begin(), x.end()), in(n);
+  const double share = 1.0 / static_cast<double>(2 * half + 1);
+  for (int pass = 0; pass < 3; ++pass) {
+    in.swap(y);
+    double sum = 0;
+    for (std::size_t i = 0; i < std::min(half, n); ++i) sum += in[i];
+    for (std::size_t i = 0; i < n; ++i) {
+      if (i + half < n) sum += in[i + half];
+      if (i > half) sum -= in[i - half - 1];
+      y[i] = sum * share;
+    }
+  }
+  return y;
+}
+
 double gaussian_noise_gain(double sigma) {
   const auto k = gaussian_half_kernel(sigma);
   double sum = k[0] * k[0];

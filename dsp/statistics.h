@@ -23,6 +23,9 @@ double reduced_chi2_quantile(double p, double dof);
 /// A positive kernel cannot overshoot, so it cannot invent a contact beside a tall pulse.
 std::vector<double> gaussian_smooth(std::span<const double>, double sigma_samples);
 
+/// Nearly the same in constant time per sample: three running means in a row. Ends as zero.
+std::vector<double> bell_mean(std::span<const double>, double sigma_samples);
+
 /// Factor by which gaussian_smooth lowers the standard deviation of white noise: sqrt(sum of squared
 /// weights).
 double gaussian_noise_gain(double sigma_samples);

@@ -57,7 +57,8 @@ std::string sentence(const Trouble& t) {
       return "nothing listens there; start the rig or correct the address";
     case ETIMEDOUT:
       return "the rig did not answer in time while " + t.doing;
-    case ENXIO: return "there is no host of that name; check the address";
+    case ENXIO:
+      return "there is no host of that name; check the address";
     case EHOSTUNREACH:
     case ENETUNREACH:
       return "no route to the rig; check the address and the network";

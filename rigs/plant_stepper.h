@@ -15,8 +15,8 @@ struct SwitchEdge {
 
 /// Advances the plant to times.back(), switching the coil at the edges on the way, and fills `states`.
 /// Edges must lie in (plant.now(), times.back()], in order; one that is already past takes effect at once.
-inline void advance_through(sim::Plant& plant, std::span<const SwitchEdge> edges, std::span<const double> times,
-                            std::span<sim::PlantSample> states) {
+inline void advance_through(sim::Plant& plant, std::span<const SwitchEdge> edges,
+                            std::span<const double> times, std::span<sim::PlantSample> states) {
   std::size_t done = 0;
   const auto advance_to = [&](double t) {
     const auto end = std::upper_bound(times.begin() + static_cast<std::ptrdiff_t>(done), times.end(), t);

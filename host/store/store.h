@@ -84,7 +84,7 @@ class Store {
   CampaignInfo campaign(std::optional<std::int64_t> id = std::nullopt) const;
   /// The newest campaign of this plan and specimen that was fired on a rig, finished or not.
   std::optional<CampaignInfo> find_campaign(const std::string& plan_hash,
-                                              const std::string& specimen_hash) const;
+                                            const std::string& specimen_hash) const;
 
   /// Shot, record and events in one transaction. id and record_hash of `shot` are ignored. Returns the shot's id.
   /// A shot that is there already (same campaign, kind, number) is replaced only if it has no valid record.

@@ -44,7 +44,7 @@ TEST_CASE("score: clean and hum, fixed subset") {
 }
 
 TEST_CASE("score: ringing in the band, fixed subset") {
-  const Score s = full_chain(ForceCase::ring_in_band, PulseForm::half_sine, 40, 10);
+  const Score s = full_chain(ForceCase::ring_in_band, PulseForm::half_sine, 40, 40);
   CHECK(s.recall == 1.0);
   CHECK(s.precision >= 0.98);
   CHECK(s.exact >= 0.95);
