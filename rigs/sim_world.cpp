@@ -141,7 +141,7 @@ std::vector<SwitchEdge> SimWorld::due_edges(double until) {
     const double at = plant_time(e.at);
     if (at >= until) return false;
     if (e.on) switched_on_ = at;
-    switched_.push_back({at, e.on});
+    switched_.push_back({std::max(at, plant_->now()), e.on});  // a late edge takes effect at once
     due.push_back({at, e.on && !config_.faults.coil_open});
     return true;
   });

@@ -26,8 +26,9 @@ class Platform {
 
 class LockstepBoard {
  public:
-  LockstepBoard(Platform& platform, std::span<std::int16_t> storage)
-      : platform_(platform), storage_(storage) {}
+  /// `storage`: memory for records; `out`: for the frame that leaves, largest_frame bytes.
+  LockstepBoard(Platform& platform, std::span<std::int16_t> storage, std::span<std::uint8_t> out)
+      : platform_(platform), storage_(storage), out_(out) {}
   LockstepBoard(const LockstepBoard&) = delete;
   LockstepBoard& operator=(const LockstepBoard&) = delete;
 
@@ -45,10 +46,10 @@ class LockstepBoard {
 
   Platform& platform_;
   std::span<std::int16_t> storage_;
+  std::span<std::uint8_t> out_;
   std::array<char, 512> texts_{};
   std::optional<Bench> bench_;
   std::uint32_t expected_ = 0;  ///< sequence number of the next frame
-  std::array<std::uint8_t, largest_frame> out_{};
 };
 
 }  // namespace powbench::firmware::lockstep

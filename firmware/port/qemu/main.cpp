@@ -120,8 +120,8 @@ std::span<const std::uint8_t> receive_frame(EmulatedBoard& board, std::span<std:
 }
 
 EmulatedBoard board;
-lockstep::LockstepBoard bench(board, record_storage);
-std::array<std::uint8_t, lockstep::largest_frame> incoming;
+[[gnu::section(".frames")]] std::array<std::uint8_t, lockstep::largest_frame> incoming, outgoing;
+lockstep::LockstepBoard bench(board, record_storage, outgoing);
 
 }  // namespace
 
