@@ -16,6 +16,17 @@ Bench::Bench(const ControllerConfig& config, const Identity& identity, std::span
       context_{.description = identity.model, .attributes = context_attributes_, .devices = device_list_},
       responder_(context_) {}
 
+BenchReport Bench::report() const {
+  const FireControl& fire = controller_.fire_control();
+  return {.set_points = source_.set_points,
+          .shots_armed = fire.shots_armed(),
+          .timeout_ms = responder_.timeout_ms(),
+          .state_hash = hash_.value(),
+          .state = fire.state(),
+          .gate_on = fire.gate_on(),
+          .phase_valid = fire.phase().valid()};
+}
+
 void Bench::note(std::span<const GateEdge> edges) {
   const FireControl& fire = controller_.fire_control();
   const PhaseEstimate& phase = fire.phase();
@@ -26,7 +37,6 @@ void Bench::note(std::span<const GateEdge> edges) {
   hash_.add(phase.frequency);
   hash_.add(phase.frequency_rate);
   hash_.add(phase.amplitude);
-  hash_.add(controller_.recorder().crc());
   for (const GateEdge& edge : edges) {
     hash_.add(edge.at.sample);
     hash_.add(static_cast<std::uint32_t>(edge.at.fraction) << 1 | static_cast<std::uint32_t>(edge.on));

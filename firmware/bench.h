@@ -21,6 +21,17 @@ struct Identity {
   std::string_view kind, model, serial, version, specimen;
 };
 
+/// What the plant and the server need to know about the bench, after every block and every request.
+struct BenchReport {
+  SetPoints set_points;
+  std::uint32_t shots_armed = 0;
+  std::uint32_t timeout_ms = 0;  ///< last time-out asked for by a client, 0: none
+  std::uint32_t state_hash = 0;
+  State state = State::idle;
+  bool gate_on = false;
+  bool phase_valid = false;
+};
+
 class Bench {
  public:
   static constexpr unsigned max_connections = 16;
@@ -35,7 +46,7 @@ class Bench {
   std::span<const GateEdge> step(const Block& block) { return controller_.step(block); }
   /// Takes what the last block led to into the state hash.
   void note(std::span<const GateEdge> edges);
-  std::uint32_t state_hash() const { return hash_.value(); }
+  BenchReport report() const;
 
   /// The protocol, connection by connection (0 .. max_connections - 1).
   std::size_t feed(unsigned connection, std::span<const std::uint8_t> bytes, iiod::ByteSink& out) {
@@ -48,9 +59,7 @@ class Bench {
   /// Forgets the connection: the next bytes on it are a new client's.
   void close(unsigned connection) { connections_[connection] = {}; }
   Status status(unsigned connection) const { return connections_[connection].status(); }
-  std::uint32_t timeout_ms() const { return responder_.timeout_ms(); }
 
-  Controller& controller() { return controller_; }
   const Controller& controller() const { return controller_; }
   SourceDevice& source() { return source_; }
   const SourceDevice& source() const { return source_; }

@@ -12,17 +12,6 @@
 
 namespace powbench::rigs {
 
-/// What a board says about itself after every exchange.
-struct BoardReport {
-  firmware::State state = firmware::State::idle;
-  bool gate_on = false;
-  bool phase_valid = false;
-  std::uint32_t shots_armed = 0;
-  std::uint32_t timeout_ms = 0;  ///< last time-out asked for by a client, 0: none
-  std::uint32_t state_hash = 0;
-  firmware::SetPoints set_points;
-};
-
 class Board {
  public:
   using Status = firmware::Bench::Status;
@@ -39,7 +28,8 @@ class Board {
   /// Runs the controller over the blocks, one after the other, and appends the edges to `edges`. Several at
   /// once only while no edge can come: not firing, gate off.
   virtual void step(std::span<const firmware::Block> blocks, std::vector<firmware::GateEdge>& edges) = 0;
-  virtual const BoardReport& report() const = 0;
+  /// After the last call of any of the others.
+  virtual const firmware::BenchReport& report() const = 0;
   /// What the source device shows from now on.
   virtual void publish(const firmware::SetPoints&, const firmware::PlantTruth&) = 0;
 

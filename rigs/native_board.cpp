@@ -31,7 +31,7 @@ class NativeBoard final : public Board {
     }
     look();
   }
-  const BoardReport& report() const override { return report_; }
+  const firmware::BenchReport& report() const override { return report_; }
   void publish(const firmware::SetPoints& set_points, const firmware::PlantTruth& truth) override {
     bench_.source().set_points = set_points;
     bench_.source().truth = truth;
@@ -62,20 +62,11 @@ class NativeBoard final : public Board {
     look();
     return {used, bench_.status(connection), std::move(out.data)};
   }
-  void look() {
-    const firmware::FireControl& fire = bench_.controller().fire_control();
-    report_ = {.state = fire.state(),
-               .gate_on = fire.gate_on(),
-               .phase_valid = fire.phase().valid(),
-               .shots_armed = fire.shots_armed(),
-               .timeout_ms = bench_.timeout_ms(),
-               .state_hash = bench_.state_hash(),
-               .set_points = bench_.source().set_points};
-  }
+  void look() { report_ = bench_.report(); }
 
   std::vector<std::int16_t> storage_;
   firmware::Bench bench_;
-  BoardReport report_;
+  firmware::BenchReport report_;
 };
 
 }  // namespace

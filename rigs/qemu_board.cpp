@@ -42,8 +42,10 @@ QemuBoard::QemuBoard(bool count_instructions, const firmware::ControllerConfig& 
                            .phase_bytes = sizeof config.phase,
                            .fire_bytes = sizeof config.fire,
                            .interlock_bytes = sizeof config.interlocks,
-                           .text_bytes = {},
-                           .unused = 0};
+                           .block_bytes = lockstep::block_input_bytes,
+                           .answer_bytes = sizeof(lockstep::Answer),
+                           .edge_bytes = sizeof(firmware::GateEdge),
+                           .text_bytes = {}};
   for (std::size_t i = 0; i < std::size(texts); ++i)
     head.text_bytes[i] = static_cast<std::uint16_t>(std::min<std::size_t>(texts[i].size(), 1000));
   begin(Kind::configure);
@@ -65,9 +67,8 @@ void QemuBoard::step(std::span<const firmware::Block> blocks, std::vector<firmwa
   begin(Kind::step);
   frame_.put(lockstep::StepHead{static_cast<std::uint32_t>(blocks.size()), measure_});
   for (const firmware::Block& block : blocks) {
-    frame_.put(lockstep::BlockHead{block.first_sample, static_cast<std::uint16_t>(block.samples()),
-                                   block.emergency_stop ? lockstep::flag_emergency_stop : std::uint16_t{0},
-                                   0});
+    frame_.put(lockstep::BlockHead{block.first_sample, static_cast<std::uint32_t>(block.samples()), 0});
+    frame_.put(lockstep::inputs_of(block), lockstep::block_input_bytes);
     frame_.put(block.scans.data(), block.scans.size_bytes());
   }
   exchange(&edges);
@@ -136,20 +137,14 @@ Board::Answer QemuBoard::exchange(std::vector<firmware::GateEdge>* edges) {
     }
     const auto a = reader.get<lockstep::Answer>();
     for (int i = 0; i < a.edges; ++i) {
-      const auto edge = reader.get<lockstep::Edge>();
-      if (edges) edges->push_back({edge.on != 0, {edge.sample, edge.fraction}});
+      const auto edge = reader.get<firmware::GateEdge>();
+      if (edges) edges->push_back(edge);
     }
     if (a.has_cost) reader.get(cost_);
     if (!reader.whole()) throw RigError("the emulated board sent a short frame");
-    report_ = {.state = static_cast<firmware::State>(a.state),
-               .gate_on = a.gate_on != 0,
-               .phase_valid = a.phase_valid != 0,
-               .shots_armed = a.shots_armed,
-               .timeout_ms = a.timeout_ms,
-               .state_hash = a.state_hash,
-               .set_points = a.set_points};
+    report_ = a.report;
     out.used = a.used;
-    out.status = static_cast<Status>(a.status);
+    out.status = a.status;
     ++sequence_;
     return out;
   }

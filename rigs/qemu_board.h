@@ -16,7 +16,7 @@ class QemuBoard final : public Board {
             const std::string& image = find_qemu_image());
 
   void step(std::span<const firmware::Block> blocks, std::vector<firmware::GateEdge>& edges) override;
-  const BoardReport& report() const override { return report_; }
+  const firmware::BenchReport& report() const override { return report_; }
   void publish(const firmware::SetPoints&, const firmware::PlantTruth&) override;
   Answer feed(unsigned connection, std::span<const std::uint8_t> bytes) override;
   Answer resume(unsigned connection) override;
@@ -46,7 +46,7 @@ class QemuBoard final : public Board {
   std::size_t taken_ = 0;  ///< bytes at the front of `incoming_` that are done with
   std::uint32_t sequence_ = 0;
   bool measure_ = false;
-  BoardReport report_;
+  firmware::BenchReport report_;
   firmware::lockstep::Cost cost_{};
 };
 

@@ -67,8 +67,10 @@ std::vector<std::uint8_t> configure_frame(std::int64_t record_length, std::uint3
                                  phase_bytes,
                                  sizeof config.fire,
                                  sizeof config.interlocks,
-                                 {1, 1, 1, 1, 1, 1},
-                                 0});
+                                 lockstep::block_input_bytes,
+                                 sizeof(lockstep::Answer),
+                                 sizeof(firmware::GateEdge),
+                                 {1, 1, 1, 1, 1, 1}});
   writer.put(config.calibration);
   writer.put(config.phase);
   writer.put(config.fire);

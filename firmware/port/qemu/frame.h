@@ -9,8 +9,7 @@
 
 #include "core/channels.h"
 #include "core/crc32.h"
-#include "firmware/block.h"
-#include "firmware/source_device.h"
+#include "firmware/bench.h"
 
 /// The frames of the lock-step between plant and emulated board, shared by both ends. The plant asks, the
 /// board answers; nothing else is ever on the line. Little-endian, fixed-width fields, CRC-32 behind each
@@ -61,27 +60,37 @@ struct Header {
 };
 static_assert(sizeof(Header) == 16);
 
-/// Sizes of what follows it (four structures, six texts), so that a board of other sources refuses.
+/// Followed by four structures and six texts. The sizes let a board of other sources refuse.
 struct Configure {
   std::int64_t sample_rate, record_length, pretrigger;
   std::uint32_t calibration_bytes, phase_bytes, fire_bytes, interlock_bytes;
+  std::uint32_t block_bytes, answer_bytes, edge_bytes;
   std::uint16_t text_bytes[6];  ///< calibration, kind, model, serial, version, specimen
-  std::uint32_t unused;
 };
-static_assert(sizeof(Configure) == 56);
+static_assert(sizeof(Configure) == 64);
 
 struct StepHead {
   std::uint32_t blocks;
   std::uint32_t measure;  ///< 1: count the instructions of these blocks
 };
 
-/// The inputs of a block beside its samples travel as bits.
-inline constexpr std::uint16_t flag_emergency_stop = 1;
-static_assert(sizeof(Block) == 2 * sizeof(void*) + 16, "a new member of Block needs its bit in BlockHead");
+/// What a block carries beside its samples travels as it lies in memory: both compilers lay out fixed-width
+/// members alike, and the sizes are compared in Configure.
+inline constexpr std::size_t block_inputs_at = sizeof(std::int64_t) + sizeof(std::span<const std::int16_t>);
+inline constexpr std::size_t block_input_bytes = sizeof(Block) - block_inputs_at;
+static_assert(std::is_trivially_copyable_v<Block> && std::is_standard_layout_v<Block>);
+static_assert(offsetof(Block, scans) == sizeof(std::int64_t), "the pointer stands between number and inputs");
+inline const std::uint8_t* inputs_of(const Block& block) {
+  return reinterpret_cast<const std::uint8_t*>(&block) + block_inputs_at;
+}
+inline std::uint8_t* inputs_of(Block& block) {
+  return reinterpret_cast<std::uint8_t*>(&block) + block_inputs_at;
+}
+
+/// Followed by the inputs and the scans.
 struct BlockHead {
   std::int64_t first_sample;
-  std::uint16_t samples, flags;
-  std::uint32_t unused;
+  std::uint32_t samples, unused;
 };
 static_assert(sizeof(BlockHead) == 16);
 
@@ -91,22 +100,15 @@ struct Published {
 };
 static_assert(sizeof(Published) == 56);
 
+/// Followed by the edges.
 struct Answer {
-  SetPoints set_points;
-  std::uint32_t state_hash, shots_armed, timeout_ms;
+  BenchReport report;
   std::uint32_t used;  ///< bytes of a feed that were taken
-  std::uint8_t state, gate_on, phase_valid, status;
+  Bench::Status status;
+  bool has_cost;  ///< a Cost follows the edges
   std::uint16_t edges;
-  std::uint16_t has_cost;  ///< 1: a Cost follows the edges
 };
-static_assert(sizeof(Answer) == 56);
-
-struct Edge {
-  std::int64_t sample;
-  std::uint16_t fraction, on;
-  std::uint32_t unused;
-};
-static_assert(sizeof(Edge) == 16);
+static_assert(std::is_trivially_copyable_v<Answer> && std::is_trivially_copyable_v<GateEdge>);
 
 /// What the blocks that were measured cost, in ticks of the board's 25 MHz timer, and the deepest stack so
 /// far.

@@ -25,11 +25,11 @@ class LockstepBoard::Sender final : public iiod::ByteSink {
     held_ = 0;
   }
   void add_edge(const GateEdge& edge) {
-    if (edge_count < edges.size()) edges[edge_count++] = {edge.at.sample, edge.at.fraction, edge.on, 0};
+    if (edge_count < edges.size()) edges[edge_count++] = edge;
   }
 
   std::uint32_t used = 0;
-  std::array<Edge, 2 * largest_batch> edges{};
+  std::array<GateEdge, 2 * largest_batch> edges{};
   std::uint16_t edge_count = 0;
   std::uint32_t sequence_;
   std::uint16_t connection_;
@@ -88,7 +88,9 @@ bool LockstepBoard::configure(Reader& in) {
   const auto head = in.get<Configure>();
   ControllerConfig config;
   if (head.calibration_bytes != sizeof config.calibration || head.phase_bytes != sizeof config.phase ||
-      head.fire_bytes != sizeof config.fire || head.interlock_bytes != sizeof config.interlocks)
+      head.fire_bytes != sizeof config.fire || head.interlock_bytes != sizeof config.interlocks ||
+      head.block_bytes != block_input_bytes || head.answer_bytes != sizeof(Answer) ||
+      head.edge_bytes != sizeof(GateEdge))
     return refuse(Refused::other_layout), false;
   config.sample_rate = head.sample_rate;
   config.record_length = head.record_length;
@@ -122,15 +124,16 @@ bool LockstepBoard::step(Reader& in, Sender& out) {
   if (head.blocks > largest_batch) return refuse(Refused::too_long), false;
   for (std::uint32_t b = 0; b < head.blocks; ++b) {
     const auto block_head = in.get<BlockHead>();
+    const auto inputs = in.bytes(block_input_bytes);
     const auto scans = in.bytes(std::size_t{2} * channel_count * block_head.samples);
     if (!in.whole() || block_head.samples < 1 || block_head.samples > largest_block)
       return refuse(Refused::damaged), false;
     // where the converters' DMA would have left them, aligned
     static std::array<std::int16_t, largest_block * channel_count> dma;
     std::memcpy(dma.data(), scans.data(), scans.size());
-    const Block block{.first_sample = block_head.first_sample,
-                      .scans = {dma.data(), block_head.samples * channel_count},
-                      .emergency_stop = (block_head.flags & flag_emergency_stop) != 0};
+    Block block{.first_sample = block_head.first_sample,
+                .scans = {dma.data(), block_head.samples * channel_count}};
+    std::memcpy(inputs_of(block), inputs.data(), inputs.size());
     const auto edges = platform_.run_block(*bench_, block, head.measure != 0);
     bench_->note(edges);
     for (const GateEdge& edge : edges) out.add_edge(edge);
@@ -149,22 +152,15 @@ void LockstepBoard::protocol(Reader& in, Sender& out) {
 
 void LockstepBoard::answer(Sender& out, bool with_cost) {
   out.flush();
-  const FireControl& fire = bench_->controller().fire_control();
-  Answer a{.set_points = bench_->source().set_points,
-           .state_hash = bench_->state_hash(),
-           .shots_armed = fire.shots_armed(),
-           .timeout_ms = bench_->timeout_ms(),
-           .used = out.used,
-           .state = static_cast<std::uint8_t>(fire.state()),
-           .gate_on = fire.gate_on(),
-           .phase_valid = fire.phase().valid(),
-           .status = static_cast<std::uint8_t>(bench_->status(out.connection_)),
-           .edges = out.edge_count,
-           .has_cost = with_cost};
+  const Answer a{.report = bench_->report(),
+                 .used = out.used,
+                 .status = bench_->status(out.connection_),
+                 .has_cost = with_cost,
+                 .edges = out.edge_count};
   Writer writer(out_);
   writer.begin(Kind::answer, out.connection_);
   writer.put(a);
-  writer.put(out.edges.data(), sizeof(Edge) * out.edge_count);
+  writer.put(out.edges.data(), sizeof(GateEdge) * out.edge_count);
   if (with_cost) writer.put(platform_.cost());
   platform_.send(writer.finish(out.sequence_));
 }
