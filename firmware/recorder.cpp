@@ -23,11 +23,20 @@ Recorder::Recorder(std::span<std::int16_t> storage, std::int64_t length, std::in
       pretrigger_(pretrigger),
       period_ns_(period_ns) {}
 
+/// Index of a sample's scan in the storage: sample modulo capacity, without a 64-bit division where the sample
+/// is at most a lap away from the newest one.
+std::size_t Recorder::place(std::int64_t sample) const {
+  std::int64_t distance = sample - lap_;
+  if (distance < 0) distance += capacity_;
+  if (distance >= capacity_) distance -= capacity_;
+  if (distance < 0 || distance >= capacity_) distance = sample % capacity_;
+  return static_cast<std::size_t>(distance) * channel_count;
+}
 std::int16_t* Recorder::slot(std::int64_t sample) {
-  return &storage_[static_cast<std::size_t>(sample % capacity_) * channel_count];
+  return &storage_[place(sample)];
 }
 const std::int16_t* Recorder::slot(std::int64_t sample) const {
-  return &storage_[static_cast<std::size_t>(sample % capacity_) * channel_count];
+  return &storage_[place(sample)];
 }
 
 void Recorder::arm() {
@@ -58,6 +67,8 @@ void Recorder::note_gap(std::int64_t first, std::int64_t count) {
 
 void Recorder::push(const Block& block) {
   if (!armed_ || complete_) return;
+  if (block.first_sample - lap_ >= capacity_ || block.first_sample < lap_)
+    lap_ = block.first_sample - block.first_sample % capacity_;
   if (next_ >= 0 && block.first_sample > next_) {
     // lost samples: hold the last value, so that the time axis stays true, and remember where
     const std::int64_t lost = block.first_sample - next_;

@@ -50,6 +50,7 @@ class Recorder final : public iiod::BufferSource {
   std::uint32_t generation() const override { return generation_; }
 
  private:
+  std::size_t place(std::int64_t sample) const;
   std::int16_t* slot(std::int64_t sample);
   const std::int16_t* slot(std::int64_t sample) const;
   void note_gap(std::int64_t first, std::int64_t count);
@@ -64,6 +65,7 @@ class Recorder final : public iiod::BufferSource {
   std::uint32_t generation_ = 0, crc_ = 0, overruns_ = 0;
   std::array<Gap, 8> gaps_{};
   std::size_t gap_count_ = 0;
+  std::int64_t lap_ = 0;  ///< a multiple of the capacity, near the newest sample
 };
 
 }  // namespace powbench::firmware

@@ -24,13 +24,8 @@ class LockstepBoard::Sender final : public iiod::ByteSink {
     bytes_.begin(Kind::more, connection_);
     held_ = 0;
   }
-  void add_edge(const GateEdge& edge) {
-    if (edge_count < edges.size()) edges[edge_count++] = edge;
-  }
 
   std::uint32_t used = 0;
-  std::array<GateEdge, 2 * largest_batch> edges{};
-  std::uint16_t edge_count = 0;
   std::uint32_t sequence_;
   std::uint16_t connection_;
 
@@ -55,12 +50,13 @@ bool LockstepBoard::handle(std::span<const std::uint8_t> frame) {
   if ((header.kind == Kind::configure) == bench_.has_value() || header.connection >= Bench::max_connections)
     return refuse(Refused::unknown_kind), false;
   Sender out(*this, header.sequence, header.connection);
+  edge_count_ = 0;
   switch (header.kind) {
     case Kind::configure:
       if (!configure(reader)) return false;
       break;
     case Kind::step:
-      if (!step(reader, out)) return false;
+      if (!step(reader)) return false;
       break;
     case Kind::publish: {
       const auto published = reader.get<Published>();
@@ -119,7 +115,7 @@ bool LockstepBoard::configure(Reader& in) {
   return true;
 }
 
-bool LockstepBoard::step(Reader& in, Sender& out) {
+bool LockstepBoard::step(Reader& in) {
   const auto head = in.get<StepHead>();
   if (head.blocks > largest_batch) return refuse(Refused::too_long), false;
   for (std::uint32_t b = 0; b < head.blocks; ++b) {
@@ -136,7 +132,8 @@ bool LockstepBoard::step(Reader& in, Sender& out) {
     std::memcpy(inputs_of(block), inputs.data(), inputs.size());
     const auto edges = platform_.run_block(*bench_, block, head.measure != 0);
     bench_->note(edges);
-    for (const GateEdge& edge : edges) out.add_edge(edge);
+    for (const GateEdge& edge : edges)
+      if (edge_count_ < edges_.size()) edges_[edge_count_++] = edge;
   }
   return true;
 }
@@ -156,11 +153,11 @@ void LockstepBoard::answer(Sender& out, bool with_cost) {
                  .used = out.used,
                  .status = bench_->status(out.connection_),
                  .has_cost = with_cost,
-                 .edges = out.edge_count};
+                 .edges = edge_count_};
   Writer writer(out_);
   writer.begin(Kind::answer, out.connection_);
   writer.put(a);
-  writer.put(out.edges.data(), sizeof(GateEdge) * out.edge_count);
+  writer.put(edges_.data(), sizeof(GateEdge) * edge_count_);
   if (with_cost) writer.put(platform_.cost());
   platform_.send(writer.finish(out.sequence_));
 }

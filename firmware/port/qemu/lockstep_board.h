@@ -40,7 +40,7 @@ class LockstepBoard {
  private:
   class Sender;
   bool configure(Reader&);
-  bool step(Reader&, Sender&);
+  bool step(Reader&);
   void protocol(Reader&, Sender&);
   void answer(Sender&, bool with_cost);
 
@@ -49,6 +49,8 @@ class LockstepBoard {
   std::span<std::uint8_t> out_;
   std::array<char, 512> texts_{};
   std::optional<Bench> bench_;
+  std::array<GateEdge, 2 * largest_batch> edges_{};  ///< of the frame in progress
+  std::uint16_t edge_count_ = 0;
   std::uint32_t expected_ = 0;  ///< sequence number of the next frame
 };
 
