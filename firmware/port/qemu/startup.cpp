@@ -55,3 +55,11 @@ extern const Vector vector_table[];
     sample_block_handler,  // interrupt 0: a block of samples is there
 };
 }
+
+/// What the library calls instead of throwing, where the optimiser has not proved that it never does. No
+/// libstdc++ is linked: anything else that would throw, or allocate, is an undefined symbol.
+namespace std {
+[[noreturn]] void __throw_out_of_range_fmt(const char*, ...) {
+  powbench::firmware::semihosting::exit(powbench::firmware::exit_processor_fault);
+}
+}  // namespace std
