@@ -2,13 +2,14 @@
 
 #include <utility>  // ahead of Asio: 1.74 forgets it under C++20
 
+#include <algorithm>
 #include <boost/asio.hpp>
 #include <chrono>
 #include <deque>
+#include <mutex>
 #include <thread>
 #include <vector>
 
-#include "firmware/iiod/responder.h"
 #include "rigs/rig.h"
 #include "rigs/sim_world.h"
 
@@ -16,20 +17,14 @@ namespace powbench::rigs {
 
 namespace asio = boost::asio;
 using asio::ip::tcp;
-using firmware::iiod::Connection;
-using firmware::iiod::Responder;
 
 namespace {
 
 constexpr double slice = 0.010;  // s of virtual time between two looks at the sockets
 
-/// Collects the answers of one feed, so that number, mask and payload leave in one gathered write.
-class Collector final : public firmware::iiod::ByteSink {
- public:
-  void put(std::span<const std::uint8_t> bytes) override {
-    data.insert(data.end(), bytes.begin(), bytes.end());
-  }
-  std::vector<std::uint8_t> data;
+/// The address cannot be had; another one may.
+struct AddressError : RigError {
+  using RigError::RigError;
 };
 
 }  // namespace
@@ -37,12 +32,9 @@ class Collector final : public firmware::iiod::ByteSink {
 struct IiodServer::Impl {
   struct Session;
 
-  Impl(const SimRigConfig& config, const sim::Specimen& specimen, std::string where, std::uint16_t port)
-      : world(config, specimen),
-        responder(world.context()),
-        acceptor(io),
-        signals(io),
-        address(std::move(where)) {
+  Impl(const SimRigConfig& config, const sim::Specimen& specimen, std::string where, std::uint16_t port,
+       const BoardOptions& options)
+      : acceptor(io), signals(io), address(std::move(where)) {
     try {
       const tcp::endpoint endpoint(asio::ip::make_address(address), port);
       acceptor.open(endpoint.protocol());
@@ -50,18 +42,21 @@ struct IiodServer::Impl {
       acceptor.bind(endpoint);
       acceptor.listen();
     } catch (const boost::system::system_error& e) {
-      throw RigError("cannot serve on " + address + " port " + std::to_string(port) + ": " +
-                     e.code().message() + "; choose another loopback address, such as 127.0.0.8");
+      throw AddressError("cannot serve on " + address + " port " + std::to_string(port) + ": " +
+                         e.code().message() + "; choose another loopback address, such as 127.0.0.8");
     }
+    // behind the address: a board is not started for nothing
+    world = std::make_unique<SimWorld>(config, specimen, options);
   }
 
   void accept();
   void work();
   void drop(const Session* session);
   void wake_readers();
+  int free_connection() const;
+  Board& board() { return world->board(); }
 
-  SimWorld world;
-  Responder responder;
+  std::unique_ptr<SimWorld> world;
   asio::io_context io{1};
   tcp::acceptor acceptor;
   asio::signal_set signals;
@@ -72,41 +67,42 @@ struct IiodServer::Impl {
 
 /// One client connection: bytes in, answers out, in order.
 struct IiodServer::Impl::Session : std::enable_shared_from_this<Session> {
-  Session(Impl& owner, tcp::socket s) : server(owner), socket(std::move(s)), deadline(owner.io) {
+  Session(Impl& owner, tcp::socket s, unsigned number)
+      : server(owner), socket(std::move(s)), deadline(owner.io), connection(number) {
     boost::system::error_code ignored;
     socket.set_option(tcp::no_delay(true), ignored);  // without it a refill takes 44 ms
   }
 
   /// Hands received bytes to the responder, then answers; reads on unless a READBUF waits for samples.
   void consume() {
-    Collector answers;
-    const std::size_t used = server.responder.feed(connection, unread, answers);
-    unread.erase(unread.begin(), unread.begin() + static_cast<std::ptrdiff_t>(used));
-    server.world.notice_commands();
-    if (connection.status() == Connection::Status::pending) wait_for_samples();
-    send(std::move(answers.data));
+    auto answer = server.board().feed(connection, unread);
+    status = answer.status;
+    unread.erase(unread.begin(), unread.begin() + static_cast<std::ptrdiff_t>(answer.used));
+    server.world->notice_commands();
+    if (status == Board::Status::pending) wait_for_samples();
+    send(std::move(answer.bytes));
     server.work();
   }
 
   /// A READBUF is owed an answer within the client's time-out, whatever happens.
   void wait_for_samples() {
-    const std::uint32_t ms = server.responder.timeout_ms();
+    const std::uint32_t ms = server.board().report().timeout_ms;
     if (ms == 0) return;
     deadline.expires_after(std::chrono::milliseconds(ms));
     deadline.async_wait([self = shared_from_this()](auto error) {
-      if (error || self->connection.status() != Connection::Status::pending) return;
-      Collector answers;
-      self->server.responder.expire(self->connection, firmware::iiod::etimedout, answers);
-      self->send(std::move(answers.data));
+      if (error || self->status != Board::Status::pending || !self->socket.is_open()) return;
+      auto answer = self->server.board().expire(self->connection);
+      self->status = answer.status;
+      self->send(std::move(answer.bytes));
     });
   }
 
   void samples_arrived() {
-    if (connection.status() != Connection::Status::pending) return;
-    Collector answers;
-    server.responder.resume(connection, answers);
-    if (connection.status() == Connection::Status::ready) deadline.cancel();
-    send(std::move(answers.data));
+    if (status != Board::Status::pending || !socket.is_open()) return;
+    auto answer = server.board().resume(connection);
+    status = answer.status;
+    if (status == Board::Status::ready) deadline.cancel();
+    send(std::move(answer.bytes));
   }
 
   void send(std::vector<std::uint8_t> bytes) {
@@ -128,9 +124,9 @@ struct IiodServer::Impl::Session : std::enable_shared_from_this<Session> {
   /// Everything is answered: go on with bytes already here, else read more. While a READBUF is pending the
   /// socket is read all the same, so that a vanished client is noticed.
   void next() {
-    if (connection.status() == Connection::Status::closed) return close();
+    if (status == Board::Status::closed) return close();
     if (reading || !outgoing.empty()) return;
-    if (!unread.empty() && connection.status() == Connection::Status::ready) {
+    if (!unread.empty() && status == Board::Status::ready) {
       asio::post(server.io, [self = shared_from_this()] { self->consume(); });
       return;
     }
@@ -140,7 +136,7 @@ struct IiodServer::Impl::Session : std::enable_shared_from_this<Session> {
       if (error) return self->close();
       self->unread.insert(self->unread.end(), self->incoming.begin(),
                           self->incoming.begin() + static_cast<std::ptrdiff_t>(n));
-      if (self->connection.status() == Connection::Status::ready)
+      if (self->status == Board::Status::ready)
         self->consume();
       else
         self->next();
@@ -148,16 +144,19 @@ struct IiodServer::Impl::Session : std::enable_shared_from_this<Session> {
   }
 
   void close() {
+    if (!socket.is_open()) return;
     boost::system::error_code ignored;
     deadline.cancel();
     socket.close(ignored);
+    server.board().close(connection);
     server.drop(this);
   }
 
   Impl& server;
   tcp::socket socket;
   asio::steady_timer deadline;
-  Connection connection;
+  const unsigned connection;  ///< its number on the board
+  Board::Status status = Board::Status::ready;
   std::array<std::uint8_t, 4096> incoming{};
   std::vector<std::uint8_t> unread;
   std::deque<std::vector<std::uint8_t>> outgoing;
@@ -167,20 +166,31 @@ struct IiodServer::Impl::Session : std::enable_shared_from_this<Session> {
 void IiodServer::Impl::accept() {
   acceptor.async_accept([this](auto error, tcp::socket socket) {
     if (error) return;
-    sessions.push_back(std::make_shared<Session>(*this, std::move(socket)));
-    sessions.back()->next();
+    // a board has memory for so many clients; one more is turned away
+    if (const int number = free_connection(); number >= 0) {
+      sessions.push_back(std::make_shared<Session>(*this, std::move(socket), static_cast<unsigned>(number)));
+      sessions.back()->next();
+    }
     accept();
   });
 }
 
+int IiodServer::Impl::free_connection() const {
+  for (unsigned number = 0; number < firmware::Bench::max_connections; ++number)
+    if (std::none_of(sessions.begin(), sessions.end(),
+                     [&](const auto& s) { return s->connection == number; }))
+      return static_cast<int>(number);
+  return -1;
+}
+
 /// Lets virtual time pass in slices, with the sockets served in between.
 void IiodServer::Impl::work() {
-  if (working || !world.busy()) return;
+  if (working || !world->busy()) return;
   working = true;
   asio::post(io, [this] {
-    world.run(slice);
+    world->run(slice);
     working = false;
-    if (!world.busy()) wake_readers();
+    if (!world->busy()) wake_readers();
     work();
   });
 }
@@ -195,8 +205,8 @@ void IiodServer::Impl::drop(const Session* session) {
 }
 
 IiodServer::IiodServer(const SimRigConfig& config, const sim::Specimen& specimen, const std::string& address,
-                       std::uint16_t port)
-    : impl_(std::make_unique<Impl>(config, specimen, address, port)) {}
+                       std::uint16_t port, const BoardOptions& options)
+    : impl_(std::make_unique<Impl>(config, specimen, address, port, options)) {}
 IiodServer::~IiodServer() = default;
 const std::string& IiodServer::address() const {
   return impl_->address;
@@ -210,8 +220,17 @@ void IiodServer::serve(bool until_interrupted) {
       if (!error) impl_->io.stop();
     });
   }
+  impl_->board().adopt_thread();
   impl_->accept();
-  impl_->io.run();
+  try {
+    impl_->io.run();
+  } catch (const RigError&) {
+    // a board that is gone: its clients must not wait for it
+    boost::system::error_code ignored;
+    impl_->acceptor.close(ignored);
+    for (const auto& session : impl_->sessions) session->socket.close(ignored);
+    throw;
+  }
 }
 
 void IiodServer::stop() {
@@ -221,25 +240,40 @@ void IiodServer::stop() {
 struct LocalRig::Impl {
   std::unique_ptr<IiodServer> server;
   std::thread thread;
+  mutable std::mutex lock;  ///< of `failure`
+  std::string failure;
 };
 
-LocalRig::LocalRig(const SimRigConfig& config, const sim::Specimen& specimen)
+LocalRig::LocalRig(const SimRigConfig& config, const sim::Specimen& specimen, const BoardOptions& options)
     : impl_(std::make_unique<Impl>()) {
   std::string last_error;
   for (int host = 2; host < 255 && !impl_->server; ++host) {
     try {
-      impl_->server = std::make_unique<IiodServer>(config, specimen, "127.0.0." + std::to_string(host));
-    } catch (const RigError& e) {
+      impl_->server = std::make_unique<IiodServer>(config, specimen, "127.0.0." + std::to_string(host),
+                                                   iiod_port, options);
+    } catch (const AddressError& e) {
       last_error = e.what();
     }
   }
   if (!impl_->server) throw RigError("no loopback address is free for a simulated rig: " + last_error);
-  impl_->thread = std::thread([this] { impl_->server->serve(); });
+  impl_->thread = std::thread([this] {
+    try {
+      impl_->server->serve();
+    } catch (const RigError& e) {
+      const std::lock_guard hold(impl_->lock);
+      impl_->failure = e.what();
+    }
+  });
 }
 
 LocalRig::~LocalRig() {
   impl_->server->stop();
   impl_->thread.join();
+}
+
+std::string LocalRig::failure() const {
+  const std::lock_guard hold(impl_->lock);
+  return impl_->failure;
 }
 
 const std::string& LocalRig::address() const {

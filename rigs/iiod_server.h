@@ -4,6 +4,7 @@
 #include <memory>
 #include <string>
 
+#include "rigs/board.h"
 #include "rigs/sim_rig_config.h"
 #include "sim/specimen.h"
 
@@ -19,14 +20,15 @@ class IiodServer {
  public:
   /// Binds at once; throws RigError with one sentence if the address cannot be had.
   IiodServer(const SimRigConfig&, const sim::Specimen&, const std::string& address,
-             std::uint16_t port = iiod_port);
+             std::uint16_t port = iiod_port, const BoardOptions& = {});
   ~IiodServer();
   IiodServer(const IiodServer&) = delete;
   IiodServer& operator=(const IiodServer&) = delete;
 
   const std::string& address() const;
 
-  /// Serves until stop() is called from another thread, or SIGINT / SIGTERM when `until_interrupted`.
+  /// Serves until stop() is called from another thread, or SIGINT / SIGTERM when `until_interrupted`. Throws
+  /// RigError, with every client cut off, when an emulated board fails.
   void serve(bool until_interrupted = false);
   void stop();
 
@@ -39,12 +41,14 @@ class IiodServer {
 /// object.
 class LocalRig {
  public:
-  LocalRig(const SimRigConfig&, const sim::Specimen&);
+  LocalRig(const SimRigConfig&, const sim::Specimen&, const BoardOptions& = {});
   ~LocalRig();
   LocalRig(const LocalRig&) = delete;
   LocalRig& operator=(const LocalRig&) = delete;
 
   const std::string& address() const;
+  /// Why the rig serves no more, or nothing.
+  std::string failure() const;
 
  private:
   struct Impl;

@@ -9,11 +9,16 @@ namespace {
 /// A simulated rig is a server of its own in this process, spoken to through libiio like every other rig.
 class HostedSimRig final : public Rig {
  public:
-  HostedSimRig(const SimRigConfig& config, const sim::Specimen& specimen)
-      : server_(config, specimen), client_(connect_iio("ip:" + server_.address())) {}
+  HostedSimRig(const SimRigConfig& config, const sim::Specimen& specimen, const BoardOptions& options)
+      : server_(config, specimen, options), client_(connect_iio("ip:" + server_.address())) {}
 
   const RigInfo& info() const override { return client_->info(); }
-  Shot fire(const Conditions& c, std::chrono::milliseconds limit) override { return client_->fire(c, limit); }
+  Shot fire(const Conditions& c, std::chrono::milliseconds limit) override {
+    Shot shot = client_->fire(c, limit);
+    if (std::string why = shot.rig_lost ? server_.failure() : std::string(); !why.empty())
+      shot.reason = std::move(why);
+    return shot;
+  }
   bool abort() override { return client_->abort(); }
   bool reconnect() override { return client_->reconnect(); }
 
@@ -25,7 +30,8 @@ class HostedSimRig final : public Rig {
 }  // namespace
 
 std::unique_ptr<Rig> open(const std::string& uri, const SimRigConfig& sim, const sim::Specimen& specimen) {
-  if (uri.starts_with("sim:")) return std::make_unique<HostedSimRig>(sim, specimen);
+  if (uri.starts_with("sim:")) return std::make_unique<HostedSimRig>(sim, specimen, BoardOptions{});
+  if (uri.starts_with("qemu:")) return std::make_unique<HostedSimRig>(sim, specimen, emulated_board);
   if (uri.starts_with("ip:") && uri.size() > 3) return connect_iio(uri);
   if (uri.starts_with("usb:")) return connect_iio(uri);
   std::string known;

@@ -18,11 +18,18 @@ struct RigKind {
 inline constexpr RigKind rig_kinds[] = {
     {"sim:", "sim:scenes/demo.rig.toml",
      "simulated rig inside this program (plant, sensors, native firmware)"},
+    {"qemu:", "qemu:scenes/demo.rig.toml",
+     "the same with the firmware on an emulated Cortex-M4F (qemu-system-arm)"},
     {"ip:", "ip:127.0.0.7", "any rig that serves IIO on the network, port 30431"},
     {"usb:", "usb:1.5.0", "a rig on USB, as libiio names it"},
 };
 
-/// Opens the rig that `uri` names. `sim` is what a `sim:` rig is made of. Throws RigError with one sentence.
+/// The URI names a rig with a simulated plant: what follows the colon is a rig file, or nothing.
+inline bool is_simulated(std::string_view uri) {
+  return uri.starts_with("sim:") || uri.starts_with("qemu:");
+}
+
+/// Opens the rig that `uri` names. `sim` is what a `sim:` or `qemu:` rig is made of. Throws RigError with one sentence.
 std::unique_ptr<Rig> open(const std::string& uri, const SimRigConfig& sim, const sim::Specimen& specimen);
 
 }  // namespace powbench::rigs

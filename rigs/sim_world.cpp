@@ -1,19 +1,18 @@
 #include "rigs/sim_world.h"
 
 #include <algorithm>
-#include <chrono>
+#include <cassert>
 #include <cmath>
-#include <limits>
 
 #include "core/random.h"
 #include "core/version.h"
-#include "rigs/plant_device.h"
 
 namespace powbench::rigs {
 
 namespace {
 
 constexpr std::int64_t block_samples = 10;  // what the board's DMA half-buffer holds at 100 kS/s
+constexpr std::int64_t batch_blocks = 20;   // handed over at once while no edge can come
 constexpr double warm_up_least = 0.100;     // s: pre-trigger and the phase tracker's memory
 constexpr double warm_up_most = 0.500;      // s: after that the firmware may say why it does not fire
 
@@ -69,38 +68,33 @@ sim::Specimen device_for_shot(sim::Specimen s, const SimRigConfig& rig, Random& 
 
 }  // namespace
 
-SimWorld::SimWorld(const SimRigConfig& config, const sim::Specimen& specimen)
+SimWorld::SimWorld(const SimRigConfig& config, const sim::Specimen& specimen, const BoardOptions& options)
     : config_(config), specimen_(specimen), calibration_id_("virtual-" + config.serial) {
-  const auto c = controller_config(config_, calibration_id_);
-  storage_.resize(static_cast<std::size_t>(c.record_length + block_samples) * channel_count);
-  controller_ = std::make_unique<firmware::Controller>(c, storage_);
-  devices_ = std::make_unique<firmware::BenchDevices>(*controller_);
-  plant_device_ = std::make_unique<PlantDevice>(*this);
-  device_list_ = {&devices_->daq(), &devices_->control(), &plant_device_->device(), &devices_->trigger()};
-  context_attributes_ = {{"bench,kind", "sim"},           {"boot_id", boot_id_ = "sim"},
-                         {"fw_version", program_version}, {"hw_model", config_.name},
-                         {"hw_serial", config_.serial},   {"protocol_version", "1"}};
-  context_ = {.description = config_.name, .attributes = context_attributes_, .devices = device_list_};
-
+  const firmware::Identity identity{.kind = options.kind == BoardOptions::Kind::native ? "sim" : "qemu",
+                                    .model = config_.name,
+                                    .serial = config_.serial,
+                                    .version = program_version,
+                                    .specimen = specimen_.name};
+  board_ = make_board(options, controller_config(config_, calibration_id_), identity);
   const auto per_block = static_cast<std::size_t>(block_samples);
   times_.resize(per_block * oversampling);
   states_.resize(per_block * oversampling);
-  scans_.resize(per_block * channel_count);
-  begin_shot();
-  set_points_ = {};
-  for (int i = 0; i < 100; ++i) step_block();  // so that the channels read something before the first shot
+  scans_.resize(per_block * channel_count * batch_blocks);
+  begin_shot({});
+  board_->publish({}, {});
+  step_blocks(100);  // so that the channels read something before the first shot
 }
 
 SimWorld::~SimWorld() = default;
 
-void SimWorld::begin_shot() {
-  Random random(static_cast<std::uint64_t>(set_points_.seed));
-  ++set_points_.seed;
-  const double celsius = 1e-3 * static_cast<double>(set_points_.ambient_millidegc);
-  const sim::Mains mains{.volts = 1e-3 * static_cast<double>(set_points_.supply_millivolts) *
+void SimWorld::begin_shot(firmware::SetPoints set_points) {
+  Random random(static_cast<std::uint64_t>(set_points.seed));
+  ++set_points.seed;
+  const double celsius = 1e-3 * static_cast<double>(set_points.ambient_millidegc);
+  const sim::Mains mains{.volts = 1e-3 * static_cast<double>(set_points.supply_millivolts) *
                                   (1.0 + config_.device.supply) *
                                   (1.0 + config_.scatter.supply * random.normal()) * config_.faults.mains_dip,
-                         .hertz = 1e-3 * static_cast<double>(set_points_.mains_millihertz),
+                         .hertz = 1e-3 * static_cast<double>(set_points.mains_millihertz),
                          .phase = 2 * pi * random.uniform()};
   const sim::PlantOptions options{
       .relative_tolerance = config_.integrator_tolerance,
@@ -110,29 +104,30 @@ void SimWorld::begin_shot() {
   sensors_ = std::make_unique<SensorChain>(config_.sensors, config_.sample_rate, mains.hertz, random.next());
   origin_ = sample_;
   edges_.clear();
+  scheduled_.clear();
+  switched_.clear();
   switched_on_ = -1.0;
   samples_lost_ = false;
+  board_->publish(set_points, {});
 }
 
 void SimWorld::notice_commands() {
-  const auto& fire = controller_->fire_control();
-  if (fire.shots_armed() == shots_seen_) return;
-  shots_seen_ = fire.shots_armed();
-  begin_shot();
+  if (board_->report().shots_armed == shots_seen_) return;
+  shots_seen_ = board_->report().shots_armed;
+  begin_shot(board_->report().set_points);
   const auto samples = [&](double s) { return std::llrint(s * config_.sample_rate); };
-  while (sample_ - origin_ < samples(warm_up_least) ||
-         (!fire.phase().valid() && sample_ - origin_ < samples(warm_up_most)))
-    step_block();
+  step_blocks((samples(warm_up_least) + block_samples - 1) / block_samples);
+  while (!board_->report().phase_valid && sample_ - origin_ < samples(warm_up_most)) step_blocks(1);
 }
 
 bool SimWorld::busy() const {
-  const auto& fire = controller_->fire_control();
-  return fire.state() == firmware::State::firing || fire.gate_on();
+  return board_->report().state == firmware::State::firing || board_->report().gate_on;
 }
 
 void SimWorld::run(double seconds) {
   const std::int64_t end = sample_ + std::llrint(seconds * config_.sample_rate);
-  while (sample_ < end && busy()) step_block();
+  while (sample_ < end && busy()) step_blocks(1);
+  board_->publish(board_->report().set_points, truth());
 }
 
 double SimWorld::plant_time(firmware::Tick tick) const {
@@ -146,13 +141,34 @@ std::vector<SwitchEdge> SimWorld::due_edges(double until) {
     const double at = plant_time(e.at);
     if (at >= until) return false;
     if (e.on) switched_on_ = at;
+    switched_.push_back({std::max(at, plant_->now()), e.on});  // a late edge takes effect at once
     due.push_back({at, e.on && !config_.faults.coil_open});
     return true;
   });
   return due;
 }
 
-void SimWorld::step_block() {
+/// Lets `count` blocks pass. As long as nothing can switch the coil they go to the board in batches: a batch
+/// gives what its blocks give one by one, at a fraction of the exchanges.
+void SimWorld::step_blocks(std::int64_t count) {
+  const std::size_t per_block = static_cast<std::size_t>(block_samples) * channel_count;
+  std::vector<firmware::Block> blocks;
+  while (count > 0) {
+    const std::int64_t batch = busy() ? 1 : std::min(count, batch_blocks);
+    blocks.clear();
+    for (std::int64_t b = 0; b < batch; ++b)
+      blocks.push_back(
+          convert_block(std::span(scans_).subspan(static_cast<std::size_t>(b) * per_block, per_block)));
+    const std::size_t before = edges_.size();
+    board_->step(blocks, edges_);
+    assert(batch == 1 || edges_.size() == before);
+    scheduled_.insert(scheduled_.end(), edges_.begin() + static_cast<std::ptrdiff_t>(before), edges_.end());
+    count -= batch;
+  }
+}
+
+/// Advances plant and sensors by one block.
+firmware::Block SimWorld::convert_block(std::span<std::int16_t> scans) {
   const double dt = 1.0 / (config_.sample_rate * oversampling);
   const std::int64_t first = (sample_ - origin_) * oversampling;
   for (std::size_t i = 0; i < times_.size(); ++i)
@@ -162,9 +178,9 @@ void SimWorld::step_block() {
   if (config_.faults.laser_dropout) sensors_->drop_laser(since_on > 0.012 && since_on < 0.014);
   for (std::size_t i = 0; i < static_cast<std::size_t>(block_samples); ++i)
     sensors_->convert({&states_[i * oversampling], oversampling},
-                      {&scans_[i * channel_count], channel_count});
+                      scans.subspan(i * channel_count, channel_count));
 
-  firmware::Block block{.first_sample = sample_, .scans = scans_};
+  firmware::Block block{.first_sample = sample_, .scans = scans};
   sample_ += block_samples;
   if (config_.faults.lost_samples > 0 && !samples_lost_ && since_on > 0.005) {
     samples_lost_ = true;  // this block's first conversions never arrive
@@ -173,28 +189,28 @@ void SimWorld::step_block() {
     block.first_sample += static_cast<std::int64_t>(lost);
     block.scans = block.scans.subspan(lost * channel_count);
   }
-  for (const firmware::GateEdge& edge : controller_->step(block)) edges_.push_back(edge);
+  return block;
 }
 
-SimWorld::Truth SimWorld::truth() const {
-  constexpr double none = std::numeric_limits<double>::quiet_NaN();
-  Truth truth{none, none, none};
+firmware::PlantTruth SimWorld::truth() const {
+  constexpr auto none = firmware::PlantTruth::none;
+  firmware::PlantTruth truth;
   if (switched_on_ < 0) return truth;
   using Kind = sim::PlantEvent::Kind;
   bool a = false, b = false;
   for (const sim::PlantEvent& e : plant_->events()) {
     if (e.time < switched_on_) continue;
-    const double t = e.time - switched_on_;
+    const std::int64_t t = std::llrint((e.time - switched_on_) * 1e9);
     const bool was_closed = a && b;
     if (e.kind == Kind::touch_a) a = true;
     if (e.kind == Kind::release_a) a = false;
     if (e.kind == Kind::touch_b) b = true;
     if (e.kind == Kind::release_b) b = false;
-    if (e.kind == Kind::core_touch && std::isnan(truth.seat)) truth.seat = t;
+    if (e.kind == Kind::core_touch && truth.seat_ns == none) truth.seat_ns = t;
     if (a && b && !was_closed) {
-      if (std::isnan(truth.touch)) truth.touch = t;
+      if (truth.touch_ns == none) truth.touch_ns = t;
       // openings after switch-off are not bounces
-      truth.settled = t;
+      truth.settled_ns = t;
     }
   }
   return truth;

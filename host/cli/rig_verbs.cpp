@@ -54,7 +54,8 @@ Exit serve_rig(const ServeArgs& args) {
   const RigFile file = args.rig_file.empty() ? RigFile{} : read_rig(args.rig_file);
   const sim::Specimen specimen =
       args.specimen_file.empty() ? load_specimen(file) : read_specimen(args.specimen_file);
-  rigs::IiodServer server(file.config, specimen, args.address.empty() ? file.listen : args.address);
+  rigs::IiodServer server(file.config, specimen, args.address.empty() ? file.listen : args.address,
+                          rigs::iiod_port, args.emulated ? rigs::emulated_board : rigs::BoardOptions{});
   fmt::print(stderr, "{} on ip:{} (port {}), specimen {}\nstop with Ctrl-C; try: iio_info -u ip:{}\n",
              file.config.name, server.address(), rigs::iiod_port, specimen.name, server.address());
   server.serve(true);

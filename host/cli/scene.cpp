@@ -19,9 +19,9 @@ Scene load_scene(const std::string& plan_file, std::optional<std::uint64_t> seed
 }
 
 RigFile rig_file(const std::string& uri) {
-  constexpr std::string_view scheme = "sim:";
-  if (!uri.starts_with(scheme) || uri.size() == scheme.size()) return {};
-  return read_rig(uri.substr(scheme.size()));
+  if (!rigs::is_simulated(uri)) return {};
+  const std::string file = uri.substr(uri.find(':') + 1);
+  return file.empty() ? RigFile{} : read_rig(file);
 }
 
 std::unique_ptr<rigs::Rig> open_rig(const std::string& uri, const sim::Specimen& specimen) {
@@ -37,7 +37,7 @@ CampaignInfo campaign_info(const Scene& scene, const std::string& rig_uri, const
   info.specimen = scene.specimen_text;
   info.specimen_hash = scene.specimen_hash;
   info.rig_uri = rig_uri;
-  info.rig_file = rig_uri.starts_with("sim:") ? resolved_text(rig_file(rig_uri)) : "";
+  info.rig_file = rigs::is_simulated(rig_uri) ? resolved_text(rig_file(rig_uri)) : "";
   info.rig_identity = rig_identity;
   info.program_version = program_version;
   return info;

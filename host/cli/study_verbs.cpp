@@ -32,7 +32,9 @@ Exit demo(const DemoArgs& args) {
   }
   const std::string plan = (folder / "demo.plan.toml").string();
   const std::string database = (folder / "demo.db").string();
-  const std::string rig = args.rig == "sim:" ? "sim:" + (folder / "demo.rig.toml").string() : args.rig;
+  // a simulated rig that is not told otherwise is the one of the demo
+  const bool bare = rigs::is_simulated(args.rig) && args.rig.ends_with(':');
+  const std::string rig = bare ? args.rig + (folder / "demo.rig.toml").string() : args.rig;
   for (const char* ending : {"", "-wal", "-shm"}) fs::remove(database + ending);
 
   RunArgs run;

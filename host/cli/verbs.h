@@ -22,6 +22,7 @@ struct ServeArgs {
   std::string rig_file;       ///< "" = built-in defaults
   std::string specimen_file;  ///< "" = the rig file's
   std::string address;        ///< "" = the rig file's
+  bool emulated = false;      ///< firmware on an emulated board
 };
 Exit serve_rig(const ServeArgs&);
 

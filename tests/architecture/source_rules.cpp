@@ -66,8 +66,8 @@ bool is_standard(const std::string& header) {
 
 /// Headers of the operating system: fine where files and sockets live.
 bool is_system(const std::string& header) {
-  static const std::vector<std::string_view> list{"unistd.h",  "fcntl.h", "signal.h", "poll.h",
-                                                  "termios.h", "time.h",  "netdb.h",  "spawn.h"};
+  static const std::vector<std::string_view> list{"unistd.h", "fcntl.h", "signal.h", "poll.h", "termios.h",
+                                                  "time.h",   "netdb.h", "spawn.h",  "sched.h"};
   return contains(list, header) || header.starts_with("sys/") || header.starts_with("netinet/") ||
          header.starts_with("arpa/");
 }

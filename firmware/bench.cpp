@@ -1,0 +1,46 @@
+#include "firmware/bench.h"
+
+namespace powbench::firmware {
+
+Bench::Bench(const ControllerConfig& config, const Identity& identity, std::span<std::int16_t> storage)
+    : controller_(config, storage),
+      devices_(controller_),
+      source_(identity.specimen),
+      device_list_{&devices_.daq(), &devices_.control(), &source_.device(), &devices_.trigger()},
+      context_attributes_{{{"bench,kind", identity.kind},
+                           {"boot_id", identity.kind},
+                           {"fw_version", identity.version},
+                           {"hw_model", identity.model},
+                           {"hw_serial", identity.serial},
+                           {"protocol_version", "1"}}},
+      context_{.description = identity.model, .attributes = context_attributes_, .devices = device_list_},
+      responder_(context_) {}
+
+BenchReport Bench::report() const {
+  const FireControl& fire = controller_.fire_control();
+  return {.set_points = source_.set_points,
+          .shots_armed = fire.shots_armed(),
+          .timeout_ms = responder_.timeout_ms(),
+          .state_hash = hash_.value(),
+          .state = fire.state(),
+          .gate_on = fire.gate_on(),
+          .phase_valid = fire.phase().valid()};
+}
+
+void Bench::note(std::span<const GateEdge> edges) {
+  const FireControl& fire = controller_.fire_control();
+  const PhaseEstimate& phase = fire.phase();
+  hash_.add(static_cast<std::uint32_t>(fire.state()) << 24 | static_cast<std::uint32_t>(fire.fault()) << 17 |
+            static_cast<std::uint32_t>(fire.gate_on()) << 16 | phase.faults);
+  hash_.add(phase.sample);
+  hash_.add(phase.phase_turns);
+  hash_.add(phase.frequency);
+  hash_.add(phase.frequency_rate);
+  hash_.add(phase.amplitude);
+  for (const GateEdge& edge : edges) {
+    hash_.add(edge.at.sample);
+    hash_.add(static_cast<std::uint32_t>(edge.at.fraction) << 1 | static_cast<std::uint32_t>(edge.on));
+  }
+}
+
+}  // namespace powbench::firmware

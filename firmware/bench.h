@@ -1,0 +1,79 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <string_view>
+
+#include "firmware/bench_devices.h"
+#include "firmware/controller.h"
+#include "firmware/iiod/responder.h"
+#include "firmware/source_device.h"
+#include "firmware/state_hash.h"
+
+/// The whole firmware of a rig whose plant is simulated: controller, devices, responder and its connections.
+/// The simulated rig runs it in its own process, the emulated board runs the same thing on its own processor.
+
+namespace powbench::firmware {
+
+/// Who the rig says it is. The texts must outlive the bench.
+struct Identity {
+  std::string_view kind, model, serial, version, specimen;
+};
+
+/// What the plant and the server need to know about the bench, after every block and every request.
+struct BenchReport {
+  SetPoints set_points;
+  std::uint32_t shots_armed = 0;
+  std::uint32_t timeout_ms = 0;  ///< last time-out asked for by a client, 0: none
+  std::uint32_t state_hash = 0;
+  State state = State::idle;
+  bool gate_on = false;
+  bool phase_valid = false;
+};
+
+class Bench {
+ public:
+  static constexpr unsigned max_connections = 16;
+  using Status = iiod::Connection::Status;
+
+  /// `storage`: as for Controller.
+  Bench(const ControllerConfig&, const Identity&, std::span<std::int16_t> storage);
+  Bench(const Bench&) = delete;
+  Bench& operator=(const Bench&) = delete;
+
+  /// One block through the controller: interrupt context on a board.
+  std::span<const GateEdge> step(const Block& block) { return controller_.step(block); }
+  /// Takes what the last block led to into the state hash.
+  void note(std::span<const GateEdge> edges);
+  BenchReport report() const;
+
+  /// The protocol, connection by connection (0 .. max_connections - 1).
+  std::size_t feed(unsigned connection, std::span<const std::uint8_t> bytes, iiod::ByteSink& out) {
+    return responder_.feed(connections_[connection], bytes, out);
+  }
+  void resume(unsigned connection, iiod::ByteSink& out) { responder_.resume(connections_[connection], out); }
+  void expire(unsigned connection, iiod::ByteSink& out) {
+    responder_.expire(connections_[connection], iiod::etimedout, out);
+  }
+  /// Forgets the connection: the next bytes on it are a new client's.
+  void close(unsigned connection) { connections_[connection] = {}; }
+  Status status(unsigned connection) const { return connections_[connection].status(); }
+
+  const Controller& controller() const { return controller_; }
+  SourceDevice& source() { return source_; }
+  const SourceDevice& source() const { return source_; }
+
+ private:
+  Controller controller_;
+  BenchDevices devices_;
+  SourceDevice source_;
+  std::array<const iiod::Device*, 4> device_list_;
+  std::array<iiod::ContextAttribute, 6> context_attributes_;
+  iiod::Context context_;
+  iiod::Responder responder_;
+  std::array<iiod::Connection, max_connections> connections_{};
+  StateHash hash_;
+};
+
+}  // namespace powbench::firmware

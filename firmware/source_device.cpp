@@ -1,0 +1,66 @@
+#include "firmware/source_device.h"
+
+#include <array>
+
+namespace powbench::firmware {
+namespace {
+
+using iiod::Attribute;
+
+struct SetPointRow {
+  std::int64_t SetPoints::*field;
+  std::int64_t least, most;
+};
+constexpr std::array set_point_rows{
+    SetPointRow{&SetPoints::ambient_millidegc, -40'000, 85'000},
+    SetPointRow{&SetPoints::mains_millihertz, 40'000, 70'000},
+    SetPointRow{&SetPoints::seed, 0, 999'999'999'999'999'999},
+    SetPointRow{&SetPoints::supply_millivolts, 0, 300'000},
+};
+
+const SourceDevice& source(const void* self) {
+  return *static_cast<const SourceDevice*>(self);
+}
+
+int read_set_point(const void* self, std::uint32_t row, Text& out) {
+  return out.put_int(source(self).set_points.*set_point_rows[row].field), 0;
+}
+
+int write_set_point(void* self, std::uint32_t row, std::string_view value) {
+  const auto number = parse_int(value);
+  if (!number) return -iiod::einval;
+  if (*number < set_point_rows[row].least || *number > set_point_rows[row].most) return -iiod::erange;
+  static_cast<SourceDevice*>(self)->set_points.*set_point_rows[row].field = *number;
+  return 0;
+}
+
+int put_ns(std::int64_t ns, Text& out) {
+  if (ns == PlantTruth::none) return out.put("none"), 0;
+  return out.put_int(ns), 0;
+}
+
+constexpr std::array attributes{
+    Attribute{"ambient_millidegc", read_set_point, write_set_point, 0},
+    Attribute{"mains_millihertz", read_set_point, write_set_point, 1},
+    Attribute{"seed", read_set_point, write_set_point, 2},
+    Attribute{"specimen", [](const void* s, std::uint32_t, Text& t) { return t.put(source(s).specimen), 0; }},
+    Attribute{"supply_millivolts", read_set_point, write_set_point, 3},
+    Attribute{"truth_seat_ns",
+              [](const void* s, std::uint32_t, Text& t) { return put_ns(source(s).truth.seat_ns, t); }},
+    Attribute{"truth_settled_ns",
+              [](const void* s, std::uint32_t, Text& t) { return put_ns(source(s).truth.settled_ns, t); }},
+    Attribute{"truth_touch_ns",
+              [](const void* s, std::uint32_t, Text& t) { return put_ns(source(s).truth.touch_ns, t); }},
+};
+
+}  // namespace
+
+SourceDevice::SourceDevice(std::string_view name)
+    : specimen(name),
+      device_{.id = "iio:device2",
+              .name = "contactor-plant",
+              .label = "plant",
+              .attributes = attributes,
+              .self = this} {}
+
+}  // namespace powbench::firmware
