@@ -20,6 +20,7 @@ inline constexpr RigKind rig_kinds[] = {
      "simulated rig inside this program (plant, sensors, native firmware)"},
     {"ip:", "ip:127.0.0.7", "any rig that serves IIO on the network, port 30431"},
     {"usb:", "usb:1.5.0", "a rig on USB, as libiio names it"},
+    {"serial:", "serial:/dev/ttyACM0,2000000", "a board on a serial line: port and baud rate"},
 };
 
 /// Opens the rig that `uri` names. `sim` is what a `sim:` rig is made of. Throws RigError with one sentence.
