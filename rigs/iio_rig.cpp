@@ -316,13 +316,16 @@ Record IioRig::read_record(const Conditions& conditions) {
   }
   const auto samples = static_cast<std::size_t>(read_int(daq_, "record_length"));
   read_scans(record, samples);
-  std::uint32_t expected = 0;
-  const std::string crc = read(daq_, "record_crc32");
-  std::from_chars(crc.data(), crc.data() + crc.size(), expected, 16);
-  if (record.crc32 != expected) {
-    // opening again rewinds; once is a disturbed line, twice is a fault
+  const auto expected = [this] {
+    std::uint32_t value = 0;
+    const std::string crc = read(daq_, "record_crc32");
+    std::from_chars(crc.data(), crc.data() + crc.size(), value, 16);
+    return value;
+  };
+  if (record.crc32 != expected()) {
+    // opening again rewinds; once is a disturbed line (record or checksum), twice is a fault
     read_scans(record, samples);
-    if (record.crc32 != expected) throw Trouble{EIO, "checking the record: its CRC does not match"};
+    if (record.crc32 != expected()) throw Trouble{EIO, "checking the record: its CRC does not match"};
   }
   return record;
 }

@@ -2,6 +2,7 @@
 
 #include "rigs/iio_rig.h"
 #include "rigs/iiod_server.h"
+#include "rigs/serial_rig.h"
 
 namespace powbench::rigs {
 namespace {
@@ -34,6 +35,7 @@ std::unique_ptr<Rig> open(const std::string& uri, const SimRigConfig& sim, const
   if (uri.starts_with("qemu:")) return std::make_unique<HostedSimRig>(sim, specimen, emulated_board);
   if (uri.starts_with("ip:") && uri.size() > 3) return connect_iio(uri);
   if (uri.starts_with("usb:")) return connect_iio(uri);
+  if (uri.starts_with("serial:")) return connect_serial(uri);
   std::string known;
   for (const RigKind& kind : rig_kinds) known += (known.empty() ? "" : ", ") + std::string(kind.example);
   throw RigError("unknown rig '" + uri + "'; a rig is named like " + known);

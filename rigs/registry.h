@@ -22,6 +22,7 @@ inline constexpr RigKind rig_kinds[] = {
      "the same with the firmware on an emulated Cortex-M4F (qemu-system-arm)"},
     {"ip:", "ip:127.0.0.7", "any rig that serves IIO on the network, port 30431"},
     {"usb:", "usb:1.5.0", "a rig on USB, as libiio names it"},
+    {"serial:", "serial:/dev/ttyACM0,2000000", "a board on a serial line: port and baud rate"},
 };
 
 /// The URI names a rig with a simulated plant: what follows the colon is a rig file, or nothing.

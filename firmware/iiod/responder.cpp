@@ -1,5 +1,6 @@
 #include "firmware/iiod/responder.h"
 
+#include "firmware/iiod/words.h"
 #include "firmware/iiod/xml.h"
 
 namespace powbench::firmware::iiod {
@@ -26,33 +27,6 @@ constexpr std::size_t padded(std::size_t n) {
   return (n + 3) / 4 * 4;
 }
 
-bool same_word(std::string_view a, std::string_view upper) {
-  if (a.size() != upper.size()) return false;
-  for (std::size_t i = 0; i < a.size(); ++i) {
-    const char c = (a[i] >= 'a' && a[i] <= 'z') ? static_cast<char>(a[i] - 'a' + 'A') : a[i];
-    if (c != upper[i]) return false;
-  }
-  return true;
-}
-
-bool parse_mask(std::string_view s, std::uint32_t& mask) {
-  if (s.empty() || s.size() > 8) return false;
-  mask = 0;
-  for (const char c : s) {
-    std::uint32_t digit = 0;
-    if (c >= '0' && c <= '9')
-      digit = static_cast<std::uint32_t>(c - '0');
-    else if (c >= 'a' && c <= 'f')
-      digit = static_cast<std::uint32_t>(c - 'a' + 10);
-    else if (c >= 'A' && c <= 'F')
-      digit = static_cast<std::uint32_t>(c - 'A' + 10);
-    else
-      return false;
-    mask = mask << 4 | digit;
-  }
-  return true;
-}
-
 const Attribute* find(std::span<const Attribute> attributes, std::string_view name) {
   for (const Attribute& a : attributes)
     if (a.name == name) return &a;
@@ -60,29 +34,6 @@ const Attribute* find(std::span<const Attribute> attributes, std::string_view na
 }
 
 }  // namespace
-
-/// A request split at blanks. Requests have at most six words.
-struct Responder::Words {
-  std::array<std::string_view, 6> word{};
-  std::size_t count = 0;
-  bool too_many = false;
-
-  explicit Words(std::string_view line) {
-    while (!line.empty()) {
-      const std::size_t start = line.find_first_not_of(" \t\r");
-      if (start == std::string_view::npos) return;
-      line.remove_prefix(start);
-      const std::size_t end = line.find_first_of(" \t\r");
-      if (count == word.size()) {
-        too_many = true;
-        return;
-      }
-      word[count++] = line.substr(0, end);
-      line.remove_prefix(end == std::string_view::npos ? line.size() : end);
-    }
-  }
-  std::string_view operator[](std::size_t i) const { return i < count ? word[i] : std::string_view{}; }
-};
 
 std::size_t Responder::feed(Connection& c, std::span<const std::uint8_t> bytes, ByteSink& out) {
   std::size_t used = 0;
@@ -237,8 +188,8 @@ void Responder::read_all(const Device& device, std::span<const Attribute> attrib
 
 void Responder::begin_write(Connection& c, const Words& words, ByteSink& out) {
   c.write_ = {};
-  const auto length = words.count >= 3 ? parse_int(words[words.count - 1]) : std::nullopt;
-  if (!length || *length < 0 || *length > 1'000'000) return put_number(out, -einval);
+  const auto length = payload_length(words);
+  if (!length) return put_number(out, -einval);
   c.write_.device = find_device(words[1]);
   if (!c.write_.device) {
     c.write_.error = -enodev;
@@ -357,7 +308,9 @@ void Responder::resume(Connection& c, ByteSink& out) {
 
 void Responder::expire(Connection& c, Errno error, ByteSink& out) {
   if (c.status_ != Connection::Status::pending) return;
-  put_number(out, -static_cast<std::int64_t>(error));
+  // who polls must be able to tell the end of the record from samples that are still to come
+  const bool ended = error == eagain && c.reader_.device->buffer->finished(c.reader_.cursor);
+  put_number(out, ended ? 0 : -static_cast<std::int64_t>(error));
   c.reader_.wanted = 0;
   c.status_ = Connection::Status::ready;
 }

@@ -14,6 +14,8 @@
 
 namespace powbench::firmware::iiod {
 
+struct Words;
+
 /// Takes answer bytes. `put` must accept everything; a port with a small buffer pauses feeding instead.
 class ByteSink {
  public:
@@ -33,6 +35,14 @@ class Connection {
     closed,   ///< the client said EXIT
   };
   Status status() const { return status_; }
+
+  /// Drops a half-received line or payload. A serial port does so when the line has been silent for 200 ms:
+  /// one disturbed length would otherwise swallow every request behind it.
+  void forget_input() {
+    line_length_ = 0;
+    line_overflow_ = false;
+    write_ = {};
+  }
 
  private:
   friend class Responder;
@@ -75,7 +85,8 @@ class Responder {
   /// Continues a pending READBUF; status() tells whether it is answered now.
   void resume(Connection&, ByteSink&);
 
-  /// Answers a pending READBUF with -`error` (a polled UART says EAGAIN, a server ETIMEDOUT).
+  /// Answers a pending READBUF with -`error` (a polled UART says EAGAIN, a server ETIMEDOUT). EAGAIN behind
+  /// the last scan of a complete record becomes 0: there is nothing to poll for.
   void expire(Connection&, Errno error, ByteSink&);
 
   /// Time-out last asked for by a client, ms; 0 = none. It acts server-wide: nothing on the wire links a
@@ -83,7 +94,6 @@ class Responder {
   std::uint32_t timeout_ms() const { return timeout_ms_; }
 
  private:
-  struct Words;
   void run_line(Connection&, std::string_view line, ByteSink&);
   void print(ByteSink&) const;
   void read(const Words&, ByteSink&);

@@ -63,6 +63,18 @@ void add_rig_verbs(CLI::App& app) {
       "loopback address instead of the rig file's (127.0.0.7 without one); the port is always 30431");
 }
 
+void add_bridge_verb(CLI::App& app) {
+  auto bridge = std::make_shared<BridgeArgs>();
+  CLI::App* serve = verb(app, "bridge", "Serve a board on a serial line to any IIO client until interrupted",
+                         bridge, serve_bridge);
+  serve->add_option("port", bridge->port, "serial port, such as /dev/ttyACM0")->required();
+  serve->add_option("--baud", bridge->baud, "baud rate of the line, 8n1")
+      ->check(CLI::Range(1200, 4'000'000))
+      ->capture_default_str();
+  serve->add_option("--listen", bridge->address, "loopback address to serve on; the port is always 30431")
+      ->capture_default_str();
+}
+
 void add_plan_verbs(CLI::App& app) {
   CLI::App* plan = app.add_subcommand("plan", "Check a plan, show its shots, print a template");
   plan->require_subcommand(1);
@@ -83,7 +95,7 @@ void add_plan_verbs(CLI::App& app) {
   auto run = std::make_shared<RunArgs>();
   CLI::App* acquire = verb(app, "run", "Fire a plan on a rig and store every shot", run, run_plan);
   acquire->add_option("plan", run->plan, "plan file (TOML)")->required();
-  acquire->add_option("--rig", run->rig, "rig: ip:ADDRESS, sim: or sim:RIG.toml, usb:...")
+  acquire->add_option("--rig", run->rig, "rig: ip:ADDRESS, sim: or sim:RIG.toml, serial:PORT,BAUD, usb:...")
       ->capture_default_str();
   acquire->add_option("--db", run->database, "store to write; made if missing")->capture_default_str();
   acquire->add_flag(
@@ -175,6 +187,7 @@ int main(int argc, char** argv) {
       "Exit codes: 0 pass, 1 outside limits, 2 bad input, 3 rig unreachable or at fault, 4 time-out,\n"
       "            5 data damaged, 6 interlock, 130 interrupted");
   add_rig_verbs(app);
+  add_bridge_verb(app);
   add_plan_verbs(app);
   add_result_verbs(app);
   add_study_verbs(app);

@@ -4,6 +4,7 @@
 
 #include "host/cli/scene.h"
 #include "host/cli/verbs.h"
+#include "rigs/bridge/bridge.h"
 #include "rigs/iiod_server.h"
 #include "rigs/registry.h"
 
@@ -59,6 +60,20 @@ Exit serve_rig(const ServeArgs& args) {
   fmt::print(stderr, "{} on ip:{} (port {}), specimen {}\nstop with Ctrl-C; try: iio_info -u ip:{}\n",
              file.config.name, server.address(), rigs::iiod_port, specimen.name, server.address());
   server.serve(true);
+  fmt::print(stderr, "stopped\n");
+  return Exit::pass;
+}
+
+Exit serve_bridge(const BridgeArgs& args) {
+  rigs::BridgeOptions options;
+  options.port = args.port;
+  options.baud = args.baud;
+  options.address = args.address;
+  rigs::Bridge bridge(options);
+  fmt::print(stderr, "{} on {} at {} baud -> ip:{} (port {})\nstop with Ctrl-C; try: iio_info -u ip:{}\n",
+             bridge.board(), options.port, options.baud, bridge.address(), options.tcp_port,
+             bridge.address());
+  bridge.serve(true);
   fmt::print(stderr, "stopped\n");
   return Exit::pass;
 }

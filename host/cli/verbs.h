@@ -26,6 +26,13 @@ struct ServeArgs {
 };
 Exit serve_rig(const ServeArgs&);
 
+struct BridgeArgs {
+  std::string port;
+  unsigned baud = 2'000'000;
+  std::string address = "127.0.0.9";
+};
+Exit serve_bridge(const BridgeArgs&);
+
 struct PlanArgs {
   std::string file;
   bool json = false;

@@ -46,6 +46,7 @@ inline const std::vector<Allowance>& allowances() {
       {"Eigen/", "sim/", true, "Eigen"},
       {"iio.h", "rigs/iio_rig.cpp", true, "libiio"},
       {"boost/asio", "rigs/iiod_server.cpp", true, "Boost.Asio"},
+      {"boost/asio", "rigs/bridge/", false, "Boost.Asio"},
       {"sqlite3.h", "host/store/", false, "SQLite"},
       {"toml++/", "host/config/", true, "toml++"},
       {"CLI/", "host/", true, "CLI11"},

@@ -232,6 +232,35 @@ TEST_CASE("a record is read back exactly, whole, masked and in pieces", "[iiod]"
   b.responder.expire(b.connection, firmware::iiod::etimedout, out);
   CHECK(out.text == "-110\n");
   CHECK(b.ask("VERSION\n") == "0.24.v0.24  \n");
+  // a polled line tells the end of the record from samples that are still to come
+  CHECK(b.ask("READBUF iio:device0 2\n").empty());
+  out.text.clear();
+  b.responder.expire(b.connection, firmware::iiod::eagain, out);
+  CHECK(out.text == "0\n");
+  CHECK(b.connection.status() == Status::ready);
+}
+
+TEST_CASE("a polled READBUF without a record is -EAGAIN", "[iiod]") {
+  Bench b;
+  CHECK(b.ask("OPEN iio:device0 16 00000001\n") == "0\n");
+  CHECK(b.ask("READBUF iio:device0 32\n").empty());
+  test::Answers out;
+  b.responder.expire(b.connection, firmware::iiod::eagain, out);
+  CHECK(out.text == "-11\n");
+}
+
+TEST_CASE("a request that stops half-way can be forgotten", "[iiod]") {
+  Bench b;
+  CHECK(b.ask("WRITE iio:device1 hold_time_ms 400\n50").empty());
+  CHECK(b.ask("VERSION\n").empty());  // taken for payload
+  b.connection.forget_input();
+  CHECK(b.ask("VERSION\n") == "0.24.v0.24  \n");
+  CHECK(b.ask("READ iio:device1 sta").empty());
+  b.connection.forget_input();
+  CHECK(b.ask("VERSION\n") == "0.24.v0.24  \n");
+  CHECK(b.ask(std::string(500, 'x')).empty());
+  b.connection.forget_input();
+  CHECK(b.ask("VERSION\n") == "0.24.v0.24  \n");
 }
 
 TEST_CASE("OPEN refuses what the record does not have", "[iiod]") {
