@@ -18,7 +18,7 @@ class FilterMemoryError : public std::invalid_argument {
   FilterMemoryError(std::size_t record_samples, std::size_t memory_samples);
 };
 
-/// Causal filtering, transposed direct form II, zero initial state. In place.
+/// Causal filtering, zero initial state, serial. In place. For long records and many channels: Cascade.
 void filter_forward(std::span<const Section>, std::span<double>);
 
 /// Samples until the impulse response stays below `tolerance` of its peak. At most `limit` are tried (then
