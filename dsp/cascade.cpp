@@ -34,6 +34,13 @@ void require_frames(std::size_t size) {
                                 std::to_string(lanes));
 }
 
+/// A value that is not finite never leaves the state again.
+void require_finite(const std::vector<double>& state) {
+  double sum = 0;
+  for (const double v : state) sum += v * 0;
+  if (sum != 0) throw std::invalid_argument("record: allowed finite values only; bridge gaps first");
+}
+
 /// Spreads the state of one lane over all, scaled by `level` for each lane: (2 sections, 8).
 std::vector<double> spread(const std::vector<double>& unit, const double* level) {
   std::vector<double> out(unit.size() * lanes);
@@ -44,16 +51,20 @@ std::vector<double> spread(const std::vector<double>& unit, const double* level)
 
 }  // namespace
 
-std::vector<Coefficient> kernel_coefficients(std::span<const Section> sections) {
-  std::vector<Coefficient> out;
-  for (const Section& q : sections)
-    out.push_back({q.b0, 1 - q.d1, q.n1 - q.d1 * q.b0, q.n0 - q.d0 * q.b0, q.d0});
-  return out;
+SosProgram::SosProgram(std::span<const Section> sections) : sections_(sections.begin(), sections.end()) {
+  difference_ = !sections_.empty() && sections_.front().n0 == 0.0;
+  if (difference_) {  // delta (b0 delta + n1) = (z - 1) (b0 delta + n1), of which (z - 1) / z is the difference
+    Section& q = sections_.front();
+    q = {q.b0, q.b0 + q.n1, q.n1, q.d1, q.d0};
+  }
+  for (const Section& q : sections_)
+    coefficients_.push_back({q.b0, 1 - q.d1, q.n1 - q.d1 * q.b0, q.n0 - q.d0 * q.b0, q.d0});
 }
 
-std::vector<double> steady_state(std::span<const Section> sections, double level) {
-  std::vector<double> state;
-  for (const Section& q : sections) {
+std::vector<double> SosProgram::steady(double level) const {
+  std::vector<double> state{difference_ ? level : 0.0};
+  if (difference_) level = 0;
+  for (const Section& q : sections_) {
     const double y = level * (q.n0 / q.d0);
     const double s1 = y - q.b0 * level;
     state.push_back(s1);
@@ -64,7 +75,7 @@ std::vector<double> steady_state(std::span<const Section> sections, double level
 }
 
 Cascade::Cascade(std::vector<Section> sections, const SosKernel& kernel)
-    : sections_(std::move(sections)), coefficients_(kernel_coefficients(sections_)), kernel_(&kernel) {
+    : sections_(std::move(sections)), program_(sections_), kernel_(&kernel) {
   if (sections_.empty()) throw std::invalid_argument("sections = 0: allowed at least one");
   memory_ = filter_memory(sections_, 1e-6);
   // From 1e-6 on the slowest pole decides; a quarter on top for the poles beside it.
@@ -77,12 +88,11 @@ void Cascade::pass_pieces(double* first, std::ptrdiff_t step, std::size_t n,
   const std::size_t piece = n / lanes / 8 * 8;
   const std::ptrdiff_t stride = step * static_cast<std::ptrdiff_t>(piece);
   const std::ptrdiff_t back = step * static_cast<std::ptrdiff_t>(warm_up_);
-  const std::size_t count = coefficients_.size();
   // Lanes 1 .. 7 see the samples before their piece; lane 0 has none and reads lane 1's, then gets its own state.
   double level[lanes];
   for (std::size_t w = 0; w < lanes; ++w)
     level[w] = first[static_cast<std::ptrdiff_t>(std::max<std::size_t>(w, 1)) * stride - back];
-  std::vector<double> lane_state = spread(steady_state(sections_, 1.0), level);
+  std::vector<double> lane_state = spread(program_.steady(1.0), level);
   alignas(64) double tile[64 * lanes];
   for (std::size_t i = 0; i < warm_up_;) {
     const std::size_t now = std::min<std::size_t>(64, warm_up_ - i);
@@ -91,33 +101,35 @@ void Cascade::pass_pieces(double* first, std::ptrdiff_t step, std::size_t n,
                            step * static_cast<std::ptrdiff_t>(i);
       for (std::size_t j = 0; j < now; ++j) tile[j * lanes + w] = from[step * static_cast<std::ptrdiff_t>(j)];
     }
-    kernel_->run_frames(coefficients_.data(), count, lane_state.data(), tile, 1, now);
+    kernel_->run_frames(program_.loop(), lane_state.data(), tile, 1, now);
     i += now;
   }
   for (std::size_t i = 0; i < state.size(); ++i) lane_state[i * lanes] = state[i];
-  kernel_->run_pieces(coefficients_.data(), count, lane_state.data(), first, first, stride, step, piece);
+  kernel_->run_pieces(program_.loop(), lane_state.data(), first, first, stride, step, piece);
   std::vector<double> rest(state.size());
   for (std::size_t i = 0; i < rest.size(); ++i) rest[i] = lane_state[i * lanes + lanes - 1];
   const std::size_t done = piece * lanes;
-  kernel_->run_one(coefficients_.data(), count, rest.data(), first + step * static_cast<std::ptrdiff_t>(done),
-                   step, n - done);
+  kernel_->run_one(program_.loop(), rest.data(), first + step * static_cast<std::ptrdiff_t>(done), step,
+                   n - done);
+  lane_state.insert(lane_state.end(), rest.begin(), rest.end());
+  require_finite(lane_state);
 }
 
 void Cascade::pass(double* first, std::ptrdiff_t step, std::size_t n, std::vector<double> state) const {
-  if (n >= lanes * warm_up_ && n >= 4096)
-    pass_pieces(first, step, n, state);
-  else
-    kernel_->run_one(coefficients_.data(), coefficients_.size(), state.data(), first, step, n);
+  if (n >= lanes * warm_up_ && n >= 4096) return pass_pieces(first, step, n, state);
+  kernel_->run_one(program_.loop(), state.data(), first, step, n);
+  require_finite(state);
 }
 
 void Cascade::pass_frames(double* first, std::ptrdiff_t step, std::size_t frames, bool steady) const {
   const double zero[lanes]{};
-  std::vector<double> state = spread(steady_state(sections_, 1.0), steady ? first : zero);
-  kernel_->run_frames(coefficients_.data(), coefficients_.size(), state.data(), first, step, frames);
+  std::vector<double> state = spread(program_.steady(1.0), steady ? first : zero);
+  kernel_->run_frames(program_.loop(), state.data(), first, step, frames);
+  require_finite(state);
 }
 
 void Cascade::forward(std::span<double> x) const {
-  if (!x.empty()) pass(x.data(), 1, x.size(), std::vector<double>(2 * sections_.size()));
+  if (!x.empty()) pass(x.data(), 1, x.size(), program_.rest());
 }
 
 void Cascade::forward_frames(std::span<double> x) const {
@@ -127,8 +139,8 @@ void Cascade::forward_frames(std::span<double> x) const {
 
 void Cascade::zero_phase(std::span<double> x) const {
   if (x.empty() || x.size() < memory_) throw FilterMemoryError(x.size(), memory_);
-  pass(x.data(), 1, x.size(), steady_state(sections_, x.front()));
-  pass(x.data() + x.size() - 1, -1, x.size(), steady_state(sections_, x.back()));
+  pass(x.data(), 1, x.size(), program_.steady(x.front()));
+  pass(x.data() + x.size() - 1, -1, x.size(), program_.steady(x.back()));
 }
 
 void Cascade::zero_phase_frames(std::span<double> x) const {
@@ -139,32 +151,31 @@ void Cascade::zero_phase_frames(std::span<double> x) const {
   pass_frames(x.data() + (frames - 1) * lanes, -1, frames, true);
 }
 
-CascadeStream::CascadeStream(const Cascade& cascade)
-    : cascade_(&cascade), state_(2 * cascade.sections().size()) {}
+CascadeStream::CascadeStream(const Cascade& cascade) : cascade_(&cascade), state_(cascade.program_.rest()) {}
 
 void CascadeStream::push(std::span<double> x) {
-  const auto& c = cascade_->coefficients_;
-  cascade_->kernel().run_one(c.data(), c.size(), state_.data(), x.data(), 1, x.size());
+  cascade_->kernel().run_one(cascade_->program_.loop(), state_.data(), x.data(), 1, x.size());
   position_ += static_cast<std::int64_t>(x.size());
+  require_finite(state_);
 }
 
 ZeroPhaseStream::ZeroPhaseStream(const Cascade& cascade, std::size_t block)
     : cascade_(&cascade),
       block_(block ? block : std::max<std::size_t>(65536, 4 * cascade.warm_up())),
-      state_(2 * cascade.sections().size()) {
+      state_(cascade.program_.rest()) {
   held_.reserve(block_ + cascade.warm_up());
   work_.reserve(block_ + cascade.warm_up());
 }
 
 void ZeroPhaseStream::push(std::span<const double> x, std::vector<double>& out) {
   if (x.empty()) return;
-  if (position_ == 0) state_ = steady_state(cascade_->sections(), x.front());
-  const auto& c = cascade_->coefficients_;
+  if (position_ == 0) state_ = cascade_->program_.steady(x.front());
   const std::size_t full = block_ + cascade_->warm_up();
   while (!x.empty()) {
     const std::size_t now = std::min(x.size(), full - held_.size());
     held_.insert(held_.end(), x.begin(), x.begin() + static_cast<std::ptrdiff_t>(now));
-    cascade_->kernel().run_one(c.data(), c.size(), state_.data(), held_.data() + held_.size() - now, 1, now);
+    cascade_->kernel().run_one(cascade_->program_.loop(), state_.data(), held_.data() + held_.size() - now, 1,
+                               now);
     position_ += static_cast<std::int64_t>(now);
     x = x.subspan(now);
     if (held_.size() == full) release(block_, false, out);
@@ -175,7 +186,7 @@ void ZeroPhaseStream::release(std::size_t samples, bool at_end, std::vector<doub
   work_.assign(held_.begin(), held_.end());
   const std::size_t n = work_.size();
   // Inside the record any start will do, it is forgotten; at its end the steady state, as in zero_phase().
-  cascade_->pass(work_.data() + n - 1, -1, n, steady_state(cascade_->sections(), work_.back()));
+  cascade_->pass(work_.data() + n - 1, -1, n, cascade_->program_.steady(work_.back()));
   out.insert(out.end(), work_.begin(), work_.begin() + static_cast<std::ptrdiff_t>(samples));
   held_.erase(held_.begin(), held_.begin() + static_cast<std::ptrdiff_t>(samples));
   finished_ += static_cast<std::int64_t>(samples);

@@ -9,9 +9,26 @@
 #include "dsp/sos_kernel.h"
 
 /// A designed filter made ready to run: fast on one channel (eight pieces of it side by side in the lanes of a
-/// vector), on eight interleaved channels, and block by block on records of any length.
+/// vector), on eight interleaved channels, and block by block on records of any length. Everything here throws
+/// std::invalid_argument when a value was not finite: the samples are spoiled then.
 
 namespace powbench::dsp {
+
+/// Sections in the form of the inner loops. When the first section has a zero at z = 1 it is taken as a difference
+/// of the input.
+class SosProgram {
+ public:
+  explicit SosProgram(std::span<const Section>);
+  SosLoop loop() const { return {coefficients_.data(), coefficients_.size(), difference_}; }
+  /// State of one lane: at rest, or after an endless input of `level`.
+  std::vector<double> rest() const { return std::vector<double>(1 + 2 * coefficients_.size()); }
+  std::vector<double> steady(double level) const;
+
+ private:
+  std::vector<Section> sections_;  ///< after the difference
+  std::vector<Coefficient> coefficients_;
+  bool difference_ = false;
+};
 
 class Cascade {
  public:
@@ -48,15 +65,10 @@ class Cascade {
   void pass_frames(double* first, std::ptrdiff_t step, std::size_t frames, bool steady) const;
 
   std::vector<Section> sections_;
-  std::vector<Coefficient> coefficients_;
+  SosProgram program_;
   const SosKernel* kernel_;
   std::size_t memory_ = 0, warm_up_ = 0;
 };
-
-std::vector<Coefficient> kernel_coefficients(std::span<const Section>);
-
-/// State of one lane after an endless input of `level`: (sections, 2).
-std::vector<double> steady_state(std::span<const Section>, double level);
 
 /// Causal filtering of a stream: the state is carried from block to block, memory is O(1).
 class CascadeStream {

@@ -29,14 +29,14 @@ FilterMemoryError::FilterMemoryError(std::size_t record_samples, std::size_t mem
                             std::to_string(memory_samples)) {}
 
 void filter_forward(std::span<const Section> sections, std::span<double> x) {
-  const auto c = kernel_coefficients(sections);
-  std::vector<double> state(2 * c.size());
-  best_sos_kernel().run_one(c.data(), c.size(), state.data(), x.data(), 1, x.size());
+  const SosProgram program(sections);
+  auto state = program.rest();
+  best_sos_kernel().run_one(program.loop(), state.data(), x.data(), 1, x.size());
 }
 
 std::size_t filter_memory(std::span<const Section> sections, double tolerance, std::size_t limit) {
-  const auto c = kernel_coefficients(sections);
-  std::vector<double> state(2 * c.size());
+  const SosProgram program(sections);
+  auto state = program.rest();
   // Quiet for several time constants of the slowest pole: nothing can come back.
   const double patience = 5.0 * time_constant(sections) + 8;
   double peak = 0;
@@ -44,7 +44,7 @@ std::size_t filter_memory(std::span<const Section> sections, double tolerance, s
   std::array<double, 1024> block{1.0};
   for (std::size_t start = 0; start < limit; start += block.size()) {
     const std::size_t n = std::min(block.size(), limit - start);
-    best_sos_kernel().run_one(c.data(), c.size(), state.data(), block.data(), 1, n);
+    best_sos_kernel().run_one(program.loop(), state.data(), block.data(), 1, n);
     for (std::size_t i = 0; i < n; ++i) {
       const double v = std::abs(block[i]);
       peak = std::max(peak, v);
@@ -59,13 +59,14 @@ std::size_t filter_memory(std::span<const Section> sections, double tolerance, s
 ZeroPhase filter_zero_phase(std::span<const Section> sections, const Signal& in) {
   ZeroPhase out{in, filter_memory(sections, 1e-3, in.size() + 1)};
   auto& x = out.signal.value;
+  if (!std::all_of(x.begin(), x.end(), [](double v) { return std::isfinite(v); })) bridge_gaps(out.signal);
   if (x.size() < out.memory || x.empty()) throw FilterMemoryError(x.size(), out.memory);
-  const auto c = kernel_coefficients(sections);
+  const SosProgram program(sections);
   const SosKernel& kernel = best_sos_kernel();
-  auto state = steady_state(sections, x.front());
-  kernel.run_one(c.data(), c.size(), state.data(), x.data(), 1, x.size());
-  state = steady_state(sections, x.back());
-  kernel.run_one(c.data(), c.size(), state.data(), x.data() + x.size() - 1, -1, x.size());
+  auto state = program.steady(x.front());
+  kernel.run_one(program.loop(), state.data(), x.data(), 1, x.size());
+  state = program.steady(x.back());
+  kernel.run_one(program.loop(), state.data(), x.data() + x.size() - 1, -1, x.size());
   const std::size_t edge = std::min(out.memory, x.size());
   for (std::size_t i = 0; i < edge; ++i) {
     out.signal.masked[i] |= mask_edge;

@@ -41,9 +41,10 @@ inline void store(const double& v, double* p) {
   *p = v;
 }
 
-/// `count` steps of S sections. V is a vector of eight lanes, or one double.
-template <class V, int S>
-void sweep(const Coefficient* c, double* state, double* x, std::ptrdiff_t step, std::size_t count) {
+/// `count` steps of S sections. V is a vector of eight lanes, or one double. `before` is x[n - 1] for Difference.
+template <class V, int S, bool Difference>
+void sweep(const Coefficient* c, double* before, double* state, double* x, std::ptrdiff_t step,
+           std::size_t count) {
   constexpr std::ptrdiff_t width = sizeof(V) / sizeof(double);
   V s1[S], s2[S], b0[S], m1[S], c1[S], c0[S], d0[S];
   for (int k = 0; k < S; ++k) {
@@ -52,10 +53,17 @@ void sweep(const Coefficient* c, double* state, double* x, std::ptrdiff_t step, 
     b0[k] = V{} + c[k].b0, m1[k] = V{} + c[k].m1, c1[k] = V{} + c[k].c1;
     c0[k] = V{} + c[k].c0, d0[k] = V{} + c[k].d0;
   }
+  V previous{};
+  if constexpr (Difference) load(previous, before);
   const std::ptrdiff_t stride = step * width;
   for (std::size_t i = 0; i < count; ++i, x += stride) {
     V v;
     load(v, x);
+    if constexpr (Difference) {
+      const V now = v;
+      v = now - previous;
+      previous = now;
+    }
     for (int k = 0; k < S; ++k) {
       const V y = b0[k] * v + s1[k];
       const V next = m1[k] * s1[k] + (c1[k] * v + s2[k]);
@@ -65,6 +73,7 @@ void sweep(const Coefficient* c, double* state, double* x, std::ptrdiff_t step, 
     }
     store(v, x);
   }
+  if constexpr (Difference) store(previous, before);
   for (int k = 0; k < S; ++k) {
     flush(s1[k]);
     flush(s2[k]);
@@ -73,31 +82,43 @@ void sweep(const Coefficient* c, double* state, double* x, std::ptrdiff_t step, 
   }
 }
 
+template <class V, int S>
+void sweep(bool difference, const Coefficient* c, double* before, double* state, double* x,
+           std::ptrdiff_t step, std::size_t count) {
+  if (difference)
+    sweep<V, S, true>(c, before, state, x, step, count);
+  else
+    sweep<V, S, false>(c, before, state, x, step, count);
+}
+
 /// Any number of sections, up to four in one sweep, on a tile that stays in the first-level cache.
 template <class V>
-void run_tile(const Coefficient* c, std::size_t sections, double* state, double* x, std::ptrdiff_t step,
-              std::size_t count) {
+void run_tile(const SosLoop& loop, double* state, double* x, std::ptrdiff_t step, std::size_t count) {
   constexpr std::size_t width = sizeof(V) / sizeof(double);
-  while (sections > 0) {
-    const std::size_t now = sections == 5 ? 3 : (sections > 4 ? 4 : sections);
-    if (now == 4) sweep<V, 4>(c, state, x, step, count);
-    if (now == 3) sweep<V, 3>(c, state, x, step, count);
-    if (now == 2) sweep<V, 2>(c, state, x, step, count);
-    if (now == 1) sweep<V, 1>(c, state, x, step, count);
+  const Coefficient* c = loop.coefficients;
+  double* s = state + width;
+  std::size_t left = loop.sections;
+  bool difference = loop.difference;
+  while (left > 0) {
+    const std::size_t now = left == 5 ? 3 : (left > 4 ? 4 : left);
+    if (now == 4) sweep<V, 4>(difference, c, state, s, x, step, count);
+    if (now == 3) sweep<V, 3>(difference, c, state, s, x, step, count);
+    if (now == 2) sweep<V, 2>(difference, c, state, s, x, step, count);
+    if (now == 1) sweep<V, 1>(difference, c, state, s, x, step, count);
     c += now;
-    state += 2 * now * width;
-    sections -= now;
+    s += 2 * now * width;
+    left -= now;
+    difference = false;
   }
 }
 
 template <class V>
-void run(const Coefficient* c, std::size_t sections, double* state, double* x, std::ptrdiff_t step,
-         std::size_t count) {
+void run(const SosLoop& loop, double* state, double* x, std::ptrdiff_t step, std::size_t count) {
   constexpr auto width = static_cast<std::ptrdiff_t>(sizeof(V) / sizeof(double));
   constexpr std::size_t tile = width == 1 ? 4 * tile_frames : tile_frames;
   while (count > 0) {
     const std::size_t now = count < tile ? count : tile;
-    run_tile<V>(c, sections, state, x, step, now);
+    run_tile<V>(loop, state, x, step, now);
     x += step * width * static_cast<std::ptrdiff_t>(now);
     count -= now;
   }
@@ -154,18 +175,16 @@ inline void scatter(const double* tile, double* p, std::ptrdiff_t stride, std::p
 }
 #endif
 
-void run_frames(const Coefficient* c, std::size_t sections, double* state, double* x, std::ptrdiff_t step,
-                std::size_t frames) {
-  run<Vector>(c, sections, state, x, step, frames);
+void run_frames(const SosLoop& loop, double* state, double* x, std::ptrdiff_t step, std::size_t frames) {
+  run<Vector>(loop, state, x, step, frames);
 }
 
-void run_one(const Coefficient* c, std::size_t sections, double* state, double* x, std::ptrdiff_t step,
-             std::size_t samples) {
-  run<double>(c, sections, state, x, step, samples);
+void run_one(const SosLoop& loop, double* state, double* x, std::ptrdiff_t step, std::size_t samples) {
+  run<double>(loop, state, x, step, samples);
 }
 
-void run_pieces(const Coefficient* c, std::size_t sections, double* state, const double* in, double* out,
-                std::ptrdiff_t stride, std::ptrdiff_t step, std::size_t samples) {
+void run_pieces(const SosLoop& loop, double* state, const double* in, double* out, std::ptrdiff_t stride,
+                std::ptrdiff_t step, std::size_t samples) {
   alignas(64) double tile[tile_frames * lanes];
   for (std::size_t i = 0; i < samples;) {
     const std::size_t now = samples - i < tile_frames ? samples - i : tile_frames;
@@ -177,7 +196,7 @@ void run_pieces(const Coefficient* c, std::size_t sections, double* state, const
       for (std::size_t w = 0; w < lanes; ++w)
         tile[j * lanes + w] =
             in[at + step * static_cast<std::ptrdiff_t>(j) + static_cast<std::ptrdiff_t>(w) * stride];
-    run_tile<Vector>(c, sections, state, tile, 1, now);
+    run_tile<Vector>(loop, state, tile, 1, now);
     i += now;
     if (!out) continue;
     for (std::size_t j = 0; j < whole; j += 8)
