@@ -9,6 +9,8 @@
 #include <new>
 #include <stdexcept>
 
+#include "dsp/fft_batch.h"
+
 namespace powbench::dsp {
 
 namespace {
@@ -78,6 +80,47 @@ void RealFft::forward() {
 }
 void RealFft::inverse() {
   fftw_execute(plans_->inverse);
+}
+
+struct FftBatch::Plans {
+  fftw_complex* data = nullptr;
+  fftw_plan forward = nullptr, inverse = nullptr;
+
+  ~Plans() {
+    const std::scoped_lock lock(planning());
+    if (forward) fftw_destroy_plan(forward);
+    if (inverse) fftw_destroy_plan(inverse);
+    fftw_free(data);
+  }
+};
+
+FftBatch::FftBatch(std::size_t n, std::size_t count, std::size_t stride, std::size_t distance,
+                   std::size_t size, FftEffort effort)
+    : plans_(std::make_unique<Plans>()) {
+  plans_->data = fftw_alloc_complex(size);
+  if (!plans_->data) throw std::bad_alloc();
+  const unsigned flags = effort == FftEffort::thorough ? FFTW_MEASURE : FFTW_ESTIMATE;
+  const int length = static_cast<int>(n), s = static_cast<int>(stride), d = static_cast<int>(distance);
+  const auto plan = [&](int sign) {
+    return fftw_plan_many_dft(1, &length, static_cast<int>(count), plans_->data, nullptr, s, d, plans_->data,
+                              nullptr, s, d, sign, flags);
+  };
+  {
+    const std::scoped_lock lock(planning());
+    plans_->forward = plan(FFTW_FORWARD);
+    plans_->inverse = plan(FFTW_BACKWARD);
+  }
+  if (!plans_->forward || !plans_->inverse) throw std::runtime_error("no FFT plan for " + std::to_string(n));
+  std::fill_n(&plans_->data[0][0], 2 * size, 0.0);
+}
+FftBatch::~FftBatch() = default;
+
+double* FftBatch::data() {
+  return &plans_->data[0][0];
+}
+void FftBatch::run(std::size_t offset, bool forward) {
+  fftw_complex* at = plans_->data + offset;
+  fftw_execute_dft(forward ? plans_->forward : plans_->inverse, at, at);
 }
 
 std::size_t good_length(std::size_t n) {

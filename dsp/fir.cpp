@@ -119,27 +119,36 @@ Signal filter_linear_phase(OverlapSave& filter, const Signal& in) {
 
 SpectralFilter::SpectralFilter(std::size_t samples, std::size_t padding, std::span<const double> gain,
                                FftEffort effort)
-    : samples_(samples), fft_(good_length(samples + padding), effort), gain_(gain.begin(), gain.end()) {
-  if (gain_.size() != fft_.size() / 2 + 1)
+    : samples_(samples), length_(good_length(samples + padding)), gain_(gain.begin(), gain.end()) {
+  if (gain_.size() != length_ / 2 + 1)
     throw std::invalid_argument("gain = " + std::to_string(gain_.size()) + " values: allowed " +
-                                std::to_string(fft_.size() / 2 + 1));
-  for (double& g : gain_) g /= static_cast<double>(fft_.size());
+                                std::to_string(length_ / 2 + 1));
+  if (LargeSpectralGain::serves(length_)) {
+    large_.emplace(length_, gain_, effort);
+    return;
+  }
+  fft_.emplace(length_, effort);
+  for (double& g : gain_) g /= static_cast<double>(length_);
 }
 
 void SpectralFilter::run(std::span<double> x) {
   if (x.size() != samples_ || x.empty())
     throw std::invalid_argument("record of " + std::to_string(x.size()) + " samples: allowed " +
                                 std::to_string(samples_));
-  auto t = fft_.time();
+  const auto t = large_ ? large_->time() : fft_->time();
   std::copy(x.begin(), x.end(), t.begin());
   const std::size_t padding = t.size() - samples_;
   for (std::size_t i = 0; i < padding; ++i)
     t[samples_ + i] =
         x.back() + (x.front() - x.back()) * static_cast<double>(i + 1) / static_cast<double>(padding + 1);
-  fft_.forward();
-  const auto y = fft_.spectrum();
-  for (std::size_t k = 0; k < y.size(); ++k) y[k] *= gain_[k];
-  fft_.inverse();
+  if (large_) {
+    large_->run();
+  } else {
+    fft_->forward();
+    const auto y = fft_->spectrum();
+    for (std::size_t k = 0; k < y.size(); ++k) y[k] *= gain_[k];
+    fft_->inverse();
+  }
   std::copy_n(t.begin(), samples_, x.begin());
 }
 

@@ -2,11 +2,13 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
 #include "dsp/fft.h"
 #include "dsp/filter_design.h"
+#include "dsp/large_fft.h"
 #include "dsp/signal.h"
 
 /// Linear-phase FIR filters by overlap-save, and filters that multiply the spectrum of a whole record. Both have
@@ -51,14 +53,15 @@ class SpectralFilter {
   SpectralFilter(std::size_t samples, std::size_t padding, std::span<const double> gain,
                  FftEffort = FftEffort::quick);
 
-  std::size_t length() const { return fft_.size(); }
+  std::size_t length() const { return length_; }
   /// In place, `samples` long. Throws std::invalid_argument for another size.
   void run(std::span<double>);
 
  private:
-  std::size_t samples_;
-  RealFft fft_;
+  std::size_t samples_, length_;
   std::vector<double> gain_;
+  std::optional<RealFft> fft_;              ///< up to 2^17 samples, or
+  std::optional<LargeSpectralGain> large_;  ///< beyond
 };
 
 /// |H|^2 of a cascade at the frequencies k rate / length: what forward-backward filtering does.

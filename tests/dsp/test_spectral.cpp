@@ -112,6 +112,28 @@ TEST_CASE("the filter in the spectrum is the forward-backward cascade inside the
   CHECK_THROWS_AS(filter.run(other), std::invalid_argument);
 }
 
+TEST_CASE("the filter in rows and columns is the one in a single transform") {
+  for (const std::size_t n :
+       {std::size_t{131072}, std::size_t{163840}, std::size_t{3} << 16, std::size_t{1} << 18}) {
+    CAPTURE(n);
+    REQUIRE(LargeSpectralGain::serves(n));
+    std::vector<double> gain = noise(n / 2 + 1, 8);
+    const auto x = noise(n, n);
+    LargeSpectralGain large(n, gain, FftEffort::quick);
+    std::copy(x.begin(), x.end(), large.time().begin());
+    large.run();
+    RealFft fft(n);
+    std::copy(x.begin(), x.end(), fft.time().begin());
+    fft.forward();
+    for (std::size_t k = 0; k <= n / 2; ++k) fft.spectrum()[k] *= gain[k] / static_cast<double>(n);
+    fft.inverse();
+    double worst = 0;
+    for (std::size_t i = 0; i < n; ++i) worst = std::max(worst, std::abs(large.time()[i] - fft.time()[i]));
+    CHECK(worst < 1e-13);
+  }
+  CHECK_FALSE(LargeSpectralGain::serves(100'000));
+}
+
 TEST_CASE("good lengths are even, have only the factors 2, 3, 5, and none is skipped") {
   const auto smooth = [](std::size_t n) {
     for (const std::size_t p : {2, 3, 5})
