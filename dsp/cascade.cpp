@@ -116,7 +116,8 @@ void Cascade::pass_pieces(double* first, std::ptrdiff_t step, std::size_t n,
 }
 
 void Cascade::pass(double* first, std::ptrdiff_t step, std::size_t n, std::vector<double> state) const {
-  if (n >= lanes * warm_up_ && n >= 4096) return pass_pieces(first, step, n, state);
+  // whole blocks of eight samples a piece, each with a whole warm-up before it
+  if (n / lanes / 8 * 8 >= warm_up_ && n >= 4096) return pass_pieces(first, step, n, state);
   kernel_->run_one(program_.loop(), state.data(), first, step, n);
   require_finite(state);
 }

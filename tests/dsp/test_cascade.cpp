@@ -145,7 +145,8 @@ TEST_CASE("pieces side by side are the serial result") {
   const FilterSpec spec{FilterKind::band, 4, 2e3, 50e3, 1e6};
   const Cascade c(spec);
   REQUIRE(c.warm_up() > c.memory());
-  for (const std::size_t n : {8 * c.warm_up(), 8 * c.warm_up() + 77, 20 * c.warm_up() + 1}) {
+  for (const std::size_t n : {8 * c.warm_up(), 8 * c.warm_up() + 7, 8 * c.warm_up() + 64,
+                              8 * c.warm_up() + 77, 20 * c.warm_up() + 1}) {
     auto x = noise(n, 5);
     for (double& v : x) v += 100;
     auto serial = x, back = x;
