@@ -18,7 +18,7 @@ class FilterMemoryError : public std::invalid_argument {
   FilterMemoryError(std::size_t record_samples, std::size_t memory_samples);
 };
 
-/// Causal filtering, transposed direct form II, zero initial state. In place.
+/// Causal filtering, zero initial state, serial. In place. For long records and many channels: Cascade.
 void filter_forward(std::span<const Section>, std::span<double>);
 
 /// Samples until the impulse response stays below `tolerance` of its peak. At most `limit` are tried (then
@@ -32,7 +32,7 @@ struct ZeroPhase {
 
 /// Forward, then backward: zero phase, gain |H|^2. Each pass starts from the steady state of its first
 /// sample, and the samples within the filter's memory (to 1e-3 of the peak) of either end are masked, because
-/// no padding rule can know what came before. Throws FilterMemoryError when the record is shorter than that
+/// no padding rule can know what came before. Values that are not finite are bridged and masked. Throws FilterMemoryError when the record is shorter than that
 /// memory.
 ZeroPhase filter_zero_phase(std::span<const Section>, const Signal&);
 

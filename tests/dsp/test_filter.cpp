@@ -62,7 +62,7 @@ Signal constant_rate(std::size_t n, double rate) {
 
 TEST_CASE("Butterworth poles and gain agree with the reference to 1e-12") {
   for (const Oracle& o : oracles) {
-    const Zpk z = design_butterworth(o.spec);
+    const Zpk z = design_zpk(o.spec);
     std::size_t expected = 0;
     for (const Complex p : o.poles) {
       CHECK(nearest(z.poles, p) < 1e-12);
@@ -77,7 +77,7 @@ TEST_CASE("Butterworth poles and gain agree with the reference to 1e-12") {
 
 TEST_CASE("cascade and zeros-poles-gain are the same filter") {
   for (const Oracle& o : oracles) {
-    const Zpk z = design_butterworth(o.spec);
+    const Zpk z = design_zpk(o.spec);
     const auto sections = to_sections(o.spec);
     for (const double f : {0.001, 0.01, 0.03, 0.1, 0.3}) {
       const Complex at = std::polar(1.0, 2 * pi * f);
@@ -128,10 +128,10 @@ TEST_CASE("no section has a tiny gain, and each band-pass section has zeros at +
     CHECK(sections.size() == 8);
     for (const Section& q : sections) {
       CHECK(std::abs(q.b0) > 1e-6);
-      CHECK(q.b1 == 0.0);
-      CHECK(q.b2 == -q.b0);
+      CHECK(std::abs(q.b1()) < 1e-12 * q.b0);
+      CHECK(q.b2() == Approx(-q.b0));
     }
-    for (std::size_t k = 1; k < sections.size(); ++k) CHECK(sections[k].a2 <= sections[k - 1].a2 + 1e-12);
+    for (std::size_t k = 1; k < sections.size(); ++k) CHECK(sections[k].a2() <= sections[k - 1].a2() + 1e-12);
   }
 }
 
