@@ -1,5 +1,7 @@
 #include "firmware/recorder.h"
 
+#include <bit>
+
 #include "core/crc32.h"
 
 namespace powbench::firmware {
@@ -39,6 +41,7 @@ void Recorder::arm() {
 void Recorder::discard() {
   armed_ = triggered_ = complete_ = false;
   next_ = -1;
+  counted_ = 0;
   gap_count_ = 0;
   overruns_ = 0;
   crc_ = 0;
@@ -77,7 +80,32 @@ void Recorder::push(const Block& block) {
       to[c] = block.scans[static_cast<std::size_t>(i) * channel_count + c];
   }
   next_ = block.first_sample + block.samples();
-  if (triggered_ && next_ >= start_ + length_) finish();
+  if (!triggered_) return;
+  // Twice the pace of the samples: the checksum catches up with the pre-trigger, and no block has to wait for the
+  // whole record.
+  count_in(2 * block.samples());
+  if (counted_ == length_) finish();
+}
+
+/// Takes up to `scans` more of the scans that are there into the checksum, in wire order.
+void Recorder::count_in(std::int64_t scans) {
+  const std::int64_t there = (next_ - start_ < length_ ? next_ - start_ : length_) - counted_;
+  for (std::int64_t left = scans < there ? scans : there; left > 0;) {
+    const std::int64_t first = (start_ + counted_) % capacity_;
+    const std::int64_t run = left < capacity_ - first ? left : capacity_ - first;
+    if constexpr (std::endian::native == std::endian::little) {
+      const auto* bytes = reinterpret_cast<const std::uint8_t*>(slot(first));
+      crc_ = crc32({bytes, static_cast<std::size_t>(run) * channel_count * sizeof(std::int16_t)}, crc_);
+    } else {
+      std::uint8_t bytes[2 * channel_count];
+      for (std::int64_t i = 0; i < run; ++i) {
+        copy(static_cast<std::uint64_t>(counted_ + i), 1, sample_bits, bytes);
+        crc_ = crc32(bytes, crc_);
+      }
+    }
+    counted_ += run;
+    left -= run;
+  }
 }
 
 void Recorder::finish() {
@@ -95,11 +123,6 @@ void Recorder::finish() {
     overruns_ += static_cast<std::uint32_t>(end - first);
   }
   gap_count_ = kept;
-  for (std::int64_t i = 0; i < length_; ++i) {
-    std::uint8_t bytes[2 * channel_count];
-    copy(static_cast<std::uint64_t>(i), 1, sample_bits, bytes);
-    crc_ = crc32(bytes, crc_);
-  }
 }
 
 std::size_t Recorder::available(std::uint64_t cursor) const {

@@ -53,12 +53,14 @@ class Recorder final : public iiod::BufferSource {
   std::int16_t* slot(std::int64_t sample);
   const std::int16_t* slot(std::int64_t sample) const;
   void note_gap(std::int64_t first, std::int64_t count);
+  void count_in(std::int64_t scans);
   void finish();
 
   std::span<std::int16_t> storage_;
   std::int64_t capacity_, length_, pretrigger_, period_ns_;
-  std::int64_t start_ = 0;  ///< sample index of the record's first scan
-  std::int64_t next_ = -1;  ///< sample index expected next; -1: nothing recorded yet
+  std::int64_t start_ = 0;    ///< sample index of the record's first scan
+  std::int64_t next_ = -1;    ///< sample index expected next; -1: nothing recorded yet
+  std::int64_t counted_ = 0;  ///< scans that are in the checksum
   Tick edge_{};
   bool armed_ = false, triggered_ = false, complete_ = false;
   std::uint32_t generation_ = 0, crc_ = 0, overruns_ = 0;
