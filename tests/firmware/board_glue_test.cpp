@@ -201,8 +201,8 @@ TEST_CASE("the gate pin follows the edges to the tick, with the latency of a bus
     const Tick off{on.sample + static_cast<std::int64_t>(100 + random.below(300)), on.fraction};
     bool on_given = false, off_given = false;
     for (std::int64_t end = 10; end < 800; end += 10) {
-      // the controller gives an edge out when it is at least the lead ahead, up to 100 us late
-      const auto late = static_cast<std::int64_t>(random.below(block_ticks));
+      // the controller gives an edge out when it is at least the lead ahead, up to 200 us late
+      const auto late = static_cast<std::int64_t>(random.below(2 * block_ticks));
       hardware.run(board::time_base.ticks({end, 0}) + late);
       const auto due = [&](const Tick& t) { return t.sample < end + board::lead_samples + 10; };
       if (!on_given && due(on)) timer.take({true, on}), on_given = true;

@@ -16,9 +16,9 @@ inline constexpr std::uint32_t baud = 2'000'000;
 
 inline constexpr std::int64_t block_samples = 10;  ///< half of a converter's buffer
 inline constexpr std::size_t queue_blocks = 8;
-/// An edge is fixed this long before it is made: the block that decides is 100 us old when its interrupt comes, the
-/// millisecond's estimate holds up to three blocks, and a 16-bit timer at 170 MHz looks 38 samples ahead.
-inline constexpr std::int64_t lead_samples = 20;
+/// An edge is fixed this long before it is made. The step that comes with a new estimate takes 22 000 instructions, 190 us
+/// at 1.5 cycles each and 390 us at three; then the edge has to be in the compare register.
+inline constexpr std::int64_t lead_samples = 40;
 
 inline constexpr std::int64_t record_length = 6800;  ///< scans: 68 ms, 108 800 B
 inline constexpr std::int64_t pretrigger = 2000;     ///< scans: one mains cycle at 50 Hz
@@ -26,7 +26,9 @@ inline constexpr std::int64_t pretrigger = 2000;     ///< scans: one mains cycle
 inline constexpr port::TimeBase time_base{.ticks_per_sample = core_hertz / sample_rate,
                                           .first_trigger = core_hertz / sample_rate};
 static_assert(core_hertz % sample_rate == 0 && core_hertz % baud == 0);
-static_assert((lead_samples + block_samples) * time_base.ticks_per_sample < port::GateTimer::horizon);
+// a step may take three blocks: an edge that was too far for the compare at one poll is not too near at the next
+static_assert(port::GateTimer::horizon - port::GateTimer::margin >
+              3 * block_samples * time_base.ticks_per_sample);
 
 // ---- pins ----
 
@@ -36,7 +38,7 @@ inline constexpr unsigned pin_serial_tx = 2;  ///< PA2, alternate function 7, to
 inline constexpr unsigned pin_serial_rx = 3;  ///< PA3
 inline constexpr unsigned pin_stop = 10;      ///< PC10: closed to ground = ready, open = stop
 inline constexpr unsigned pin_charge_pump =
-    11;  ///< PC11: toggles while the control step lives; holds the safety relay
+    11;  ///< PC11: toggles while the control step lives and sees no fault
 inline constexpr std::uint32_t function_tim1 = 6, function_usart2 = 7;
 
 // ---- converters ----

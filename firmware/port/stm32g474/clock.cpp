@@ -33,7 +33,7 @@ bool start_clock() {
 
   rcc().cr.set(Rcc::cr_hseon);
   const bool crystal =
-      wait_for(rcc().cr, Rcc::cr_hserdy, 500'000);  // some 100 ms at 16 MHz; a crystal takes 2
+      wait_for(rcc().cr, Rcc::cr_hserdy, 100'000);  // some 40 ms; a crystal takes 2, the watchdog 100
   start_pll(crystal);
 
   // over half the speed for a microsecond, so that the core's supply does not see the whole step

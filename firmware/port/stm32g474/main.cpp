@@ -129,7 +129,8 @@ extern "C" void control_handler() {
     for (const GateEdge& edge : b.controller.step(slot->block())) b.gate.take(edge);
     b.queue.release();
     drive_gate(b);
-    pump_safety_relay();
+    // in fault the relay drops: a coil that stays on with its gate off has no other way to go off
+    if (b.controller.fire_control().state() != State::fault) pump_safety_relay();
     b.progress.moved(port::Progress::control);
   }
   if (b.progress.may_feed()) feed_watchdog();
