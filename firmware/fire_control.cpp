@@ -122,7 +122,7 @@ std::span<const GateEdge> FireControl::step(const Block& block) {
       interlocks_.coil_quiet(end) && end - gate_since_ > config_.quiet_samples)
     state_ = State::captured;
 
-  const auto edges = gate_.edges_before(end + block.samples());
+  const auto edges = gate_.edges_before(end + config_.lead_samples + block.samples());
   note_gate_change(edges);
   return edges;
 }
@@ -131,6 +131,7 @@ std::span<const GateEdge> FireControl::step(const Block& block) {
 /// of it.
 void FireControl::schedule(const Block& block) {
   const std::int64_t end = block.first_sample + block.samples();
+  const std::int64_t soonest = end + config_.lead_samples;  // first sample at which an edge can still be made
   const PhaseEstimate& estimate = tracker_.estimate();
   if (!estimate.valid()) {
     planned_ = false;
@@ -141,7 +142,7 @@ void FireControl::schedule(const Block& block) {
       static_cast<std::int64_t>(0.25F * static_cast<float>(config_.sample_rate) / estimate.frequency);
   // the prediction is for the coil voltage: the gate has to be earlier by its own delay
   const std::int64_t delay_whole = config_.gate_delay_samples_256 / 256;
-  std::int64_t earliest = end + 2 * block.samples() + delay_whole;
+  std::int64_t earliest = soonest + 2 * block.samples() + delay_whole;
   if (planned_) earliest = plan_.sample + delay_whole - quarter;
   if (earliest < end) earliest = end;
   const auto instant = tracker_.next_instant(closing_angle_, earliest - tracker_origin_);
@@ -150,11 +151,11 @@ void FireControl::schedule(const Block& block) {
   plan_.sample = instant.sample + tracker_origin_ - delay_whole + (sub < 0 ? -1 : 0);
   plan_.fraction = static_cast<std::uint16_t>(sub < 0 ? sub + 65536 : sub);
   planned_ = true;
-  if (plan_.sample < end) {  // deadline missed: the next crossing, never a late edge
+  if (plan_.sample < soonest) {  // deadline missed: the next crossing, never a late edge
     planned_ = false;
     return;
   }
-  if (plan_.sample >= end + block.samples()) return;
+  if (plan_.sample >= soonest + block.samples()) return;
 
   const Gate::Permit permit{.armed_and_fired = fired_,
                             .phase_valid = estimate.valid(),

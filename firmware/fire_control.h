@@ -24,7 +24,8 @@ struct FireConfig {
   std::int64_t sample_rate = 100'000;   ///< Hz
   std::int64_t hold_limit_ms = 10'000;  ///< hard cap of the on-time
   std::int64_t gate_delay_samples_256 =
-      0;  ///< gate command to coil voltage, 1/256 sample: the edge is advanced by it
+      0;                          ///< gate command to coil voltage, 1/256 sample: the edge is advanced by it
+  std::int64_t lead_samples = 0;  ///< time the port needs from the end of a block until it can make an edge
   std::int64_t phase_timeout_samples = 100'000;  ///< longest wait for a valid phase after fire
   std::int64_t quiet_samples =
       500;  ///< current must have been absent this long before the shot counts as over
@@ -46,7 +47,7 @@ class FireControl {
   Refusal set_hold_time_ms(std::int64_t ms);
 
   /// After each block: checks, scheduling, state changes. Edges for the output compare: those before the end
-  /// of the block that follows.
+  /// of the block that follows, and the port's lead before that.
   std::span<const GateEdge> step(const Block&);
 
   State state() const { return state_; }

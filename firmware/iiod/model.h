@@ -87,6 +87,9 @@ struct Context {
   std::string_view description;
   std::span<const ContextAttribute> attributes{};
   std::span<const Device* const> devices{};
+  /// Held (true), then let go (false) around every attribute function: a port whose controller runs in an
+  /// interrupt keeps it out meanwhile. nullptr: not needed.
+  void (*lock)(bool held) = nullptr;
 };
 
 }  // namespace powbench::firmware::iiod

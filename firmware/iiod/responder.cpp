@@ -33,6 +33,22 @@ const Attribute* find(std::span<const Attribute> attributes, std::string_view na
   return nullptr;
 }
 
+/// Attribute functions, called with the controller kept still.
+int read_attribute(const Context& context, const Device& device, const Attribute& attribute, Text& out) {
+  if (context.lock) context.lock(true);
+  const int error = attribute.read(device.self, attribute.argument, out);
+  if (context.lock) context.lock(false);
+  return error;
+}
+
+int write_attribute(const Context& context, const Device& device, const Attribute& attribute,
+                    std::string_view value) {
+  if (context.lock) context.lock(true);
+  const int error = attribute.write(device.self, attribute.argument, trim(value));
+  if (context.lock) context.lock(false);
+  return error;
+}
+
 }  // namespace
 
 std::size_t Responder::feed(Connection& c, std::span<const std::uint8_t> bytes, ByteSink& out) {
@@ -158,7 +174,7 @@ void Responder::read(const Words& words, ByteSink& out) {
   const Attribute* attribute = find(attributes, words[next]);
   if (!attribute) return put_number(out, -enoent);
   Text value;
-  const int error = attribute->read(device->self, attribute->argument, value);
+  const int error = read_attribute(context_, *device, *attribute, value);
   if (error < 0) return put_number(out, error);
   value.put('\0');
   put_number(out, static_cast<std::int64_t>(value.view().size()));
@@ -172,7 +188,7 @@ void Responder::read_all(const Device& device, std::span<const Attribute> attrib
     std::size_t total = 0;
     for (const Attribute& a : attributes) {
       Text value;
-      const int error = a.read(device.self, a.argument, value);
+      const int error = read_attribute(context_, device, a, value);
       if (error >= 0) value.put('\0');
       const std::size_t size = error < 0 ? 0 : value.view().size();
       total += 4 + padded(size);
@@ -215,7 +231,7 @@ void Responder::finish_write(Connection& c, ByteSink& out) {
   const std::string_view payload{c.payload_.data(), w.length};
   int result = w.error;
   if (result == 0)
-    result = w.attribute ? w.attribute->write(w.device->self, w.attribute->argument, trim(payload))
+    result = w.attribute ? write_attribute(context_, *w.device, *w.attribute, payload)
                          : write_all(*w.device, w.device->attributes, payload);
   put_number(out, result < 0 ? result : static_cast<std::int64_t>(payload.size()));
 }
@@ -230,7 +246,7 @@ int Responder::write_all(const Device& device, std::span<const Attribute> attrib
     if (static_cast<std::int32_t>(length) <= 0) continue;
     if (packed.size() < length) return -einval;
     if (!a.write) return -eperm;
-    const int error = a.write(device.self, a.argument, trim(packed.substr(0, length)));
+    const int error = write_attribute(context_, device, a, packed.substr(0, length));
     if (error < 0) return error;
     packed.remove_prefix(padded(length) < packed.size() ? padded(length) : packed.size());
   }

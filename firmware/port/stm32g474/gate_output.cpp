@@ -1,0 +1,124 @@
+#include "firmware/port/stm32g474/gate_output.h"
+
+#include "firmware/port/stm32g474/board.h"
+#include "firmware/port/stm32g474/front_end.h"
+#include "firmware/port/stm32g474/registers/analog.h"
+#include "firmware/port/stm32g474/registers/io.h"
+#include "firmware/port/stm32g474/registers/system.h"
+#include "firmware/port/stm32g474/registers/timer.h"
+
+namespace powbench::firmware::stm32g474 {
+
+namespace {
+
+/// Everything in this register but the output enable is locked until the next reset.
+constexpr std::uint32_t cut_off_settings = Timer::bdtr_lock_2 | Timer::bdtr_idle_driven |
+                                           Timer::bdtr_run_driven | Timer::bdtr_break |
+                                           Timer::bdtr_break_high;
+constexpr std::uint32_t trip_flags = Timer::sr_break | Timer::sr_break2 | Timer::sr_system_break;
+
+void set_mode(std::uint32_t mode) {
+  tim1().ccmr2.change(Timer::oc3_mode, mode);
+}
+
+/// Coil current on PB0 and PB1 against two levels: above the upper one or below the lower one is a trip.
+void set_up_comparators() {
+  rcc().ahb2enr.set(Rcc::ahb2enr_dac3);
+  (void)rcc().ahb2enr.read();
+  dac3().mcr.write(Dac::mcr_internal);
+  dac3().dhr12r1.write(comparator_level(cut_off_ampere));
+  dac3().dhr12r2.write(comparator_level(-cut_off_ampere));
+  dac3().cr.write(Dac::cr_enable_1 | Dac::cr_enable_2);
+  spin(1000);  // the levels settle before anything looks at them
+  constexpr std::uint32_t common =
+      Comp::csr_enable | Comp::csr_minus_dac3 | Comp::csr_hysteresis_20mv | Comp::csr_lock;
+  comp1().csr.write(common | Comp::csr_plus_second);  // PB1 above channel 1
+  comp4().csr.write(common | Comp::csr_inverted);     // PB0 below channel 2
+}
+
+}  // namespace
+
+void hold_gate_low() {
+  rcc().ahb2enr.set(Rcc::ahb2enr_gpioa);
+  (void)rcc().ahb2enr.read();
+  gpioa().brr.write(bit(pin_gate));
+  gpioa().mode(pin_gate, PinMode::output);
+}
+
+void set_up_gate() {
+  rcc().apb2enr.set(Rcc::apb2enr_syscfg | Rcc::apb2enr_tim1);
+  rcc().ahb2enr.set(Rcc::ahb2enr_gpioa | Rcc::ahb2enr_gpioc);
+  (void)rcc().ahb2enr.read();
+  set_up_comparators();
+  syscfg().cfgr2.write(Syscfg::cfgr2_lockup | Syscfg::cfgr2_parity | Syscfg::cfgr2_pvd | Syscfg::cfgr2_ecc);
+
+  Timer& t = tim1();
+  t.psc.write(0);
+  t.arr.write(0xFFFF);
+  t.cr1.write(Timer::cr1_only_overflow);
+  t.egr.write(Timer::egr_update);
+  set_mode(Timer::oc3_forced_off);
+  t.ccer.write(Timer::ccer_ch3);
+  t.af1.write(Timer::af1_comp1 | Timer::af1_comp4);
+  t.bdtr.write(cut_off_settings);
+  t.sr.write(~trip_flags);
+  gpioa().alternate(pin_gate, function_tim1);
+
+  gpioa().mode(pin_lamp, PinMode::output);
+  gpioc().pull(pin_stop, Pull::up);
+  gpioc().mode(pin_stop, PinMode::input);
+  gpioc().mode(pin_charge_pump, PinMode::output);
+}
+
+void gate_off() {
+  tim1().bdtr.write(cut_off_settings);
+  set_mode(Timer::oc3_forced_off);
+  gpioa().brr.write(bit(pin_lamp));
+}
+
+bool write_gate(const port::GateTimer::Action& action) {
+  using Write = port::GateTimer::Write;
+  Timer& t = tim1();
+  switch (action.write) {
+    case Write::on_at:
+      if (cut_off_tripped()) return false;
+      set_mode(Timer::oc3_forced_off);  // the reference is low whatever was before
+      t.ccr[2].write(action.compare);
+      set_mode(Timer::oc3_on_at_match);
+      t.bdtr.write(cut_off_settings | Timer::bdtr_output);  // the one line that opens the gate's door
+      gpioa().bsrr.write(bit(pin_lamp));
+      return true;
+    case Write::off_at:
+      set_mode(Timer::oc3_frozen);  // the level stays while the compare changes
+      t.ccr[2].write(action.compare);
+      set_mode(Timer::oc3_off_at_match);
+      return true;
+    case Write::off_now:
+    case Write::finished:
+      gate_off();
+      return true;
+    case Write::nothing:
+      return true;
+  }
+  return true;
+}
+
+bool cut_off_tripped() {
+  if (!tim1().sr.any(trip_flags)) return false;
+  tim1().sr.write(~trip_flags);  // comes back at once while the cause stands
+  return true;
+}
+
+std::uint16_t gate_counter() {
+  return static_cast<std::uint16_t>(tim1().cnt.read());
+}
+
+bool stop_open() {
+  return gpioc().idr.any(bit(pin_stop));
+}
+
+void pump_safety_relay() {
+  gpioc().odr.write(gpioc().odr.read() ^ bit(pin_charge_pump));
+}
+
+}  // namespace powbench::firmware::stm32g474

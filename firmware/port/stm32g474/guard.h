@@ -1,0 +1,33 @@
+#pragma once
+
+#include <cstdint>
+#include <string_view>
+
+/// Watchdog, supply monitor, reset cause, and what the last fault left behind.
+
+namespace powbench::firmware::stm32g474 {
+
+/// Lives in memory that no start clears: what happened before the reset.
+struct Postmortem {
+  std::uint32_t magic;
+  std::uint32_t boots;
+  std::uint32_t exception;  ///< number of the exception that ended the last run; 0: none did
+  std::uint32_t program_counter, link_register;
+  std::uint32_t fault_status;  ///< CFSR
+  std::uint32_t bus_address;   ///< BFAR
+};
+inline constexpr std::uint32_t postmortem_magic = 0x504F5742;
+extern Postmortem postmortem;
+
+/// Why the board started, one word. Reads and clears the flags: once a start.
+std::string_view take_reset_cause();
+
+/// Supply below some 2.9 V: the gate goes off in hardware, then the interrupt says so.
+void start_supply_monitor();
+bool supply_low();
+
+/// Reset after 100 ms without feed_watchdog(). From its own oscillator, and not to be stopped again.
+void start_watchdog();
+void feed_watchdog();
+
+}  // namespace powbench::firmware::stm32g474

@@ -1,0 +1,159 @@
+#include <array>
+#include <atomic>
+#include <cstdint>
+#include <string_view>
+
+#include "core/version.h"
+#include "firmware/bench_devices.h"
+#include "firmware/controller.h"
+#include "firmware/port/common/gate_timer.h"
+#include "firmware/port/common/progress.h"
+#include "firmware/port/common/uart_link.h"
+#include "firmware/port/stm32g474/board.h"
+#include "firmware/port/stm32g474/clock.h"
+#include "firmware/port/stm32g474/converters.h"
+#include "firmware/port/stm32g474/front_end.h"
+#include "firmware/port/stm32g474/gate_output.h"
+#include "firmware/port/stm32g474/guard.h"
+#include "firmware/port/stm32g474/registers/core.h"
+#include "firmware/port/stm32g474/serial.h"
+#include "firmware/text.h"
+
+/// The bench on the board. Three levels: the samples interrupt collects a block, the control interrupt runs the
+/// controller on it, the main loop answers the serial port.
+
+namespace powbench::firmware::stm32g474 {
+namespace {
+
+[[gnu::section(".record")]] std::array<std::int16_t, (record_length + block_samples) * channel_count>
+    record_memory;
+
+constexpr ControllerConfig configuration = controller_config();
+
+struct Board {
+  Controller controller{configuration, record_memory};
+  BenchDevices devices{controller};
+  std::array<const iiod::Device*, 3> device_list{&devices.daq(), &devices.control(), &devices.trigger()};
+  port::Progress progress;
+  Converters converters;
+  Converters::Queue queue;
+  port::GateTimer gate{time_base};
+  Serial serial{progress};
+  bool may_fire = false;                  ///< the crystal runs
+  std::atomic<bool> gate_refused{false};  ///< an on edge met an active cut-off
+};
+
+Board& board() {
+  static Board instance;
+  return instance;
+}
+
+/// Full tick count now, from the counter and the samples collected so far.
+std::int64_t now(const Board& b) {
+  // the samples interrupt may come between the two halves of the index: read until it stays
+  std::int64_t samples = b.converters.samples();
+  for (std::int64_t again;; samples = again) {
+    asm volatile("" : : : "memory");
+    again = b.converters.samples();
+    if (again == samples) return time_base.unwrap(gate_counter(), samples - 1);
+  }
+}
+
+void drive_gate(Board& b) {
+  for (;;) {
+    const auto action = b.gate.poll(now(b));
+    if (action.write == port::GateTimer::Write::nothing) return;
+    if (!write_gate(action)) b.gate_refused = true;
+  }
+}
+
+/// What a client sees of the board itself. The texts live as long as the program.
+struct Identity {
+  Text serial, boot, fault;
+  std::array<iiod::ContextAttribute, 9> attributes{};
+};
+
+std::span<const iiod::ContextAttribute> identify(Identity& id, bool crystal, std::string_view cause) {
+  // the chip's own 96-bit number
+  const auto* unique = reinterpret_cast<const std::uint32_t*>(std::uintptr_t{0x1FFF'7590});
+  for (int word = 2; word >= 0; --word) id.serial.put_hex32(unique[word]);
+  id.boot.put_unsigned(postmortem.boots);
+  id.fault.put_unsigned(postmortem.exception).put(" pc ").put_hex32(postmortem.program_counter);
+  id.fault.put(" lr ").put_hex32(postmortem.link_register).put(" cfsr ").put_hex32(postmortem.fault_status);
+  id.attributes = {{{"bench,kind", "board"},
+                    {"boot_id", id.boot.view()},
+                    {"clock", crystal ? "crystal" : "internal, firing is blocked"},
+                    {"fw_version", program_version},
+                    {"hw_model", "NUCLEO-G474RE"},
+                    {"hw_serial", id.serial.view()},
+                    {"last_fault", postmortem.exception != 0 ? id.fault.view() : std::string_view("none")},
+                    {"protocol_version", "1"},
+                    {"reset_cause", cause}}};
+  return id.attributes;
+}
+
+[[noreturn]] void serve(Board& b, const iiod::Context& context) {
+  iiod::Responder responder(context);
+  port::UartLink link(responder);
+  for (;;) {
+    if (b.serial.line_error()) link.line_error();
+    const auto bytes = b.serial.received();
+    if (!bytes.empty()) link.take(bytes, b.serial);
+    b.progress.moved(port::Progress::main_loop);
+  }
+}
+
+}  // namespace
+}  // namespace powbench::firmware::stm32g474
+
+using namespace powbench::firmware;
+using namespace powbench::firmware::stm32g474;
+
+/// The converters have filled half of their buffers.
+extern "C" void samples_handler() {
+  Board& b = board();
+  const bool refused = b.gate_refused.exchange(false);
+  const port::Alarms alarms{.stop_open = stop_open(),
+                            .supply_low = supply_low(),
+                            .cut_off = cut_off_tripped() || refused,
+                            .no_crystal = !b.may_fire};
+  b.converters.collect(b.queue, alarms);
+  b.progress.moved(port::Progress::samples);
+  scb().icsr.write(Scb::icsr_pendsv_set);
+}
+
+/// The controller's turn: every block in the queue, and the gate after each.
+extern "C" void control_handler() {
+  Board& b = board();
+  while (const auto* slot = b.queue.front()) {
+    for (const GateEdge& edge : b.controller.step(slot->block())) b.gate.take(edge);
+    b.queue.release();
+    drive_gate(b);
+    // in fault the relay drops: a coil that stays on with its gate off has no other way to go off
+    if (b.controller.fire_control().state() != State::fault) pump_safety_relay();
+    b.progress.moved(port::Progress::control);
+  }
+  if (b.progress.may_feed()) feed_watchdog();
+}
+
+extern "C" [[noreturn]] void run_bench() {
+  const auto cause = take_reset_cause();
+  start_watchdog();
+  const bool crystal = start_clock();
+  set_up_gate();
+  start_supply_monitor();
+  feed_watchdog();
+
+  static Identity identity;
+  Board& b = board();
+  b.may_fire = crystal;
+  const iiod::Context context{.description = "powbench on NUCLEO-G474RE",
+                              .attributes = identify(identity, crystal, cause),
+                              .devices = b.device_list,
+                              .lock = controller_lock};
+  scb().shpr[2].change(0xFFU << 16, std::uint32_t{priority_control} << 16);  // PendSV
+  b.converters.set_up();
+  b.serial.set_up();
+  start_sampling();
+  serve(b, context);
+}

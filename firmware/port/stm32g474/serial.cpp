@@ -1,0 +1,56 @@
+#include "firmware/port/stm32g474/serial.h"
+
+#include "firmware/port/stm32g474/board.h"
+#include "firmware/port/stm32g474/registers/io.h"
+#include "firmware/port/stm32g474/registers/system.h"
+
+namespace powbench::firmware::stm32g474 {
+
+void Serial::set_up() {
+  rcc().ahb1enr.set(Rcc::ahb1enr_dma1 | Rcc::ahb1enr_dmamux1);
+  rcc().ahb2enr.set(Rcc::ahb2enr_gpioa);
+  rcc().apb1enr1.set(Rcc::apb1enr1_usart2);
+  (void)rcc().apb1enr1.read();
+  gpioa().pull(pin_serial_rx, Pull::up);
+  gpioa().alternate(pin_serial_tx, function_usart2);
+  gpioa().alternate(pin_serial_rx, function_usart2);
+
+  dmamux().channel[dma_channel - 1].write(request_usart2_rx);
+  DmaChannel& channel = dma1_channel(dma_channel);
+  channel.cpar.write(static_cast<std::uint32_t>(reinterpret_cast<std::uintptr_t>(&usart2().rdr)));
+  channel.cmar.write(static_cast<std::uint32_t>(reinterpret_cast<std::uintptr_t>(ring_.data())));
+  channel.cndtr.write(ring_.size());
+  channel.ccr.write(DmaChannel::ccr_circular | DmaChannel::ccr_memory_step | DmaChannel::ccr_priority_high |
+                    DmaChannel::ccr_enable);
+
+  usart2().brr.write(core_hertz / baud);
+  usart2().cr3.write(Usart::cr3_receive_dma);
+  usart2().cr1.write(Usart::cr1_fifo | Usart::cr1_transmit | Usart::cr1_receive | Usart::cr1_enable);
+}
+
+std::size_t Serial::written() const {
+  const std::size_t left = dma1_channel(dma_channel).cndtr.read();
+  return left == 0 || left > ring_.size() ? 0 : ring_.size() - left;
+}
+
+std::span<const std::uint8_t> Serial::received() {
+  return reader_.fresh(ring_, written());
+}
+
+bool Serial::line_error() {
+  if (!usart2().isr.any(Usart::isr_line_errors)) return false;
+  usart2().icr.write(Usart::isr_line_errors);
+  reader_.skip_to(written());
+  return true;
+}
+
+void Serial::put(std::span<const std::uint8_t> bytes) {
+  for (const std::uint8_t byte : bytes) {
+    while (!usart2().isr.any(Usart::isr_room)) {
+    }
+    usart2().tdr.write(byte);
+    progress_.moved(port::Progress::main_loop);  // 5 us a byte: a long answer is progress too
+  }
+}
+
+}  // namespace powbench::firmware::stm32g474

@@ -1,0 +1,35 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+
+#include "firmware/iiod/responder.h"
+#include "firmware/port/common/progress.h"
+#include "firmware/port/common/uart_link.h"
+
+namespace powbench::firmware::stm32g474 {
+
+/// USART2 on the board's virtual serial port, 2 Mbaud 8N1. Bytes come in through a circular buffer; answers leave
+/// through the hardware's FIFO, with the main loop waiting for room: it has nothing else to do, and everything urgent
+/// interrupts it.
+class Serial final : public iiod::ByteSink {
+ public:
+  explicit Serial(port::Progress& progress) : progress_(progress) {}
+
+  void set_up();
+  /// Bytes received since the last call, in one piece; empty: none.
+  std::span<const std::uint8_t> received();
+  /// The line reported an error since the last call; what was received before it is gone.
+  bool line_error();
+  void put(std::span<const std::uint8_t> bytes) override;
+
+ private:
+  static constexpr unsigned dma_channel = 6;
+  std::size_t written() const;
+
+  port::Progress& progress_;
+  std::array<std::uint8_t, 512> ring_{};
+  port::RingReader reader_;
+};
+
+}  // namespace powbench::firmware::stm32g474

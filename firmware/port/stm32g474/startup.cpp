@@ -1,0 +1,93 @@
+#include <cstddef>
+#include <cstdint>
+
+#include "firmware/port/stm32g474/gate_output.h"
+#include "firmware/port/stm32g474/guard.h"
+#include "firmware/port/stm32g474/registers/core.h"
+#include "firmware/port/stm32g474/registers/timer.h"
+
+/// Vector table, reset and fault handlers. Nothing here relies on memory being set up before the gate is low.
+
+using namespace powbench::firmware::stm32g474;
+
+extern "C" {
+[[noreturn]] void run_bench();
+// from link.ld
+extern std::uint32_t stack_bottom[], stack_top[], data_start[], data_end[], bss_start[], bss_end[];
+extern const std::uint32_t data_image[];
+
+[[noreturn]] void fault_reset(std::uint32_t frame);
+void control_handler();
+void samples_handler();
+void pvd_handler();
+
+[[noreturn]] void reset_handler() {
+  hold_gate_low();
+  scb().vtor.write(0x0800'0000);
+  cpacr().set(cpacr_fpu);
+  asm volatile("dsb\n\tisb");
+  const std::uint32_t* from = data_image;
+  for (std::uint32_t* to = data_start; to != data_end;) *to++ = *from++;
+  for (std::uint32_t* to = bss_start; to != bss_end;) *to++ = 0;
+  scb().shcsr.set(Scb::shcsr_usage_bus_memory);
+  if (postmortem.magic != postmortem_magic) postmortem = {}, postmortem.magic = postmortem_magic;
+  ++postmortem.boots;
+  run_bench();
+}
+
+/// Leaves a note and restarts. `frame`: what the processor stacked, or 0.
+[[noreturn]] void fault_reset(std::uint32_t frame) {
+  const auto low = static_cast<std::uint32_t>(reinterpret_cast<std::uintptr_t>(stack_bottom));
+  const auto high = static_cast<std::uint32_t>(reinterpret_cast<std::uintptr_t>(stack_top));
+  postmortem.exception = scb().icsr.read() & 0x1FFU;
+  postmortem.fault_status = scb().cfsr.read();
+  postmortem.bus_address = scb().bfar.read();
+  postmortem.program_counter = postmortem.link_register = 0;
+  if (frame >= low && frame + 32 <= high && frame % 4 == 0) {
+    const auto* stacked = reinterpret_cast<const std::uint32_t*>(static_cast<std::uintptr_t>(frame));
+    postmortem.link_register = stacked[5];
+    postmortem.program_counter = stacked[6];
+  }
+  asm volatile("dsb");
+  scb().aircr.write(Scb::aircr_reset);
+  for (;;) {
+  }
+}
+
+// Gate off first, with registers only: the stack may be what is broken. The output-enable bit is the only one of the
+// register that the lock leaves writable. Then a fresh stack, and the note.
+static_assert(tim1_address + offsetof(Timer, bdtr) == 0x4001'2C44);
+[[gnu::naked]] void fault_handler() {
+  asm volatile(
+      "movw r1, #0x2C44\n\t"
+      "movt r1, #0x4001\n\t"
+      "movs r2, #0\n\t"
+      "str r2, [r1]\n\t"
+      "mov r0, sp\n\t"
+      "ldr r1, =stack_top\n\t"
+      "mov sp, r1\n\t"
+      "b fault_reset\n\t"
+      ".ltorg");
+}
+
+using Handler = void (*)();
+struct VectorTable {
+  const void* stack;
+  Handler exceptions[15];
+  Handler interrupts[irq_count];
+};
+
+constexpr VectorTable make_vectors() {
+  VectorTable table{.stack = stack_top, .exceptions = {}, .interrupts = {}};
+  for (auto& handler : table.exceptions) handler = fault_handler;
+  for (auto& handler : table.interrupts) handler = fault_handler;
+  table.exceptions[0] = reset_handler;
+  table.exceptions[13] = control_handler;  // PendSV
+  table.interrupts[irq_pvd] = pvd_handler;
+  table.interrupts[irq_dma1_channel5] = samples_handler;
+  return table;
+}
+
+[[gnu::section(".vectors"), gnu::used]] extern constinit const VectorTable vectors = make_vectors();
+}
+static_assert(sizeof(void*) != 4 || sizeof(VectorTable) == 4 * (16 + irq_count));
