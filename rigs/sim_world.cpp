@@ -53,6 +53,14 @@ firmware::ControllerConfig controller_config(const SimRigConfig& rig, std::strin
   c.interlocks.stuck_on_samples = samples(0.025);
   c.interlocks.mains_lost_counts = counts(0.2 * 230.0 * std::sqrt(2.0), mains_scale);
   c.interlocks.mains_lost_samples = samples(0.016);
+  c.interlocks.heartbeat_samples = samples(0.250);
+  c.interlocks.contact_open_counts =
+      counts(0.5 * rig.sensors.contact_open_voltage, scales[index(Channel::contact_a)].si_per_count);
+  c.interlocks.contact_open_samples = samples(0.002);
+  c.interlocks.weld_samples = samples(0.100);
+  c.interlocks.implausible_samples = samples(0.005);
+  // no pause between shots and no shots a minute: every shot here has a device at rest, and no time passes
+  // between shots
   return c;
 }
 
@@ -116,6 +124,8 @@ void SimWorld::begin_shot() {
 
 void SimWorld::notice_commands() {
   const auto& fire = controller_->fire_control();
+  // a shot that was cut short ends before the next request: no time passes while nothing goes on
+  while (fire.state() != firmware::State::firing && (fire.gate_on() || fire.settling())) step_block();
   if (fire.shots_armed() == shots_seen_) return;
   shots_seen_ = fire.shots_armed();
   begin_shot();
@@ -164,7 +174,7 @@ void SimWorld::step_block() {
     sensors_->convert({&states_[i * oversampling], oversampling},
                       {&scans_[i * channel_count], channel_count});
 
-  firmware::Block block{.first_sample = sample_, .scans = scans_};
+  firmware::Block block{.first_sample = sample_, .scans = scans_, .host_heard = host_connected_};
   sample_ += block_samples;
   if (config_.faults.lost_samples > 0 && !samples_lost_ && since_on > 0.005) {
     samples_lost_ = true;  // this block's first conversions never arrive
