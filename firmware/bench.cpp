@@ -24,6 +24,7 @@ BenchReport Bench::report() const {
           .state_hash = hash_.value(),
           .state = fire.state(),
           .gate_on = fire.gate_on(),
+          .settling = fire.settling(),
           .phase_valid = fire.phase().valid()};
 }
 

@@ -29,6 +29,7 @@ struct BenchReport {
   std::uint32_t state_hash = 0;
   State state = State::idle;
   bool gate_on = false;
+  bool settling = false;  ///< a shot was cut short and is not over yet
   bool phase_valid = false;
 };
 

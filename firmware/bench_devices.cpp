@@ -96,6 +96,20 @@ constexpr auto daq_channels = scan_channels(std::make_index_sequence<channel_cou
 
 // ---- contactor-daq: device ----
 
+/// Doubts about the record: words, or "none".
+int read_marks(const void* self, std::uint32_t, Text& out) {
+  const unsigned marks = bench(self).recorder().marks();
+  if (marks == 0) return out.put("none"), 0;
+  constexpr std::array<std::string_view, mark_count> names{"laser_range", "force_saturated",
+                                                           "contact_travel"};
+  for (std::size_t m = 0; m < names.size(); ++m) {
+    if ((marks >> m & 1U) == 0) continue;
+    if (!out.view().empty()) out.put(' ');
+    out.put(names[m]);
+  }
+  return 0;
+}
+
 constexpr std::array daq_attributes{
     Attribute{"calibration", [](const void* s, std::uint32_t,
                                 Text& t) { return t.put(bench(s).config().calibration_id), 0; }},
@@ -131,6 +145,7 @@ constexpr std::array daq_attributes{
                                  Text& t) { return t.put_hex32(bench(s).recorder().crc()), 0; }},
     Attribute{"record_length", [](const void* s, std::uint32_t,
                                   Text& t) { return t.put_int(bench(s).recorder().length()), 0; }},
+    Attribute{"record_marks", read_marks},
     Attribute{"sampling_frequency", [](const void* s, std::uint32_t,
                                        Text& t) { return t.put_int(bench(s).config().sample_rate), 0; }},
     Attribute{
@@ -190,6 +205,32 @@ int write_hold(void* self, std::uint32_t, std::string_view value) {
   return ms ? to_errno(control_of(self).set_hold_time_ms(*ms)) : -iiod::einval;
 }
 
+int write_touch_delay(void* self, std::uint32_t, std::string_view value) {
+  const auto us = parse_int(value);
+  return us ? to_errno(control_of(self).set_touch_delay_us(*us)) : -iiod::einval;
+}
+
+/// The latched fault: its number in docs/faults.md and its name, or "0 none".
+int read_fault(const void* self, std::uint32_t, Text& out) {
+  const Fault fault = control_of(self).fault();
+  out.put_int(static_cast<int>(fault)).put(' ').put(fault == Fault::none ? "none" : info(fault).name);
+  return 0;
+}
+
+/// What the last reset was; after a crash with its kind, program counter and link register.
+int read_last_reset(const void* self, std::uint32_t, Text& out) {
+  constexpr std::array<std::string_view, 5> causes{"power_on", "pin", "software", "watchdog", "brown_out"};
+  constexpr std::array<std::string_view, 8> crashes{
+      "none", "hard_fault", "memory_fault", "bus_fault", "usage_fault", "nmi", "assertion", "stack_overflow"};
+  const FireControl& control = control_of(self);
+  out.put(causes[static_cast<std::size_t>(control.reset_cause())]);
+  const Survivor* kept = control.survivor();
+  if (!kept || control.reset_cause() == ResetCause::power_on || !kept->has_crash()) return 0;
+  out.put(' ').put(crashes[kept->cause]).put(" pc ").put_hex32(kept->program_counter);
+  out.put(" lr ").put_hex32(kept->link_register);
+  return 0;
+}
+
 constexpr std::array control_attributes{
     Attribute{"abort", read_zero, write_abort},
     Attribute{"arm",
@@ -197,6 +238,9 @@ constexpr std::array control_attributes{
                 return t.put(control_of(s).state() == State::armed ? '1' : '0'), 0;
               },
               write_arm},
+    Attribute{"deadlines_missed", [](const void* s, std::uint32_t,
+                                     Text& t) { return t.put_int(control_of(s).deadlines_missed()), 0; }},
+    Attribute{"fault", read_fault},
     Attribute{"fire", read_zero, write_fire},
     Attribute{"gate", [](const void* s, std::uint32_t,
                          Text& t) { return t.put(control_of(s).gate_on() ? '1' : '0'), 0; }},
@@ -208,13 +252,21 @@ constexpr std::array control_attributes{
               [](const void*, std::uint32_t, Text& t) { return t.put("[1 1 10000]"), 0; }},
     Attribute{"last_error",
               [](const void* s, std::uint32_t, Text& t) { return t.put(control_of(s).last_error()), 0; }},
+    Attribute{"last_reset", read_last_reset},
     Attribute{"phase_faults", [](const void* s, std::uint32_t,
                                  Text& t) { return t.put_int(control_of(s).phase().faults), 0; }},
+    Attribute{"safety_relay", [](const void* s, std::uint32_t,
+                                 Text& t) { return t.put(control_of(s).relay_closed() ? '1' : '0'), 0; }},
     Attribute{"state",
               [](const void* s, std::uint32_t, Text& t) { return t.put(name(control_of(s).state())), 0; }},
-    Attribute{"state_available", [](const void*, std::uint32_t, Text& t) {
-                return t.put("idle armed firing captured fault"), 0;
-              }}};
+    Attribute{"state_available", [](const void*, std::uint32_t,
+                                    Text& t) { return t.put("idle armed firing captured fault"), 0; }},
+    Attribute{
+        "touch_delay_us",
+        [](const void* s, std::uint32_t, Text& t) { return t.put_int(control_of(s).touch_delay_us()), 0; },
+        write_touch_delay},
+    Attribute{"touch_delay_us_available",
+              [](const void*, std::uint32_t, Text& t) { return t.put("[0 1 50000]"), 0; }}};
 
 constexpr std::array trigger_attributes{Attribute{"trigger_now", read_zero, write_fire}};
 

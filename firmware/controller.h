@@ -1,10 +1,13 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <span>
 #include <string_view>
+#include <type_traits>
 
+#include "firmware/config_guard.h"
 #include "firmware/fire_control.h"
 #include "firmware/interlocks.h"
 #include "firmware/phase_tracker.h"
@@ -36,25 +39,53 @@ struct ControllerConfig {
   InterlockConfig interlocks;
 };
 
+static_assert(std::is_trivially_copyable_v<ControllerConfig>);
+
+/// What makes a configuration unfit to energise a coil, or empty.
+std::string_view config_error(const ControllerConfig&, std::size_t storage_values);
+
 class Controller {
  public:
   /// `storage`: at least record_length x channel_count values.
   Controller(const ControllerConfig& config, std::span<std::int16_t> storage)
       : config_(config),
         tracker_(config.phase),
-        interlocks_(config.interlocks),
+        interlocks_(config_.interlocks),
         recorder_(storage, config.record_length, config.pretrigger, 1'000'000'000 / config.sample_rate),
-        fire_(config.fire, interlocks_, tracker_, recorder_) {}
+        fire_(config_.fire, interlocks_, tracker_, recorder_),
+        guard_({reinterpret_cast<const std::uint8_t*>(&config_), sizeof config_}),
+        config_error_(firmware::config_error(config, storage.size())) {
+    if (!config_error_.empty()) fire_.config_damaged(true);
+  }
   Controller(const Controller&) = delete;
   Controller& operator=(const Controller&) = delete;
 
   std::span<const GateEdge> step(const Block& block) {
     for (std::size_t c = 0; c < channel_count; ++c)
       latest_[c] = block.at(block.samples() - 1, static_cast<Channel>(c));
+    if (guard_.step()) fire_.config_damaged(!guard_.intact() || !config_error_.empty());
     return fire_.step(block);
   }
 
+  /// All that changes while it runs, without the samples of the recorder. To be put back into the same
+  /// controller only: this is how a test explores the states.
+  struct Memory {
+    PhaseTracker tracker;
+    Interlocks interlocks;
+    Recorder recorder;
+    FireControl fire;
+  };
+  Memory save() const { return {tracker_, interlocks_, recorder_, fire_}; }
+  void restore(const Memory& memory) {
+    tracker_ = memory.tracker;
+    interlocks_ = memory.interlocks;
+    recorder_ = memory.recorder;
+    fire_ = memory.fire;
+  }
+
   const ControllerConfig& config() const { return config_; }
+  /// Why the configuration is refused; empty: it is not.
+  std::string_view config_error() const { return config_error_; }
   FireControl& fire_control() { return fire_; }
   const FireControl& fire_control() const { return fire_; }
   const Recorder& recorder() const { return recorder_; }
@@ -66,6 +97,8 @@ class Controller {
   Interlocks interlocks_;
   Recorder recorder_;
   FireControl fire_;
+  ConfigGuard guard_;
+  std::string_view config_error_;
   std::array<std::int16_t, channel_count> latest_{};
 };
 

@@ -4,10 +4,12 @@
 #include <string_view>
 
 #include "core/phase.h"
+#include "firmware/duty_budget.h"
 #include "firmware/gate.h"
 #include "firmware/interlocks.h"
 #include "firmware/phase_tracker.h"
 #include "firmware/recorder.h"
+#include "firmware/survivor.h"
 
 /// The state machine between a command and the coil: armed, told to fire, waiting for the angle, energised,
 /// recorded.
@@ -22,20 +24,29 @@ enum class Refusal : std::uint8_t { accepted, wrong_state, out_of_range, faulted
 
 struct FireConfig {
   std::int64_t sample_rate = 100'000;   ///< Hz
-  std::int64_t hold_limit_ms = 10'000;  ///< hard cap of the on-time
+  std::int64_t hold_limit_ms = 10'000;  ///< hard cap of the on-time, as the attributes tell it
   std::int64_t gate_delay_samples_256 =
       0;                          ///< gate command to coil voltage, 1/256 sample: the edge is advanced by it
   std::int64_t lead_samples = 0;  ///< time the port needs from the end of a block until it can make an edge
   std::int64_t phase_timeout_samples = 100'000;  ///< longest wait for a valid phase after fire
+  std::int64_t phase_age_samples = 200;          ///< oldest estimate to fire on
   std::int64_t quiet_samples =
-      500;  ///< current must have been absent this long before the shot counts as over
+      500;                         ///< current must have been absent this long before the shot counts as over
+  bool deferred_estimate = false;  ///< the port calls update_estimate() outside of the interrupt
+  BudgetConfig budget;
 };
 
 class FireControl {
  public:
+  static constexpr std::int64_t longest_touch_delay_us = 50'000;
+
   FireControl(const FireConfig&, Interlocks&, PhaseTracker&, Recorder&);
 
-  /// Sets the complete state for one shot. Refused while firing or in fault.
+  /// Once, before the first block: what the reset was. Anything but a clean one starts in fault.
+  void boot(const BootReport&);
+
+  /// Sets the complete state for one shot. Refused while firing, in fault, while the last shot is not over or
+  /// the contact not proven open, and when the coil has been used too often or too long.
   Refusal arm();
   /// Back to idle; refused while firing.
   Refusal disarm();
@@ -45,49 +56,91 @@ class FireControl {
   void abort();
   Refusal set_closing_angle(std::int64_t centi_degrees);
   Refusal set_hold_time_ms(std::int64_t ms);
+  /// Time from the coil's voltage to the contact's touch, us. 0: the coil is switched at the closing angle;
+  /// otherwise it is switched so much earlier that the contact touches there.
+  Refusal set_touch_delay_us(std::int64_t us);
+
+  /// The configuration is not what it was at the start (the controller checks its CRC).
+  void config_damaged(bool damaged);
 
   /// After each block: checks, scheduling, state changes. Edges for the output compare: those before the end
   /// of the block that follows, and the port's lead before that.
   std::span<const GateEdge> step(const Block&);
 
+  /// With `deferred_estimate`: renews the phase estimate if it is due. A port calls it where there is time,
+  /// with the interrupt that runs step() held off or of equal priority.
+  void update_estimate();
+
   State state() const { return state_; }
   Fault fault() const { return fault_; }
   std::string_view last_error() const { return last_error_; }
   bool gate_on() const { return gate_.on(); }
+  /// The gate pin must be low, whatever edges the timer still holds. A port applies it after every command
+  /// and every block (timer break), so that an abort is not one block late.
+  bool gate_inhibited() const { return state_ != State::firing; }
+  /// The safety relay in the coil's supply shall be closed.
+  bool relay_closed() const { return relay_closed_; }
+  /// The last shot is still ending by itself: current dies out, contact opens. Bounded by the weld time.
+  bool settling() const;
+  /// Nothing may be written to flash: the supply sags or the coil is on.
+  bool flash_writes_allowed() const { return !interlocks_->brown_out() && gate_.idle(); }
   CentiDegrees closing_angle() const { return closing_angle_; }
   std::int64_t hold_time_ms() const { return hold_time_ms_; }
+  std::int64_t touch_delay_us() const { return touch_delay_us_; }
   std::uint32_t shots_armed() const { return shots_armed_; }
-  const PhaseEstimate& phase() const { return tracker_.estimate(); }
+  /// Crossings that were passed over because the edge would have been late.
+  std::uint32_t deadlines_missed() const { return deadlines_missed_; }
+  const Survivor* survivor() const { return boot_.survivor; }
+  ResetCause reset_cause() const { return boot_.cause; }
+  const PhaseEstimate& phase() const { return tracker_->estimate(); }
   /// Sample index of the rising zero crossing next before the gate edge, by the estimate the edge was
   /// scheduled from.
   std::int64_t zero_cross_sample() const { return zero_cross_sample_; }
 
  private:
-  void trip(Fault, std::int64_t next_sample);
-  void schedule(const Block&);
-  void note_gate_change(std::span<const GateEdge>);
   Refusal refuse(Refusal, std::string_view why);
+  Refusal refuse_unless_rested();
+  void trip(Fault, std::int64_t next_sample);
+  void feed_tracker(const Block&);
+  Fault examine(const Block&, std::int64_t end);
+  void schedule(const Block&);
+  void plan_edge(const Block&, std::int64_t now);
+  void commit(std::int64_t now);
+  void note_gate_change(std::span<const GateEdge>);
+  std::int64_t lead_samples_256() const;
+  std::int64_t hold_samples() const { return hold_time_ms_ * config_->sample_rate / 1000; }
+  std::int64_t hold_limit() const { return config_->hold_limit_ms * config_->sample_rate / 1000; }
 
-  FireConfig config_;
-  Interlocks& interlocks_;
-  PhaseTracker& tracker_;
-  Recorder& recorder_;
+  // pointers, not references: the state can be copied out of and back into the same controller
+  const FireConfig* config_;
+  Interlocks* interlocks_;
+  PhaseTracker* tracker_;
+  Recorder* recorder_;
   Gate gate_;
+  DutyBudget budget_;
+  BootReport boot_{};
   State state_ = State::idle;
   Fault fault_ = Fault::none;
   std::string_view last_error_ = "no error";
   CentiDegrees closing_angle_ = 0;
   std::int64_t hold_time_ms_ = 100;
+  std::int64_t touch_delay_us_ = 0;
   std::uint32_t shots_armed_ = 0;
+  std::uint32_t deadlines_missed_ = 0;
   bool token_ = false;    ///< armed and not yet fired
   bool fired_ = false;    ///< the token is spent, the edge not yet committed
   bool planned_ = false;  ///< a crossing has been chosen; only its instant is refined
+  bool relay_closed_ = true;
+  bool config_damaged_ = false;
+  bool estimate_due_ = false;
+  bool was_energised_ = false;  ///< the gate has been on since the start
   std::int64_t fired_at_ = 0;
   Tick plan_{};                      ///< gate edge as predicted by the latest estimate
   std::int64_t next_sample_ = 0;     ///< first sample not yet seen
   std::int64_t tracker_origin_ = 0;  ///< sample index of the tracker's sample 0
   std::int64_t gate_since_ = 0;
   std::int64_t zero_cross_sample_ = 0;
+  bool first_block_ = true;
 };
 
 }  // namespace powbench::firmware

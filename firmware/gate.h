@@ -20,6 +20,7 @@ class Gate {
     bool armed_and_fired = false;   ///< one-shot token: armed, then fired, not used since
     bool phase_valid = false;       ///< the mains estimate is valid now
     bool no_fault = false;          ///< no interlock has tripped
+    bool config_intact = false;     ///< the configuration still has its checksum
     std::int64_t hold_samples = 0;  ///< on-time asked for
     std::int64_t hold_limit = 0;    ///< hard cap
   };
@@ -27,7 +28,8 @@ class Gate {
   /// Schedules the on edge at `at` and the off edge `hold_samples` later, both at once, so that no later code
   /// has to remember to switch off. False (and nothing scheduled) unless every condition of the permit holds.
   bool energise(const Permit& permit, Tick at) {
-    if (!permit.armed_and_fired || !permit.phase_valid || !permit.no_fault) return false;
+    if (!permit.armed_and_fired || !permit.phase_valid || !permit.no_fault || !permit.config_intact)
+      return false;
     if (permit.hold_samples <= 0 || permit.hold_samples > permit.hold_limit) return false;
     if (on_ || pending_on_) return false;
     pending_on_ = true;
@@ -46,7 +48,7 @@ class Gate {
   std::span<const GateEdge> edges_before(std::int64_t end) {
     std::size_t n = 0;
     if (pending_on_ && on_at_.sample < end) {
-      edges_[n++] = {true, on_at_};
+      edges_[n++] = {true, on_at_, off_at_};
       pending_on_ = false;
       on_ = true;
     }

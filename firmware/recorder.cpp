@@ -1,6 +1,7 @@
 #include "firmware/recorder.h"
 
 #include <bit>
+#include <cstdint>
 
 #include "core/crc32.h"
 
@@ -8,6 +9,7 @@ namespace powbench::firmware {
 
 namespace {
 constexpr std::uint32_t timestamp_bit = 1U << channel_count;
+constexpr std::int64_t never = INT64_MIN;
 constexpr std::uint32_t sample_bits = timestamp_bit - 1;
 
 constexpr std::size_t count_bits(std::uint32_t mask) {
@@ -54,12 +56,26 @@ void Recorder::discard() {
   gap_count_ = 0;
   overruns_ = 0;
   crc_ = 0;
+  marked_.fill(never);
 }
 
 void Recorder::trigger(Tick edge) {
   edge_ = edge;
   start_ = edge.sample_at_or_after() - pretrigger_;
   triggered_ = true;
+}
+
+void Recorder::mark(std::uint8_t bits, std::int64_t end) {
+  if (!armed_) return;
+  for (std::size_t b = 0; b < marked_.size(); ++b)
+    if ((bits >> b & 1U) != 0) marked_[b] = end;
+}
+
+std::uint8_t Recorder::marks() const {
+  unsigned bits = 0;
+  for (std::size_t b = 0; b < marked_.size(); ++b)
+    if (triggered_ && marked_[b] > start_) bits |= 1U << b;
+  return static_cast<std::uint8_t>(bits);
 }
 
 void Recorder::note_gap(std::int64_t first, std::int64_t count) {

@@ -31,6 +31,8 @@ class Recorder final : public iiod::BufferSource {
   /// Forgets the record in progress.
   void discard();
   void push(const Block&);
+  /// Doubts about the block that ends at `end`, one bit each, up to eight.
+  void mark(std::uint8_t bits, std::int64_t end);
 
   bool complete() const { return complete_; }
   std::int64_t length() const { return length_; }
@@ -41,6 +43,8 @@ class Recorder final : public iiod::BufferSource {
   std::int64_t first_sample() const { return start_; }
   std::uint32_t crc() const { return crc_; }
   std::uint32_t overruns() const { return overruns_; }
+  /// Doubts that fall into the record.
+  std::uint8_t marks() const;
   std::span<const Gap> gaps() const { return {gaps_.data(), gap_count_}; }
 
   std::size_t available(std::uint64_t cursor) const override;
@@ -65,6 +69,7 @@ class Recorder final : public iiod::BufferSource {
   Tick edge_{};
   bool armed_ = false, triggered_ = false, complete_ = false;
   std::uint32_t generation_ = 0, crc_ = 0, overruns_ = 0;
+  std::array<std::int64_t, 8> marked_{};  ///< end of the last block with that mark
   std::array<Gap, 8> gaps_{};
   std::size_t gap_count_ = 0;
   std::int64_t lap_ = 0;  ///< a multiple of the capacity, near the newest sample

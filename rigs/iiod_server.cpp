@@ -188,6 +188,7 @@ void IiodServer::Impl::work() {
   if (working || !world->busy()) return;
   working = true;
   asio::post(io, [this] {
+    world->host_connected(!sessions.empty());
     world->run(slice);
     working = false;
     if (!world->busy()) wake_readers();

@@ -52,6 +52,14 @@ firmware::ControllerConfig controller_config(const SimRigConfig& rig, std::strin
   c.interlocks.stuck_on_samples = samples(0.025);
   c.interlocks.mains_lost_counts = counts(0.2 * 230.0 * std::sqrt(2.0), mains_scale);
   c.interlocks.mains_lost_samples = samples(0.016);
+  c.interlocks.heartbeat_samples = samples(0.250);
+  c.interlocks.contact_open_counts =
+      counts(0.5 * rig.sensors.contact_open_voltage, scales[index(Channel::contact_a)].si_per_count);
+  c.interlocks.contact_open_samples = samples(0.002);
+  c.interlocks.weld_samples = samples(0.100);
+  c.interlocks.implausible_samples = samples(0.005);
+  // no pause between shots and no shots a minute: every shot here has a device at rest, and no time passes
+  // between shots
   return c;
 }
 
@@ -112,6 +120,12 @@ void SimWorld::begin_shot(firmware::SetPoints set_points) {
 }
 
 void SimWorld::notice_commands() {
+  // a shot that was cut short ends before the next request: no time passes while nothing goes on
+  const auto over = [&] {
+    const auto& report = board_->report();
+    return report.state == firmware::State::firing || (!report.gate_on && !report.settling);
+  };
+  while (!over()) step_blocks(1);
   if (board_->report().shots_armed == shots_seen_) return;
   shots_seen_ = board_->report().shots_armed;
   begin_shot(board_->report().set_points);
@@ -180,7 +194,7 @@ firmware::Block SimWorld::convert_block(std::span<std::int16_t> scans) {
     sensors_->convert({&states_[i * oversampling], oversampling},
                       scans.subspan(i * channel_count, channel_count));
 
-  firmware::Block block{.first_sample = sample_, .scans = scans};
+  firmware::Block block{.first_sample = sample_, .scans = scans, .host_heard = host_connected_};
   sample_ += block_samples;
   if (config_.faults.lost_samples > 0 && !samples_lost_ && since_on > 0.005) {
     samples_lost_ = true;  // this block's first conversions never arrive

@@ -47,7 +47,7 @@ class Connection {
  private:
   friend class Responder;
   static constexpr std::size_t line_capacity = 128;
-  static constexpr std::size_t payload_capacity = 64;
+  static constexpr std::size_t payload_capacity = 128;
 
   /// A WRITE whose payload is still arriving, or (device == nullptr) a payload to be swallowed.
   struct Write {

@@ -64,8 +64,10 @@ struct Bench {
       } else {
         ++e;
       }
-    firmware::Block block{
-        .first_sample = next - block_samples, .scans = scans, .emergency_stop = emergency_stop};
+    firmware::Block block{.first_sample = next - block_samples,
+                          .scans = scans,
+                          .emergency_stop = emergency_stop,
+                          .host_heard = true};
     if (drop_next > 0) {
       block.first_sample += drop_next;
       block.scans = block.scans.subspan(static_cast<std::size_t>(drop_next) * channel_count);

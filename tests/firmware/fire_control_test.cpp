@@ -91,15 +91,16 @@ TEST_CASE("set-points out of range are refused, never clamped", "[fire]") {
 
 TEST_CASE("the gate has one door, and it is shut unless all conditions hold", "[fire]") {
   using firmware::Gate;
-  const Gate::Permit good{true, true, true, 1000, 2000};
+  const Gate::Permit good{true, true, true, true, 1000, 2000};
   CHECK(Gate{}.energise(good, {100, 0}));
-  for (int broken = 0; broken < 5; ++broken) {
+  for (int broken = 0; broken < 6; ++broken) {
     Gate::Permit p = good;
     if (broken == 0) p.armed_and_fired = false;
     if (broken == 1) p.phase_valid = false;
     if (broken == 2) p.no_fault = false;
     if (broken == 3) p.hold_samples = 0;
     if (broken == 4) p.hold_samples = 2001;
+    if (broken == 5) p.config_intact = false;
     Gate gate;
     CHECK_FALSE(gate.energise(p, {100, 0}));
     CHECK(gate.edges_before(10'000).empty());

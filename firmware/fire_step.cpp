@@ -1,0 +1,141 @@
+#include "firmware/fire_control.h"
+
+/// The part of fire control that runs once a block.
+
+namespace powbench::firmware {
+
+std::span<const GateEdge> FireControl::step(const Block& block) {
+  const std::int64_t end = block.first_sample + block.samples();
+  if (first_block_) gate_since_ = next_sample_ = block.first_sample;
+  feed_tracker(block);
+  budget_.advance(config_->budget, end - next_sample_, gate_.on());
+  next_sample_ = end;
+
+  const Fault found = examine(block, end);
+  if (found != Fault::none && state_ != State::fault) trip(found, end);
+  recorder_->mark(interlocks_->marks(), end);
+  recorder_->push(block);
+
+  if (state_ == State::firing && fired_) schedule(block);
+  if (state_ == State::firing && !fired_ && gate_.idle() && recorder_->complete() &&
+      interlocks_->coil_quiet(end) && interlocks_->contact_open(end) &&
+      end - gate_since_ > config_->quiet_samples)
+    state_ = State::captured;
+
+  first_block_ = false;
+  const auto edges = gate_.edges_before(end + config_->lead_samples + block.samples());
+  note_gate_change(edges);
+  return edges;
+}
+
+void FireControl::feed_tracker(const Block& block) {
+  if (next_sample_ > 0 && block.first_sample > next_sample_)
+    tracker_->mark_gap(block.first_sample - next_sample_);
+  for (std::int64_t i = 0; i < block.samples(); ++i) {
+    if (!tracker_->push_sample(block.at(i, Channel::mains_voltage))) continue;
+    if (config_->deferred_estimate)
+      estimate_due_ = true;
+    else
+      tracker_->update();
+  }
+}
+
+void FireControl::update_estimate() {
+  if (!estimate_due_) return;
+  estimate_due_ = false;
+  tracker_->update();
+}
+
+/// The first thing wrong that counts in the present state.
+Fault FireControl::examine(const Block& block, std::int64_t end) {
+  const bool in_shot = state_ == State::armed || state_ == State::firing || gate_.on();
+  const bool overdue = gate_.on() && gate_.off_at().sample < block.first_sample;
+  Fault found = interlocks_->check(block, {gate_.on(), gate_since_});
+  if (overdue) return Fault::on_time_exceeded;
+  if (first_block_ && !interlocks_->coil_quiet(end)) return Fault::reset_while_energised;
+  // once the edge is committed, stopping makes nothing safer: the record tells the doubt
+  const bool committed = state_ == State::firing && !fired_;
+  if (found == Fault::sensor_implausible && committed) found = Fault::none;
+  if (found == Fault::none && in_shot && !committed) {
+    const std::int64_t age = end - (tracker_->estimate().sample + tracker_origin_ + 1);
+    if (age > config_->phase_age_samples) found = Fault::phase_stale;
+  }
+  if (found == Fault::none || in_shot || info(found).watch == Watch::always) return found;
+  return Fault::none;
+}
+
+/// From the gate edge to what shall happen at the closing angle, 1/256 sample.
+std::int64_t FireControl::lead_samples_256() const {
+  return config_->gate_delay_samples_256 + touch_delay_us_ * config_->sample_rate * 256 / 1'000'000;
+}
+
+/// Chooses the crossing once, refines its instant with every estimate, and commits the edge one block ahead
+/// of it.
+void FireControl::schedule(const Block& block) {
+  const std::int64_t end = block.first_sample + block.samples();
+  if (!tracker_->estimate().valid()) {
+    planned_ = false;
+    if (end - fired_at_ > config_->phase_timeout_samples) trip(Fault::phase_invalid, end);
+    return;
+  }
+  // valid all the time and still no edge: every crossing has been missed
+  if (end - fired_at_ > 2 * config_->phase_timeout_samples) return trip(Fault::phase_stale, end);
+  const std::int64_t now = end + block.late + config_->lead_samples;  // first sample at which an edge can still be made
+  plan_edge(block, now);
+  if (plan_.sample < now) {  // deadline missed: the next crossing, never a late edge
+    planned_ = false;
+    ++deadlines_missed_;
+    return;
+  }
+  if (plan_.sample < end + config_->lead_samples + block.samples()) commit(end);
+}
+
+void FireControl::plan_edge(const Block& block, std::int64_t now) {
+  const std::int64_t end = block.first_sample + block.samples();
+  const PhaseEstimate& estimate = tracker_->estimate();
+  const auto quarter =
+      static_cast<std::int64_t>(0.25F * static_cast<float>(config_->sample_rate) / estimate.frequency);
+  // the prediction is for what the angle was asked for: the gate has to be earlier by the delays up to it
+  const std::int64_t lead = lead_samples_256();
+  const std::int64_t lead_whole = lead / 256;
+  std::int64_t earliest = now + 2 * block.samples() + lead_whole;
+  if (planned_) earliest = plan_.sample + lead_whole - quarter;
+  if (earliest < end) earliest = end;
+  const auto instant = tracker_->next_instant(closing_angle_, earliest - tracker_origin_);
+  const std::int64_t sub = static_cast<std::int64_t>(instant.fraction * 65536.0F) - (lead % 256) * 256;
+  plan_.sample = instant.sample + tracker_origin_ - lead_whole + (sub < 0 ? -1 : 0);
+  plan_.fraction = static_cast<std::uint16_t>(sub < 0 ? sub + 65536 : sub);
+  planned_ = true;
+}
+
+/// The one place from which the coil is energised.
+void FireControl::commit(std::int64_t now) {
+  const PhaseEstimate& estimate = tracker_->estimate();
+  const Gate::Permit permit{.armed_and_fired = fired_,
+                            .phase_valid = estimate.valid(),
+                            .no_fault = fault_ == Fault::none,
+                            .config_intact = !config_damaged_,
+                            .hold_samples = hold_samples(),
+                            .hold_limit = hold_limit()};
+  fired_ = false;
+  planned_ = false;
+  if (!gate_.energise(permit, plan_)) return trip(Fault::phase_invalid, now);
+  budget_.note_operation(plan_.sample);
+  recorder_->trigger(plan_);
+  // phase of the mains at the gate edge, in samples behind the rising zero crossing
+  const float cycle = static_cast<float>(config_->sample_rate) / estimate.frequency;
+  float back = static_cast<float>(closing_angle_) / 36000.0F * cycle -
+               static_cast<float>(touch_delay_us_) * 1e-6F * static_cast<float>(config_->sample_rate);
+  while (back < 0.0F) back += cycle;
+  zero_cross_sample_ = plan_.sample - static_cast<std::int64_t>(back + 0.5F);
+}
+
+void FireControl::note_gate_change(std::span<const GateEdge> edges) {
+  for (const GateEdge& edge : edges) {
+    gate_since_ = edge.at.sample;
+    was_energised_ = was_energised_ || edge.on;
+  }
+  if (!edges.empty() && boot_.survivor) boot_.survivor->note_gate(edges.back().on);
+}
+
+}  // namespace powbench::firmware
