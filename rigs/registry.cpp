@@ -21,7 +21,8 @@ class HostedSimRig final : public Rig {
     return shot;
   }
   bool abort() override { return client_->abort(); }
-  bool reconnect() override { return client_->reconnect(); }
+  /// Never to an address that the server has given up: another rig may have it by now.
+  bool reconnect() override { return server_.failure().empty() && client_->reconnect(); }
 
  private:
   LocalRig server_;
