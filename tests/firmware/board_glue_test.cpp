@@ -113,7 +113,11 @@ TEST_CASE("any alarm reaches the controller as an open stop chain") {
     REQUIRE(slot != nullptr);
     slot->alarms = alarms;
     queue.commit();
-    CHECK(queue.front()->block().emergency_stop == alarms.any());
+    const auto block = queue.front()->block();
+    CHECK(block.emergency_stop == alarms.stop_open);
+    CHECK(block.brown_out == alarms.supply_low);
+    CHECK(block.comparator_trip == alarms.cut_off);
+    CHECK(block.clock_failed == alarms.no_crystal);
     queue.release();
   }
   CHECK_FALSE(Alarms{}.any());

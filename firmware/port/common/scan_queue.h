@@ -67,8 +67,7 @@ class HalfOrder {
   bool second_ = false;  ///< the second half is expected next
 };
 
-/// What the board found out about itself while a block was collected. Any of it keeps the coil off; the controller takes
-/// them all as an open stop chain.
+/// What the board found out about itself while a block was collected. Any of it keeps the coil off.
 struct Alarms {
   bool stop_open = false;   ///< the stop chain
   bool supply_low = false;  ///< the supply monitor
@@ -85,10 +84,17 @@ class BlockQueue {
   struct Slot {
     std::int64_t first_sample = 0;
     Alarms alarms;
+    bool host_heard = false;  ///< bytes from the host came since the block before
     std::array<std::int16_t, Samples * channel_count> scans{};
 
     Block block() const {
-      return {.first_sample = first_sample, .scans = scans, .emergency_stop = alarms.any()};
+      return {.first_sample = first_sample,
+              .scans = scans,
+              .emergency_stop = alarms.stop_open,
+              .comparator_trip = alarms.cut_off,
+              .brown_out = alarms.supply_low,
+              .clock_failed = alarms.no_crystal,
+              .host_heard = host_heard};
     }
   };
 

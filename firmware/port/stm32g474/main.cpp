@@ -41,6 +41,7 @@ struct Board {
   Serial serial{progress};
   bool may_fire = false;                  ///< the crystal runs
   std::atomic<bool> gate_refused{false};  ///< an on edge met an active cut-off
+  std::atomic<bool> host_heard{false};    ///< bytes have come since the last block
 };
 
 Board& board() {
@@ -98,7 +99,10 @@ std::span<const iiod::ContextAttribute> identify(Identity& id, bool crystal, std
   for (;;) {
     if (b.serial.line_error()) link.line_error();
     const auto bytes = b.serial.received();
-    if (!bytes.empty()) link.take(bytes, b.serial);
+    if (!bytes.empty()) {
+      b.host_heard = true;
+      link.take(bytes, b.serial);
+    }
     b.progress.moved(port::Progress::main_loop);
   }
 }
@@ -117,7 +121,7 @@ extern "C" void samples_handler() {
                             .supply_low = supply_low(),
                             .cut_off = cut_off_tripped() || refused,
                             .no_crystal = !b.may_fire};
-  b.converters.collect(b.queue, alarms);
+  b.converters.collect(b.queue, alarms, b.host_heard.exchange(false));
   b.progress.moved(port::Progress::samples);
   scb().icsr.write(Scb::icsr_pendsv_set);
 }
