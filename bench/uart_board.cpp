@@ -50,27 +50,22 @@ struct Wire {
   std::string data;
 };
 
+/// What a reset throws away.
+struct Firmware {
+  Firmware(const rigs::SimRigConfig& config, const sim::Specimen& specimen, int boot)
+      : boot_id("boot-" + std::to_string(boot)), world(config, specimen, {.boot_id = boot_id}) {}
+  firmware::Bench& bench() { return *world.board().native(); }
+
+  std::string boot_id;
+  rigs::SimWorld world;
+};
+
 struct Answer final : firmware::iiod::ByteSink {
   void put(std::span<const std::uint8_t> bytes) override { text.append(bytes.begin(), bytes.end()); }
   std::string text;
 };
 
-/// What a reset throws away.
-struct Firmware {
-  Firmware(const rigs::SimRigConfig& config, const sim::Specimen& specimen, int boot)
-      : world(config, specimen), boot_id("boot-" + std::to_string(boot)), context(world.context()) {
-    attributes.assign(context.attributes.begin(), context.attributes.end());
-    for (auto& attribute : attributes)
-      if (attribute.name == "boot_id") attribute.value = boot_id;
-    context.attributes = attributes;
-  }
-  rigs::SimWorld world;
-  std::string boot_id;
-  std::vector<firmware::iiod::ContextAttribute> attributes;
-  firmware::iiod::Context context;
-  firmware::iiod::Responder responder{context};
-  Connection connection;
-};
+constexpr unsigned line = 0;  // a UART has one connection
 
 struct Corruption {
   std::string text;
@@ -168,7 +163,7 @@ void UartBoard::Impl::receive(double now) {
 void UartBoard::Impl::answer(double now) {
   std::string input = to_board.take(now);
   if (input.empty()) {
-    if (now - last_byte > patience) firmware->connection.forget_input();
+    if (now - last_byte > patience) firmware->bench().forget_input(line);
     return;
   }
   last_byte = now;
@@ -188,22 +183,26 @@ void UartBoard::Impl::answer(double now) {
 
 /// Feeds the firmware as a UART port does: nothing ever waits inside it.
 void UartBoard::Impl::serve(Firmware& board, std::string& input, double now) {
-  std::size_t used = 0;
-  while (used < input.size() && board.connection.status() == Connection::Status::ready) {
-    Answer out;
+  for (std::size_t used = 0; used < input.size();) {
     const auto* bytes = reinterpret_cast<const std::uint8_t*>(input.data());
     // line by line, so that each answer is one piece
     const std::size_t end = std::min(input.find('\n', used), input.size() - 1) + 1;
-    used += board.responder.feed(board.connection, {bytes + used, end - used}, out);
+    const auto fed = board.world.board().feed(line, {bytes + used, end - used});
+    used += fed.used;
+    std::string text(fed.bytes.begin(), fed.bytes.end());
     board.world.notice_commands();
-    board.responder.expire(board.connection, firmware::iiod::eagain, out);
-    if (out.text.empty() || mute) continue;
+    if (fed.status == rigs::Board::Status::closed) return;
+    // nothing waits on a UART: the client is told to come again
+    Answer refusal;
+    board.bench().expire(line, refusal, firmware::iiod::eagain);
+    text += refusal.text;
+    if (text.empty() || mute) continue;
     const std::lock_guard lock(mutex);
-    if (!bad_answer.text.empty() && out.text.starts_with(bad_answer.text)) {
-      out.text.at(bad_answer.offset) = static_cast<char>(out.text.at(bad_answer.offset) ^ 1);
+    if (!bad_answer.text.empty() && text.starts_with(bad_answer.text)) {
+      text.at(bad_answer.offset) = static_cast<char>(text.at(bad_answer.offset) ^ 1);
       bad_answer = {};
     }
-    to_host.put(out.text, now);
+    to_host.put(text, now);
   }
 }
 

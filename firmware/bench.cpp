@@ -8,7 +8,7 @@ Bench::Bench(const ControllerConfig& config, const Identity& identity, std::span
       source_(identity.specimen),
       device_list_{&devices_.daq(), &devices_.control(), &source_.device(), &devices_.trigger()},
       context_attributes_{{{"bench,kind", identity.kind},
-                           {"boot_id", identity.kind},
+                           {"boot_id", identity.boot_id.empty() ? identity.kind : identity.boot_id},
                            {"fw_version", identity.version},
                            {"hw_model", identity.model},
                            {"hw_serial", identity.serial},

@@ -19,6 +19,7 @@ namespace powbench::firmware {
 /// Who the rig says it is. The texts must outlive the bench.
 struct Identity {
   std::string_view kind, model, serial, version, specimen;
+  std::string_view boot_id{};  ///< changes with every start; empty: the kind stands for it
 };
 
 /// What the plant and the server need to know about the bench, after every block and every request.
@@ -54,9 +55,11 @@ class Bench {
     return responder_.feed(connections_[connection], bytes, out);
   }
   void resume(unsigned connection, iiod::ByteSink& out) { responder_.resume(connections_[connection], out); }
-  void expire(unsigned connection, iiod::ByteSink& out) {
-    responder_.expire(connections_[connection], iiod::etimedout, out);
+  void expire(unsigned connection, iiod::ByteSink& out, iiod::Errno error = iiod::etimedout) {
+    responder_.expire(connections_[connection], error, out);
   }
+  /// A line that has been silent in the middle of a request: what came of it is void.
+  void forget_input(unsigned connection) { connections_[connection].forget_input(); }
   /// Forgets the connection: the next bytes on it are a new client's.
   void close(unsigned connection) { connections_[connection] = {}; }
   Status status(unsigned connection) const { return connections_[connection].status(); }

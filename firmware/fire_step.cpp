@@ -80,7 +80,8 @@ void FireControl::schedule(const Block& block) {
   }
   // valid all the time and still no edge: every crossing has been missed
   if (end - fired_at_ > 2 * config_->phase_timeout_samples) return trip(Fault::phase_stale, end);
-  const std::int64_t now = end + block.late + config_->lead_samples;  // first sample at which an edge can still be made
+  const std::int64_t now =
+      end + block.late + config_->lead_samples;  // first sample at which an edge can still be made
   plan_edge(block, now);
   if (plan_.sample < now) {  // deadline missed: the next crossing, never a late edge
     planned_ = false;

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <memory>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "firmware/bench.h"
@@ -39,6 +40,9 @@ class Board {
   virtual Answer expire(unsigned connection) = 0;
   virtual void close(unsigned connection) = 0;
 
+  /// The firmware itself where it runs in this process, for whoever feeds it as another kind of port would; else nullptr.
+  virtual firmware::Bench* native() { return nullptr; }
+
   /// The calling thread is the one that will drive the board for long.
   virtual void adopt_thread() {}
 };
@@ -48,8 +52,9 @@ struct BoardOptions {
   enum class Kind : std::uint8_t { native, emulated };
   Kind kind = Kind::native;
   bool count_instructions = false;  ///< emulated: virtual time advances by instructions, reproducibly
+  std::string boot_id{};            ///< native: tells one start from another; empty: all starts look alike
 };
-constexpr BoardOptions emulated_board{BoardOptions::Kind::emulated, false};
+inline const BoardOptions emulated_board{BoardOptions::Kind::emulated, false, {}};
 
 /// Throws RigError when an emulated board cannot be had.
 std::unique_ptr<Board> make_board(const BoardOptions&, const firmware::ControllerConfig&,

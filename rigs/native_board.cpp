@@ -54,6 +54,7 @@ class NativeBoard final : public Board {
     return answered(connection, 0, out);
   }
   void close(unsigned connection) override { bench_.close(connection); }
+  firmware::Bench* native() override { return &bench_; }
 
  private:
   static constexpr std::int64_t spare_scans = 64;  // the ring holds more than the record, as on the board

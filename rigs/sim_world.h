@@ -58,7 +58,7 @@ class SimWorld {
 
   SimRigConfig config_;
   sim::Specimen specimen_;
-  std::string calibration_id_;
+  std::string calibration_id_, boot_id_;  ///< the board keeps views of them
   std::unique_ptr<Board> board_;
 
   std::unique_ptr<sim::Plant> plant_;
@@ -70,8 +70,8 @@ class SimWorld {
   std::vector<firmware::GateEdge> scheduled_;  ///< all of this shot
   std::vector<SwitchEdge> switched_;           ///< all that took effect in this shot
   double switched_on_ = -1.0;                  ///< plant time of the last on edge, < 0: not yet in this shot
-  bool host_connected_ = true;                 ///< a client is there: what the heartbeat of a board would tell
-  bool samples_lost_ = false;                  ///< the fault on request has been played
+  bool host_connected_ = true;  ///< a client is there: what the heartbeat of a board would tell
+  bool samples_lost_ = false;   ///< the fault on request has been played
   std::vector<double> times_;
   std::vector<sim::PlantSample> states_;
   std::vector<std::int16_t> scans_;

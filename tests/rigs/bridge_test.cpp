@@ -39,7 +39,7 @@ TEST_CASE("every kind of request keeps client, bridge and board in step", "[brid
   CHECK(c.write("iio:device1 OUTPUT phase0 raw", "36000") == "-34");
   CHECK(c.write("iio:device1 fire", "1") == "-11");
   CHECK(c.ask("WRITE iio:device1 fire many") == "-22");
-  CHECK(c.write("iio:device1 fire", std::string(70, '1')) == "-7");
+  CHECK(c.write("iio:device1 fire", std::string(140, '1')) == "-7");
   CHECK(c.write("iio:device1 fire", std::string(100'000, '\n')) == "-7");
   CHECK(c.ask(std::string(10'000, 'x')) == "-22");
   // all attributes at once: lengths, values, padding
