@@ -44,6 +44,8 @@ inline const std::vector<Allowance>& allowances() {
   static const std::vector<Allowance> table{
       {"Eigen/", "dsp/", true, "Eigen"},
       {"Eigen/", "sim/", true, "Eigen"},
+      {"thread", "sim/team.cpp", true, "standard library"},
+      {"cholmod.h", "sim/", true, "SuiteSparse"},
       {"fftw3.h", "dsp/fft.cpp", true, "FFTW"},
       {"iio.h", "rigs/iio_rig.cpp", true, "libiio"},
       {"boost/asio", "rigs/iiod_server.cpp", true, "Boost.Asio"},

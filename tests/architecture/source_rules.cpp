@@ -190,7 +190,8 @@ std::vector<std::string> check_third_party(const std::vector<Source>& sources) {
     for (const auto& include : includes(s)) {
       if (!include.angled) continue;
       const auto& header = include.target;
-      if (is_standard(header) ? from->pure && contains(file_headers(), header)
+      if (is_standard(header)
+              ? from->pure && contains(file_headers(), header) && !allowed_third_party(header, s.path)
           : is_system(header) ? from->pure
                               : !allowed_third_party(header, s.path))
         wrong.push_back(at(s, include.line) + "<" + header + "> has no place here");
