@@ -113,12 +113,15 @@ static_assert(std::is_trivially_copyable_v<Answer> && std::is_trivially_copyable
 /// What the blocks that were measured cost, in ticks of the board's 25 MHz timer, and the deepest stack so
 /// far.
 struct Cost {
-  std::uint64_t update_ticks, plain_ticks;    ///< blocks in which the estimate was renewed, and the others
-  std::uint32_t update_blocks, plain_blocks;  ///< their numbers
-  std::uint32_t samples, worst_ticks;         ///< of all; of the worst block
-  std::uint32_t stack_bytes, empty_ticks;     ///< deepest stack; what measuring itself takes
+  std::uint64_t control_ticks;     ///< the samples' interrupt
+  std::uint64_t background_ticks;  ///< the level below it, blocks in which the estimate was not renewed
+  std::uint64_t update_ticks;      ///< the same, blocks in which it was
+  std::uint32_t blocks, update_blocks, samples;
+  std::uint32_t worst_control_ticks, worst_background_ticks;  ///< of a block
+  std::uint32_t stack_bytes, empty_ticks;                     ///< deepest stack; what measuring itself takes
+  std::uint32_t reserved;
 };
-static_assert(sizeof(Cost) == 40);
+static_assert(sizeof(Cost) == 56);
 
 /// Fills a frame from the front. What does not fit is a bug of the caller.
 class Writer {
