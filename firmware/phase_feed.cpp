@@ -38,18 +38,24 @@ void PhaseFeed::put(Entry entry) {
     return;
   }
   if (dropped_ > 0) {
-    const std::int64_t lost = dropped_;
+    doubt();
+    queue_[head_ % slots] = {static_cast<std::int32_t>(dropped_), gaps_seen_};
     dropped_ = 0;
-    mark_gap(lost);
+    store_shared(head_, head_ + 1);
   }
   queue_[head_ % slots] = entry;
   store_shared(head_, head_ + 1);
 }
 
-void PhaseFeed::mark_gap(std::int64_t lost) {
+/// The estimate is not valid from here on, whatever the tracker still publishes of the time before.
+void PhaseFeed::doubt() {
   until_then_ = estimate();
   until_then_.faults |= static_cast<std::uint16_t>(PhaseFault::gap);
   ++gaps_seen_;
+}
+
+void PhaseFeed::mark_gap(std::int64_t lost) {
+  doubt();
   // what was summed so far has no place in the history either
   lost += summed_;
   sum_ = summed_ = 0;

@@ -54,6 +54,7 @@ class PhaseFeed {
   static constexpr std::uint32_t slots = 32;  ///< 3.2 ms; an estimate is too old long before
 
   void put(Entry);
+  void doubt();
 
   float rate_, nominal_hertz_;
   PhaseTracker tracker_;

@@ -188,6 +188,15 @@ std::size_t Recorder::scan_bytes(std::uint32_t mask) const {
   return (samples + 7) / 8 * 8 + 8;  // the 64-bit time stamp is aligned to its size
 }
 
+std::span<const std::uint8_t> Recorder::in_place(std::uint64_t cursor, std::size_t scans,
+                                                 std::uint32_t mask) const {
+  if (mask != sample_bits || std::endian::native != std::endian::little) return {};
+  const std::size_t first = place(start_ + static_cast<std::int64_t>(cursor));
+  const std::size_t to_end = (storage_.size() - first) / channel_count;
+  const std::size_t bytes = (scans < to_end ? scans : to_end) * channel_count * sizeof(std::int16_t);
+  return {reinterpret_cast<const std::uint8_t*>(&storage_[first]), bytes};
+}
+
 void Recorder::copy(std::uint64_t cursor, std::size_t scans, std::uint32_t mask, std::uint8_t* out) const {
   const std::size_t step = scan_bytes(mask);
   for (std::size_t i = 0; i < scans; ++i, out += step) {

@@ -55,6 +55,8 @@ class Recorder final : public iiod::BufferSource {
   bool finished(std::uint64_t cursor) const override;
   std::size_t scan_bytes(std::uint32_t mask) const override;
   void copy(std::uint64_t cursor, std::size_t scans, std::uint32_t mask, std::uint8_t* out) const override;
+  std::span<const std::uint8_t> in_place(std::uint64_t cursor, std::size_t scans,
+                                         std::uint32_t mask) const override;
   std::uint32_t generation() const override { return generation_; }
 
  private:
