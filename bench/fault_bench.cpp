@@ -36,7 +36,7 @@ firmware::ControllerConfig FaultBench::make_config() {
   c.phase.nominal_amplitude = mains_peak;
   c.interlocks.overcurrent_counts = overcurrent;
   c.interlocks.no_current_counts = 100;
-  c.interlocks.no_current_samples = 800;
+  c.interlocks.no_current_samples = 480;
   c.interlocks.stuck_on_samples = 2500;
   c.interlocks.mains_lost_counts = mains_peak / 5;
   c.interlocks.mains_lost_samples = 1600;

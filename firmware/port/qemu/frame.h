@@ -60,14 +60,15 @@ struct Header {
 };
 static_assert(sizeof(Header) == 16);
 
-/// Followed by four structures and six texts. The sizes let a board of other sources refuse.
+/// Followed by four structures and seven texts. The sizes let a board of other sources refuse.
 struct Configure {
   std::int64_t sample_rate, record_length, pretrigger;
   std::uint32_t calibration_bytes, phase_bytes, fire_bytes, interlock_bytes;
   std::uint32_t block_bytes, answer_bytes, edge_bytes;
-  std::uint16_t text_bytes[6];  ///< calibration, kind, model, serial, version, specimen
+  std::uint16_t text_bytes[7];  ///< calibration, kind, model, serial, version, specimen, boot
+  std::uint16_t reserved[3];
 };
-static_assert(sizeof(Configure) == 64);
+static_assert(sizeof(Configure) == 72);
 
 struct StepHead {
   std::uint32_t blocks;

@@ -105,7 +105,7 @@ constexpr ControllerConfig controller_config() {
                    .duty_per_mille = nearest(1000 * lasting_duty)};
   c.interlocks = {.overcurrent_counts = amperes(trip_ampere),
                   .no_current_counts = amperes(0.006),
-                  .no_current_samples = samples(0.008),
+                  .no_current_samples = samples(0.0048),
                   .stuck_on_samples = samples(0.025),
                   .mains_lost_counts = volts(0.2 * nominal_peak),
                   .mains_lost_samples = samples(0.016)};
