@@ -56,6 +56,7 @@ void add_rig_verbs(CLI::App& app) {
       verb(app, "rig", "Serve the simulated rig to any IIO client until interrupted", serve, serve_rig);
   rig->add_option("file", serve->rig_file, "rig file (TOML); built-in defaults if left out");
   rig->add_option("--specimen", serve->specimen_file, "specimen file (TOML) of the contactor on the rig");
+  rig->add_option("--boot-seed", serve->boot_seed, "makes the rig's boot_id the same at every start");
   rig->add_flag("--emulated", serve->emulated,
                 "firmware on an emulated Cortex-M4F, as `qemu:` rigs have it, instead of in this program");
   rig->add_option(

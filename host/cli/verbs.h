@@ -19,10 +19,11 @@ Exit list_rigs(bool json);
 Exit show_rig(const InfoArgs&);
 
 struct ServeArgs {
-  std::string rig_file;       ///< "" = built-in defaults
-  std::string specimen_file;  ///< "" = the rig file's
-  std::string address;        ///< "" = the rig file's
-  bool emulated = false;      ///< firmware on an emulated board
+  std::string rig_file;         ///< "" = built-in defaults
+  std::string specimen_file;    ///< "" = the rig file's
+  std::string address;          ///< "" = the rig file's
+  std::uint64_t boot_seed = 0;  ///< of the boot_id; 0: another one at every start
+  bool emulated = false;        ///< firmware on an emulated board
 };
 Exit serve_rig(const ServeArgs&);
 
