@@ -59,7 +59,9 @@ double quiet_end(const Signal& s, double count) {
   const double zero = median(first);
   double largest = 0;
   for (const double v : s.value) largest = std::max(largest, std::abs(v - zero));
-  const double level = std::max(12 * noise_of(first, count), 0.2 * largest);
+  // hum alone stays within four of its own standard deviations
+  const double swing = 4 * robust_sigma(std::span(s.value).first(n / 2));
+  const double level = std::max({12 * noise_of(first, count), 0.2 * largest, swing});
   for (std::size_t i = 0; i < n; ++i)
     if (std::abs(s.value[i] - zero) > level)
       return std::max(s.time(i) - 0.5e-3, s.t0 + 0.5 * (s.time(i) - s.t0));
