@@ -74,9 +74,19 @@ Exit list_campaigns(const ResultArgs&);
 Exit compare_campaign(const ResultArgs&);
 
 struct EventsArgs : ResultArgs {
-  std::int64_t shot = 0;
+  std::string shot;         ///< id of a stored shot, or a waveform file
+  std::string calibration;  ///< of a waveform file; "" = the one beside it
 };
 Exit show_events(const EventsArgs&);
+Exit show_file_events(const EventsArgs&);
+
+struct ImportArgs {
+  std::string file;
+  std::string calibration;  ///< "" = the one beside it
+  std::string database = "powbench.db";
+  bool json = false;
+};
+Exit import_waveform_file(const ImportArgs&);
 
 struct ReportArgs : ResultArgs {
   std::string folder = "out";
