@@ -72,17 +72,15 @@ std::vector<GridStop> merged(std::vector<GridStop> stops) {
   return kept;
 }
 
-/// Lines of the core followed, or preceded, by coarser ones through the air.
-void append_far(std::vector<double>& lines, double from, double to, const CoreMeshSizes& z) {
-  auto far = graded_lines(
-      merged({{std::min(from, to), from < to ? z.iron : 0}, {std::max(from, to), from < to ? 0 : z.iron}}),
-      z.growth, z.far);
-  if (from > to) {
-    far.pop_back();
-    lines.insert(lines.begin(), far.begin(), far.end());
-  } else {
+/// Continues the lines of the core into the air, from cells of `size` at its outline.
+void append_far(std::vector<double>& lines, double from, double to, double size, const CoreMeshSizes& z) {
+  const bool up = to > from;
+  const GridStop core{from, size}, end{to, 0};
+  const auto far = graded_lines({up ? core : end, up ? end : core}, z.growth, z.far);
+  if (up)
     lines.insert(lines.end(), far.begin() + 1, far.end());
-  }
+  else
+    lines.insert(lines.begin(), far.begin(), far.end() - 1);
 }
 
 std::vector<double> x_lines(const Outline& o, const CoreMeshSizes& z) {
@@ -94,7 +92,7 @@ std::vector<double> x_lines(const Outline& o, const CoreMeshSizes& z) {
     stops.push_back({o.slot_right, z.corner});
   }
   auto lines = graded_lines(merged(stops), z.growth, z.iron);
-  append_far(lines, o.x3, 5 * o.x3, z);
+  append_far(lines, o.x3, 5.5 * o.x3, z.corner, z);
   return lines;
 }
 
@@ -108,9 +106,9 @@ std::vector<double> y_lines(const Outline& o, const CoreMeshSizes& z, double lar
   const auto above = graded_lines(
       merged({{o.face, z.corner}, {o.window_top, z.other}, {o.yoke_top, z.other}}), z.growth, z.iron);
   lines.insert(lines.end(), above.begin() + 1, above.end());
-  const double reach = 4 * o.x3;
-  append_far(lines, o.yoke_bottom, o.yoke_bottom - reach, z);
-  append_far(lines, o.yoke_top, o.yoke_top + reach, z);
+  const double reach = 3.9 * o.x3;
+  append_far(lines, o.yoke_bottom, o.yoke_bottom - reach, z.other, z);
+  append_far(lines, o.yoke_top, o.yoke_top + reach, z.other, z);
   return lines;
 }
 

@@ -16,12 +16,12 @@ struct CoreRegion {
   enum : int { air, strip, fixed_iron, moving_iron, coil, ring_inner, ring_outer, count };
 };
 
-/// Cell sizes, m. The defaults give 0.1 % in psi and 0.15 % in F.
+/// Cell sizes, m. The defaults give 0.1 % in psi and in F.
 struct CoreMeshSizes {
   double corner = 0.12e-3;  ///< beside the corners of the pole faces
-  double other = 0.8e-3;    ///< beside the other corners
+  double other = 1.5e-3;    ///< beside the other corners
   double iron = 3e-3;       ///< largest within the core's outline
-  double far = 25e-3;       ///< largest in the air around
+  double far = 40e-3;       ///< largest in the air around
   double growth = 2.0;      ///< from cell to cell
 
   /// All sizes times `factor`; the growth falls with them.
