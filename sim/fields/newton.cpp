@@ -101,7 +101,8 @@ bool Newton::direction(const std::vector<Circuit>& circuits, const std::vector<d
     const auto& w = problem_.winding(bordered_[k]);
     const auto& circuit = circuits[bordered_[k]];
     const double missing = circuit.value - dot(w, a) - circuit.resistance * current[bordered_[k]];
-    step.miss = std::max(step.miss, std::fabs(missing) / std::max(std::fabs(circuit.value), absolute_dot(w, a)));
+    step.miss =
+        std::max(step.miss, std::fabs(missing) / std::max(std::fabs(circuit.value), absolute_dot(w, a)));
     rest[k] = missing - dot(w, step.da);
     for (std::size_t l = 0; l < n; ++l)
       schur[k * n + l] = dot(w, border_[l]) + (k == l ? circuit.resistance : 0);
