@@ -19,8 +19,8 @@ inline constexpr Team13Plate team13_plate[] = {{1, 1.330},  {10, 1.329}, {20, 1.
 struct Team13Air {
   double x_mm, b;  ///< T, |B| at y = 20 mm, z = 55 mm, 3000 A
 };
-inline constexpr Team13Air team13_air[] = {{10, 0.05930}, {20, 0.04000}, {30, 0.03360},  {40, 0.03040},
-                                           {50, 0.02830}, {60, 0.02600}, {70, 0.02310},  {80, 0.01820},
+inline constexpr Team13Air team13_air[] = {{10, 0.05930}, {20, 0.04000},  {30, 0.03360}, {40, 0.03040},
+                                           {50, 0.02830}, {60, 0.02600},  {70, 0.02310}, {80, 0.01820},
                                            {90, 0.01160}, {100, 0.00610}, {110, 0.00406}};
 
 /// Average |B_z| over the centre plate's section at height z, m.

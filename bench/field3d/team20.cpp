@@ -12,9 +12,11 @@ namespace {
 constexpr double mm = 1e-3;
 
 /// 1 inside the box |x| <= half, low <= z <= high, falling to 0 over the distances of the air around it.
-double box_weight(const sim::Vec3& p, const sim::Vec3& half, double low, double high, const sim::Vec3& fall, double below,
-                  double above) {
-  const auto ramp = [](double excess, double over) { return std::clamp(1 - excess / over * (1 + 1e-9), 0.0, 1.0); };
+double box_weight(const sim::Vec3& p, const sim::Vec3& half, double low, double high, const sim::Vec3& fall,
+                  double below, double above) {
+  const auto ramp = [](double excess, double over) {
+    return std::clamp(1 - excess / over * (1 + 1e-9), 0.0, 1.0);
+  };
   const double z = p[2] < low ? ramp(low - p[2], below) : ramp(p[2] - high, above);
   return ramp(std::fabs(p[0]) - half[0], fall[0]) * ramp(std::fabs(p[1]) - half[1], fall[1]) * z;
 }
@@ -26,10 +28,12 @@ Team20 team20(double size, sim::Cell cell) {
     for (auto& m : marks) m = {m.at * mm, m.size * mm * size};
     return sim::graded_line(marks, 1 + 0.9 * std::min(size, 1.5), largest * size * mm);
   };
-  const auto x = line({{0, 4}, {12.5, 0.5}, {13.5, 0.5}, {19.5, 3}, {37.5, 3}, {38.5, 1}, {63.5, 4}, {250, 60}}, 60);
+  const auto x =
+      line({{0, 4}, {12.5, 0.5}, {13.5, 0.5}, {19.5, 3}, {37.5, 3}, {38.5, 1}, {63.5, 4}, {250, 60}}, 60);
   const auto y = line({{0, 2}, {5, 0.6}, {12.5, 1.5}, {19.5, 3}, {37.5, 6}, {250, 60}}, 60);
-  const auto z = line({{-150, 60}, {0, 5}, {25, 0.5}, {26.5, 0.4}, {26.7, 0.4}, {123.3, 1}, {125, 0.5}, {150, 4}, {300, 60}},
-                      60);
+  const auto z = line(
+      {{-150, 60}, {0, 5}, {25, 0.5}, {26.5, 0.4}, {26.7, 0.4}, {123.3, 1}, {125, 0.5}, {150, 4}, {300, 60}},
+      60);
   enum { air, iron };
   Team20 out;
   auto& p = out.problem;

@@ -7,7 +7,7 @@
 namespace powbench::bench {
 
 struct Team20 {
-  sim::Problem3 problem;            ///< a quarter; one winding of one turn
+  sim::Problem3 problem;             ///< a quarter; one winding of one turn
   std::vector<double> virtual_work;  ///< weight of the force, falling over the whole of the gaps
   std::vector<double> thin;          ///< weight of the force, falling in the cells that touch the pole
 };

@@ -25,4 +25,10 @@ std::vector<double> graded_line(const std::vector<GridMark>&, double growth, dou
 Mesh3 grid_mesh(const std::vector<double>& x, const std::vector<double>& y, const std::vector<double>& z,
                 Cell cell, const std::function<int(const Vec3&)>& region);
 
+/// Moves every node.
+void map_nodes(Mesh3&, const std::function<Vec3(const Vec3&)>&);
+
+/// One mesh of parts with the same kind of cell: nodes closer than `tolerance`, m, become one.
+Mesh3 join_meshes(const std::vector<Mesh3>& parts, double tolerance);
+
 }  // namespace powbench::sim

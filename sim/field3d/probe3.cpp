@@ -14,7 +14,8 @@ Probe3::Probe3(const Coenergy3& function, const State3& state)
     Vec3 low{1e300, 1e300, 1e300}, high{-1e300, -1e300, -1e300};
     for (int a = 0; a < per; ++a)
       for (int r = 0; r < 3; ++r) {
-        const double x = mesh.nodes[static_cast<std::size_t>(mesh.cells[static_cast<std::size_t>(c * per + a)])][r];
+        const double x =
+            mesh.nodes[static_cast<std::size_t>(mesh.cells[static_cast<std::size_t>(c * per + a)])][r];
         low[r] = std::min(low[r], x);
         high[r] = std::max(high[r], x);
       }
@@ -83,8 +84,9 @@ Probe3::Sample Probe3::at(const Vec3& point) const {
   cell_gradients(mesh, out.cell, slope.data(), gradient.data());
   for (int a = 0; a < per; ++a)
     for (int r = 0; r < 3; ++r)
-      out.h[r] -= potential_[static_cast<std::size_t>(mesh.cells[static_cast<std::size_t>(out.cell * per + a)])] *
-                  gradient[static_cast<std::size_t>(a)][r];
+      out.h[r] -=
+          potential_[static_cast<std::size_t>(mesh.cells[static_cast<std::size_t>(out.cell * per + a)])] *
+          gradient[static_cast<std::size_t>(a)][r];
   for (std::size_t k = 0; k < problem.windings.size(); ++k) {
     const Vec3 t = problem.windings[k](point);
     for (int r = 0; r < 3; ++r) out.h[r] += state_.current[k] * t[r];
