@@ -120,8 +120,8 @@ FieldPoint MagnetField::at_flux(double psi, double ring, std::vector<double> a, 
   const auto d = newton_->derivatives(a);
   auto p = finish(std::move(a), current, report);
   auto& r = p.response;
-  r.pull = -d.gap;
-  r.pull_gap = -d.gap_gap;
+  r.pull = d.gap;
+  r.pull_gap = d.gap_gap;
   r.current_psi = d.flux_flux[0];
   r.current_gap = d.flux_gap[0];
   if (bound) {
@@ -140,7 +140,7 @@ FieldPoint MagnetField::at_current(double current, double ring_current, std::vec
   const auto report = newton_->solve(circuits, a, currents, options_.newton);
   std::vector<double> force(a.size());
   problem_->gap_gradient(a.data(), force.data());
-  const double pull = -0.5 * dot(a, force);
+  const double pull = 0.5 * dot(a, force);
   auto p = finish(std::move(a), currents, report);
   p.response.pull = pull;
   return p;

@@ -39,7 +39,7 @@ struct NewtonReport {
 struct FieldDerivatives {
   std::vector<double> flux_flux;  ///< d i_k / d psi_l, a matrix by rows over the circuits
   std::vector<double> flux_gap;   ///< d i_k / d gap
-  double gap = 0;                 ///< dE/dgap = -F
+  double gap = 0;                 ///< dE/dgap = F
   double gap_gap = 0;
 };
 

@@ -161,8 +161,8 @@ MagneticResponse TablePotential::inside2(double psi, double gap, double* third) 
   const Value dd = value_at(2 * c2 + t * (6 * c3), s);
   MagneticResponse r;
   r.energy = w.f;
-  r.pull = -w.d * hg;
-  r.pull_gap = -w.dd * hg * hg;
+  r.pull = w.d * hg;
+  r.pull_gap = w.dd * hg * hg;
   r.current = d.f * hp;
   r.current_gap = d.d * hp * hg;
   r.current_psi = dd.f * hp * hp;
@@ -197,13 +197,13 @@ MagneticResponse TablePotential::inside3(double psi, double ring, double gap, do
   r.energy = w.f;
   r.current = wp.f * hp;
   r.ring_current = wr.f * hr;
-  r.pull = -w.d * hg;
+  r.pull = w.d * hg;
   r.current_psi = wpp.f * hp * hp;
   r.current_ring = wpr.f * hp * hr;
   r.ring_ring = wrr.f * hr * hr;
   r.current_gap = wp.d * hp * hg;
   r.ring_gap = wr.d * hr * hg;
-  r.pull_gap = -w.dd * hg * hg;
+  r.pull_gap = w.dd * hg * hg;
   if (cross_gap) *cross_gap = wpr.d * hp * hr * hg;
   return r;
 }
@@ -231,8 +231,8 @@ MagneticResponse TablePotential::beyond2(double psi, double over, double gap) co
   air_at(gap, &gamma, &slope, &bend);
   const double half = 0.5 * over * over;
   r.energy += r.current * over + gamma * half;
-  r.pull -= r.current_gap * over + slope * half;
-  r.pull_gap -= third * over + bend * half;
+  r.pull += r.current_gap * over + slope * half;
+  r.pull_gap += third * over + bend * half;
   r.current += gamma * over;
   r.current_gap += slope * over;
   r.current_psi = gamma;
@@ -252,7 +252,7 @@ MagneticResponse TablePotential::beyond3(double psi, double ring, double over_ps
       e.current * over_psi + e.ring_current * over_ring + gamma[0] * pp + e.current_ring * pr + gamma[1] * rr;
   r.pull -=
       e.current_gap * over_psi + e.ring_gap * over_ring + slope[0] * pp + cross_gap * pr + slope[1] * rr;
-  r.pull_gap -= bend[0] * pp + bend[1] * rr;
+  r.pull_gap += bend[0] * pp + bend[1] * rr;
   r.current += gamma[0] * over_psi + e.current_ring * over_ring;
   r.ring_current += e.current_ring * over_psi + gamma[1] * over_ring;
   r.current_gap += slope[0] * over_psi + cross_gap * over_ring;
@@ -280,7 +280,7 @@ MagneticResponse TablePotential::at(const MagneticState& state) const {
                                            : beyond3(inner, inner_ring, psi - inner, ring - inner_ring, gap);
   }
   if (const double out = state.gap - gap; out != 0) {  // straight on
-    r.energy -= r.pull * out;
+    r.energy += r.pull * out;
     r.current += r.current_gap * out;
     r.ring_current += r.ring_gap * out;
     r.pull_gap = 0;

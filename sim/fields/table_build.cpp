@@ -90,7 +90,7 @@ class Sweep {
       slice_.nodes.insert(slice_.nodes.end(), {r.energy, r.current, r.ring_current, r.current_ring, -r.pull,
                                                r.current_gap, r.ring_gap, 0});
     else
-      slice_.nodes.insert(slice_.nodes.end(), {r.energy, r.current, -r.pull, r.current_gap});
+      slice_.nodes.insert(slice_.nodes.end(), {r.energy, r.current, r.pull, r.current_gap});
     slice_.largest_pull = std::max(slice_.largest_pull, std::fabs(r.pull));
     slice_.stress_distance = std::max(slice_.stress_distance, std::fabs(r.pull - point.stress_pull));
   }
