@@ -41,6 +41,12 @@ Coenergy3::Coenergy3(const Problem3& problem) : problem_(problem) {
   prepare_iron();
 }
 
+void Coenergy3::nodes_moved() {
+  std::fill(matrix_.value.begin(), matrix_.value.end(), 0.0);
+  assemble_linear();
+  prepare_iron();
+}
+
 void Coenergy3::number() {
   const auto& mesh = problem_.mesh;
   const std::size_t nodes = mesh.nodes.size();
@@ -151,6 +157,7 @@ void Coenergy3::prepare_iron() {
   const auto& mesh = problem_.mesh;
   const auto& rule = cell_rule(mesh.cell);
   const int per = rule.nodes;
+  iron_.clear();
   for (int c = 0; c < mesh.count(); ++c)
     if (!laws_[at(mesh.region[at(c)])].linear()) iron_.push_back(c);
   iron_gradient_.resize(iron_.size() * at(rule.points * per));

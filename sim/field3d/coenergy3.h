@@ -15,6 +15,9 @@ class Coenergy3 {
   /// Keeps a reference to the problem.
   explicit Coenergy3(const Problem3&);
 
+  /// After the problem's nodes have moved, or its windings changed; cells, regions and ties stay.
+  void nodes_moved();
+
   int unknowns() const { return matrix_.size(); }
   int windings() const { return static_cast<int>(problem_.windings.size()); }
   const Problem3& problem() const { return problem_; }

@@ -175,17 +175,25 @@ Solution3 Newton3::solve(const std::vector<Drive3>& drive, const State3& start,
   return out;
 }
 
-std::vector<double> Newton3::inductance(const State3& s) {
+std::vector<std::vector<double>> Newton3::tangents(const State3& s, std::vector<double>& inductance) {
   auto& h = impl_->hessian;
   impl_->function.hessian(s, h);
   if (!impl_->factor.factor(h.uu))
     throw std::logic_error("field3d: the matrix of a convex energy lost its sign");
   const std::size_t m = h.ui.size();
-  std::vector<double> out(h.ii);
+  std::vector<std::vector<double>> out;
+  inductance = h.ii;
   for (std::size_t k = 0; k < m; ++k) {
-    const auto x = impl_->factor.solve(h.ui[k]);
-    for (std::size_t l = 0; l < m; ++l) out[l * m + k] -= dot(h.ui[l], x);
+    out.push_back(impl_->factor.solve(h.ui[k]));
+    for (double& x : out.back()) x = -x;
+    for (std::size_t l = 0; l < m; ++l) inductance[l * m + k] += dot(h.ui[l], out.back());
   }
+  return out;
+}
+
+std::vector<double> Newton3::inductance(const State3& s) {
+  std::vector<double> out;
+  tangents(s, out);
   return out;
 }
 

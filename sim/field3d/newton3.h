@@ -44,6 +44,9 @@ class Newton3 {
   /// d psi_k / d I_l at a solution, row after row: the differential inductances, H.
   std::vector<double> inductance(const State3&);
 
+  /// du/dI_k at a solution, one vector a winding; `inductance` on the way.
+  std::vector<std::vector<double>> tangents(const State3&, std::vector<double>& inductance);
+
  private:
   struct Step;
   struct Impl;
