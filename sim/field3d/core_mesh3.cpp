@@ -127,7 +127,8 @@ CoreMeshSizes3 CoreMeshSizes3::scaled(double factor) const {
   CoreMeshSizes3 s = *this;
   for (double* size : {&s.corner, &s.other, &s.largest, &s.far}) *size *= factor;
   s.growth = 1 + (growth - 1) * std::min(1.5, factor);
-  s.layers = std::max(1, static_cast<int>(std::lround(layers / factor)));
+  s.layers =
+      std::max(2, static_cast<int>(std::lround(layers / factor)));  // two: one of them is not the whole
   return s;
 }
 

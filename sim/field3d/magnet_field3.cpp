@@ -119,12 +119,12 @@ FieldPoint3 MagnetField3::finish(Solution3 solution, bool ring_bound) {
     p.response.current_ring = -inductance[1] / det;
     p.response.ring_ring = inductance[0] / det;
     p.response.current_gap =
-        -(pull_by_current[0] * p.response.current_psi + pull_by_current[1] * p.response.current_ring);
+        (pull_by_current[0] * p.response.current_psi + pull_by_current[1] * p.response.current_ring);
     p.response.ring_gap =
-        -(pull_by_current[0] * p.response.current_ring + pull_by_current[1] * p.response.ring_ring);
+        (pull_by_current[0] * p.response.current_ring + pull_by_current[1] * p.response.ring_ring);
   } else {
     p.response.current_psi = 1 / inductance[0];
-    p.response.current_gap = -pull_by_current[0] / inductance[0];
+    p.response.current_gap = pull_by_current[0] / inductance[0];
   }
   p.solution = std::move(solution);
   return p;
