@@ -139,7 +139,8 @@ double cantilever_error(int through, double slenderness) {
   const double ratio = (std::cosh(beta) + std::cos(beta)) / (std::sinh(beta) + std::sin(beta));
   for (int n = 0; n < static_cast<int>(mesh.nodes.size()); ++n) {
     const double x = beta * mesh.nodes[static_cast<std::size_t>(n)].x / length;
-    s.set_node_velocity(n, {0, 0, 1e-3 * (std::cosh(x) - std::cos(x) - ratio * (std::sinh(x) - std::sin(x)))});
+    s.set_node_velocity(n,
+                        {0, 0, 1e-3 * (std::cosh(x) - std::cos(x) - ratio * (std::sinh(x) - std::sin(x)))});
     if (x == 0) s.fix(n, true, true, true);
   }
   const double expected = beta * beta * std::sqrt(m.young * h * h / (12 * m.density)) / (length * length);

@@ -7,10 +7,10 @@
 namespace powbench::bench {
 
 struct BarOnWall {
-  double contact_error = 0;    ///< contact time / (2 L / c) - 1
+  double contact_error = 0;                  ///< contact time / (2 L / c) - 1
   double kinetic_low = 0, kinetic_high = 0;  ///< after the rebound, over the kinetic energy before
-  double hourglass = 0;        ///< largest hourglass over largest strain energy
-  double residual = 0;         ///< largest |energy residual| over the start's
+  double hourglass = 0;                      ///< largest hourglass over largest strain energy
+  double residual = 0;                       ///< largest |energy residual| over the start's
 };
 /// nu = 0, `cells` long, no gap, 1 m/s.
 BarOnWall bar_on_wall(int cells, double safety, double factor);
@@ -18,15 +18,15 @@ BarOnWall bar_on_wall(int cells, double safety, double factor);
 struct ConfinedBar {
   double touch = 0, leave = 0;  ///< s
   double plateau = 0;           ///< Pa, mean stress at the foot between 30 % and 70 % of the contact
-  double front = 0;             ///< m/s, speed of the half-height of the front between 20 % and 60 % of the bar
+  double front = 0;  ///< m/s, speed of the half-height of the front between 20 % and 60 % of the bar
 };
 /// SDNV100 of Code_Aster: L = 0.2 m, E = 2e11, nu = 0.3, rho = 8000, gap 2 mm, 100 m/s, lateral strain prevented.
 ConfinedBar confined_bar(int cells);
 
 struct TwoBars {
-  double contact_error = 0;  ///< contact time / (2 L / c) - 1
+  double contact_error = 0;          ///< contact time / (2 L / c) - 1
   double v_first = 0, v_second = 0;  ///< after, over before (0 and 1 expected)
-  double force_error = 0;    ///< mean contact force at mid-contact / (rho c v A / 2) - 1
+  double force_error = 0;            ///< mean contact force at mid-contact / (rho c v A / 2) - 1
   double residual = 0;
 };
 /// Equal bars, nu = 0, 100 cells each; `nodes_meet` or with different sections of mesh.

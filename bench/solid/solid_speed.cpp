@@ -18,6 +18,7 @@ int main() {
     const auto t = std::clock();
     for (int k = 0; k < 1000; ++k) s.step();
     const double cpu = static_cast<double>(std::clock() - t) / CLOCKS_PER_SEC;
-    std::printf("%s %s: %.1f M\n", best_cell_kernel().name, in_float ? "float" : "double", 5120 * 1000 / cpu / 1e6);
+    std::printf("%s %s: %.1f M\n", best_cell_kernel().name, in_float ? "float" : "double",
+                5120 * 1000 / cpu / 1e6);
   }
 }

@@ -22,7 +22,7 @@ bool aligned(const HexShape& s, std::array<std::size_t, 3>& axis) {
   for (std::size_t m = 0; m < 3; ++m) {
     const Vec3& b = s.beta[m];
     axis[m] = std::fabs(b.x) >= std::fabs(b.y) && std::fabs(b.x) >= std::fabs(b.z) ? 0u
-              : std::fabs(b.y) >= std::fabs(b.z)                                 ? 1u
+              : std::fabs(b.y) >= std::fabs(b.z)                                   ? 1u
                                                                                    : 2u;
     if (taken[axis[m]]) return false;
     taken[axis[m]] = true;
@@ -56,7 +56,8 @@ std::array<double, 12> hourglass_stiffness(const HexShape& s, const SolidMateria
   return k;
 }
 
-CellBatches::CellBatches(const SolidMesh& mesh, const std::vector<SolidMaterial>& materials, bool float_forces)
+CellBatches::CellBatches(const SolidMesh& mesh, const std::vector<SolidMaterial>& materials,
+                         bool float_forces)
     : mesh_(mesh), materials_(materials), in_float_(float_forces), kernel_(&best_cell_kernel()) {
   if (materials.size() != mesh.parts.size())
     throw std::invalid_argument("materials: " + std::to_string(materials.size()) + " given, the mesh has " +
@@ -69,7 +70,8 @@ CellBatches::CellBatches(const SolidMesh& mesh, const std::vector<SolidMaterial>
       throw std::invalid_argument("mesh cell " + std::to_string(e) +
                                   ": a tetrahedron with a yield stress; plastic parts need hexahedra");
     if (in_float_ && (flows || !mesh_.cells[e].is_hex()))
-      throw std::invalid_argument("mesh cell " + std::to_string(e) + ": forces in float are for elastic hexahedra");
+      throw std::invalid_argument("mesh cell " + std::to_string(e) +
+                                  ": forces in float are for elastic hexahedra");
   }
   sort_parts();
   cut();
@@ -91,7 +93,8 @@ void CellBatches::sort_parts() {
   for (std::size_t n = 0; n < part.size(); ++n) {
     if (part[n] < 0) throw std::invalid_argument("mesh node " + std::to_string(n) + ": belongs to no cell");
     if (n > 0 && part[n] < part[n - 1])
-      throw std::invalid_argument("mesh node " + std::to_string(n) + ": nodes must be in the order of their parts");
+      throw std::invalid_argument("mesh node " + std::to_string(n) +
+                                  ": nodes must be in the order of their parts");
     ++part_begin_[static_cast<std::size_t>(part[n]) + 1];
   }
   for (std::size_t p = 0; p < mesh_.parts.size(); ++p) part_begin_[p + 1] += part_begin_[p];
@@ -147,7 +150,7 @@ void CellBatches::fill(Batch& b) {
       b.corners[(k / lanes * corners + a) * lanes + k % lanes] = 4 * static_cast<int>(local);
     }
   }
-  const std::size_t numbers = b.kind == Kind::brick  ? brick_numbers
+  const std::size_t numbers = b.kind == Kind::brick ? brick_numbers
                               : b.kind == Kind::hex ? hex_numbers
                               : b.kind == Kind::tet ? tet_numbers
                                                     : plastic_numbers;
@@ -161,7 +164,9 @@ void CellBatches::fill(Batch& b) {
 void CellBatches::fill_shape(Batch& b, std::size_t k) {
   const auto& cell = mesh_.cells[static_cast<std::size_t>(b.cells[k])];
   const auto corner = [&](std::size_t a) { return mesh_.nodes[static_cast<std::size_t>(cell.nodes[a])]; };
-  const std::size_t numbers = b.kind == Kind::brick ? brick_numbers : b.kind == Kind::hex ? hex_numbers : tet_numbers;
+  const std::size_t numbers = b.kind == Kind::brick ? brick_numbers
+                              : b.kind == Kind::hex ? hex_numbers
+                                                    : tet_numbers;
   std::size_t next = 0;
   const auto put = [&](double value) { b.shape[(k / lanes * numbers + next++) * lanes + k % lanes] = value; };
   const auto put3 = [&](const Vec3& v) {

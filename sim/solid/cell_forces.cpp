@@ -14,7 +14,8 @@ constexpr std::size_t lanes = block_cells;
 using Tensor = std::array<std::array<double, 3>, 3>;
 
 double determinant(const Tensor& f) {
-  return f[0][0] * (f[1][1] * f[2][2] - f[1][2] * f[2][1]) - f[0][1] * (f[1][0] * f[2][2] - f[1][2] * f[2][0]) +
+  return f[0][0] * (f[1][1] * f[2][2] - f[1][2] * f[2][1]) -
+         f[0][1] * (f[1][0] * f[2][2] - f[1][2] * f[2][0]) +
          f[0][2] * (f[1][0] * f[2][1] - f[1][1] * f[2][0]);
 }
 
@@ -92,12 +93,15 @@ double CellBatches::elastic(Batch& b, const double* u) {
     work.shape = b.float_shape.data();
     work.f = float_forces_.data() + b.force_place;
     std::fill_n(work.f, local.size(), Real(0));
-    return static_cast<double>((b.kind == Kind::brick ? kernel_->brick_float : kernel_->hex_float)(work, linear));
+    return static_cast<double>(
+        (b.kind == Kind::brick ? kernel_->brick_float : kernel_->hex_float)(work, linear));
   } else {
     work.shape = b.shape.data();
     work.f = forces_.data() + b.force_place;
     std::fill_n(work.f, local.size(), Real(0));
-    return (b.kind == Kind::brick ? kernel_->brick : b.kind == Kind::hex ? kernel_->hex : kernel_->tet)(work, linear);
+    return (b.kind == Kind::brick ? kernel_->brick
+            : b.kind == Kind::hex ? kernel_->hex
+                                  : kernel_->tet)(work, linear);
   }
 }
 
@@ -136,7 +140,9 @@ double CellBatches::plastic(Batch& b, const double* u, const double* v, double d
 
 int CellBatches::compute(int batch, const double* u, const double* v, double dt) {
   Batch& b = batches_[static_cast<std::size_t>(batch)];
-  const double smallest = b.kind == Kind::plastic ? plastic(b, u, v, dt) : in_float_ ? elastic<float>(b, u) : elastic<double>(b, u);
+  const double smallest = b.kind == Kind::plastic ? plastic(b, u, v, dt)
+                          : in_float_             ? elastic<float>(b, u)
+                                                  : elastic<double>(b, u);
   if (smallest > 0) return -1;  // NaN is not > 0
   return material(b.part).law() == SolidLaw::linear ? -1 : inverted(b, u);
 }
@@ -160,7 +166,8 @@ struct CellState {
   double volume = 0, hourglass = 0;  ///< m3, J
 };
 
-CellState state_of(const SolidMesh& mesh, const SolidCell& cell, const SolidMaterial& m, const std::vector<double>& u) {
+CellState state_of(const SolidMesh& mesh, const SolidCell& cell, const SolidMaterial& m,
+                   const std::vector<double>& u) {
   CellState state;
   const auto corners = static_cast<std::size_t>(cell.corners());
   std::array<Vec3, 8> x{}, moved{}, b{};
@@ -227,7 +234,9 @@ std::vector<CellStress> CellBatches::stresses(const std::vector<double>& u) cons
     for (std::size_t k = 0; k < b.cells.size(); ++k) {
       CellStress& c = all[static_cast<std::size_t>(b.cells[k])];
       if (b.kind == Kind::plastic) {
-        const auto number = [&](std::size_t i) { return b.state[(k / lanes * plastic_numbers + i) * lanes + k % lanes]; };
+        const auto number = [&](std::size_t i) {
+          return b.state[(k / lanes * plastic_numbers + i) * lanes + k % lanes];
+        };
         for (std::size_t i = 0; i < 6; ++i) c.stress[i] = number(i);
         c.plastic = number(6);
       } else {

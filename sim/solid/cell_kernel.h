@@ -41,9 +41,9 @@ struct PlasticBatch {
   double* f = nullptr;
   int blocks = 0;
   double lambda = 0, mu = 0, yield = 0, hardening = 0;  ///< Pa
-  double hourglass = 0;  ///< Pa: stiffness is this times V B:B / 72
-  double dt = 0;         ///< s
-  double stored = 0;     ///< out, J: work of the stress in this step, elastic and plastic
+  double hourglass = 0;                                 ///< Pa: stiffness is this times V B:B / 72
+  double dt = 0;                                        ///< s
+  double stored = 0;          ///< out, J: work of the stress in this step, elastic and plastic
   double hourglass_work = 0;  ///< out, J
   double plastic_work = 0;    ///< out, J: share of `stored` that is gone
 };
@@ -53,9 +53,9 @@ struct PlasticBatch {
 template <class Real>
 struct NodeRange {
   int first = 0, last = 0;
-  const int* slot_begin = nullptr;      ///< of node n: slots[slot_begin[n]] .. slots[slot_begin[n + 1] - 1]
-  const int* slots = nullptr;           ///< places in `f`
-  const Real* f = nullptr;              ///< N
+  const int* slot_begin = nullptr;       ///< of node n: slots[slot_begin[n]] .. slots[slot_begin[n + 1] - 1]
+  const int* slots = nullptr;            ///< places in `f`
+  const Real* f = nullptr;               ///< N
   const double* inverse_mass = nullptr;  ///< 1/kg, 4 a node; 0 where fixed
   double* v = nullptr;
   double* u = nullptr;

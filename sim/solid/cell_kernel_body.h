@@ -128,7 +128,8 @@ double tet_forces(const ElasticBatch<double>& batch) {
     const V volume = number(9);
     for (int i = 0; i < 3; ++i) {
       for (int a = 1; a < 4; ++a)
-        n[i][a] = -volume * (p[i][0] * number(3 * a - 3) + p[i][1] * number(3 * a - 2) + p[i][2] * number(3 * a - 1));
+        n[i][a] = -volume *
+                  (p[i][0] * number(3 * a - 3) + p[i][1] * number(3 * a - 2) + p[i][2] * number(3 * a - 1));
       n[i][0] = -(n[i][1] + n[i][2] + n[i][3]);
     }
     for (int a = 0; a < 4; ++a) scatter(batch.f, c + a * block_cells, n[0][a], n[1][a], n[2][a]);

@@ -9,8 +9,8 @@ namespace {
 constexpr double border = -1e-9;  ///< barycentric: on a shared border both neighbours see the node above them
 
 /// Nearest point of the triangle a b c with the border b c outside (the others lead to neighbours in the fan).
-void on_triangle(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& point, bool all_outside, Projection& out,
-                 std::array<double, 3>& w) {
+void on_triangle(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& point, bool all_outside,
+                 Projection& out, std::array<double, 3>& w) {
   const Vec3 n = cross(b - a, c - a);
   const double square = dot(n, n);
   out.normal = 1 / std::sqrt(square) * n;
@@ -84,7 +84,8 @@ Projection project(const std::array<Vec3, 4>& p, int count, const Vec3& point) {
   return out;
 }
 
-bool nearest_on_edges(const Vec3& from1, const Vec3& to1, const Vec3& from2, const Vec3& to2, double& on1, double& on2) {
+bool nearest_on_edges(const Vec3& from1, const Vec3& to1, const Vec3& from2, const Vec3& to2, double& on1,
+                      double& on2) {
   const Vec3 d1 = to1 - from1, d2 = to2 - from2, r = from1 - from2;
   const double a = dot(d1, d1), b = dot(d1, d2), c = dot(d2, d2);
   const double square = a * c - b * b;
@@ -135,10 +136,12 @@ std::vector<std::vector<int>> overlapping(const std::vector<Box>& probes, const 
   for (std::size_t p = 0; p < probes.size(); ++p) {
     auto& mine = found[p];
     each_cell(probes[p], [&](std::uint64_t key) {
-      for (auto it = std::lower_bound(bins.begin(), bins.end(), Bin{key, -1}); it != bins.end() && it->key == key; ++it) {
+      for (auto it = std::lower_bound(bins.begin(), bins.end(), Bin{key, -1});
+           it != bins.end() && it->key == key; ++it) {
         const Box& t = targets[static_cast<std::size_t>(it->box)];
         bool overlap = true;
-        for (int i = 0; i < 3; ++i) overlap = overlap && t.lo[i] <= probes[p].hi[i] && t.hi[i] >= probes[p].lo[i];
+        for (int i = 0; i < 3; ++i)
+          overlap = overlap && t.lo[i] <= probes[p].hi[i] && t.hi[i] >= probes[p].lo[i];
         if (overlap) mine.push_back(it->box);
       }
     });

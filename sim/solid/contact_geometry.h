@@ -12,13 +12,13 @@ namespace powbench::sim {
 
 /// A node seen from a face.
 struct Projection {
-  double distance = 1e300;         ///< m, to the nearest point of the face
-  double gap = 0;                  ///< m, along the normal; negative inside
-  double aside = 0;                ///< m, beyond the face's border, 0 above the face
-  Vec3 normal;                     ///< of the triangle that was hit, of unit length
-  Vec3 offset;                     ///< m, node less nearest point
-  std::array<double, 4> weights{}; ///< of the corners at the nearest point; add up to 1
-  int edge = -1;                   ///< border that is nearest where aside > 0
+  double distance = 1e300;          ///< m, to the nearest point of the face
+  double gap = 0;                   ///< m, along the normal; negative inside
+  double aside = 0;                 ///< m, beyond the face's border, 0 above the face
+  Vec3 normal;                      ///< of the triangle that was hit, of unit length
+  Vec3 offset;                      ///< m, node less nearest point
+  std::array<double, 4> weights{};  ///< of the corners at the nearest point; add up to 1
+  int edge = -1;                    ///< border that is nearest where aside > 0
 };
 
 /// A four-sided face is a fan of four triangles around its middle, so that nothing depends on a choice of diagonal.
@@ -26,7 +26,8 @@ Projection project(const std::array<Vec3, 4>& corners, int count, const Vec3& po
 
 /// Nearest points of two lines from..to, as parameters on [0, 1]; false where they are parallel to 0.02 rad or the
 /// nearest point is not inside both.
-bool nearest_on_edges(const Vec3& from1, const Vec3& to1, const Vec3& from2, const Vec3& to2, double& on1, double& on2);
+bool nearest_on_edges(const Vec3& from1, const Vec3& to1, const Vec3& from2, const Vec3& to2, double& on1,
+                      double& on2);
 
 /// An axis-aligned box.
 struct Box {

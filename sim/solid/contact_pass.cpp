@@ -5,7 +5,8 @@
 namespace powbench::sim {
 namespace {
 
-constexpr double facing = -0.1;    ///< cosine between a node's and a face's normal; above it they look the same way
+constexpr double facing = -0.2;    ///< cosine between a node's and a face's normal; above it they do not meet
+constexpr double opposite = -0.5;  ///< below it a node may stand on a face's border
 constexpr double overhang = 1e-3;  ///< of a face's size: so far beyond its border a node still stands on it
 
 double size_of(const std::array<Vec3, 4>& p, int count) {
@@ -35,8 +36,13 @@ std::array<Vec3, 4> corners_now(const NodeView& view, const Facet& f) {
 
 ContactPass::ContactPass(const ContactPair& pair, const SolidSurface& slave, const SolidSurface& master,
                          const std::vector<double>& inverse_mass)
-    : anchors(slave.nodes.size()), pair_(&pair), slave_(&slave), master_(&master), inverse_mass_(&inverse_mass) {
-  for (const Facet& f : master.facets) master_stiffness_ += f.stiffness / static_cast<double>(master.facets.size());
+    : anchors(slave.nodes.size()),
+      pair_(&pair),
+      slave_(&slave),
+      master_(&master),
+      inverse_mass_(&inverse_mass) {
+  for (const Facet& f : master.facets)
+    master_stiffness_ += f.stiffness / static_cast<double>(master.facets.size());
 }
 
 void ContactPass::search(const NodeView& view, double margin) {
@@ -59,12 +65,15 @@ void ContactPass::search(const NodeView& view, double margin) {
     auto& list = found[n];
     if (list.empty()) continue;
     const Vec3 normal = node_normal(*slave_, n, view);
-    list.erase(std::remove_if(list.begin(), list.end(),
-                              [&](int f) { return dot(normal, normals[static_cast<std::size_t>(f)]) > facing; }),
-               list.end());
+    list.erase(
+        std::remove_if(list.begin(), list.end(),
+                       [&](int f) { return dot(normal, normals[static_cast<std::size_t>(f)]) > facing; }),
+        list.end());
     if (list.empty()) continue;
     active_.push_back(static_cast<int>(n));
-    near_.push_back(std::move(list));
+    near_.emplace_back();
+    for (const int f : list)
+      near_.back().push_back({f, dot(normal, normals[static_cast<std::size_t>(f)]) < opposite});
   }
 }
 
@@ -89,24 +98,25 @@ bool ContactPass::behind_all(const NodeView& view, const Facet& facet, const Pro
 
 ContactPass::Touch ContactPass::nearest(std::size_t active, const NodeView& view) const {
   const Vec3 x = view.place(slave_->nodes[static_cast<std::size_t>(active_[active])]);
-  Touch touch;
-  double best = depth_limit_;
-  for (const int f : near_[active]) {
+  Projection best;
+  best.distance = depth_limit_;
+  int nearest = -1;
+  bool stands = false;  // squarely opposite, so that it may stand on the border
+  for (const auto& [f, square] : near_[active]) {
     const Facet& facet = master_->facets[static_cast<std::size_t>(f)];
-    const auto p = corners_now(view, facet);
-    const Projection at = project(p, facet.corners(), x);
-    if (at.gap >= 0 || at.distance >= best) continue;
-    Vec3 normal = at.normal;
-    double depth = -at.gap;
-    if (at.aside > overhang * size_of(p, facet.corners())) {
-      if (!behind_all(view, facet, at)) continue;
-      normal = -1 / at.distance * at.offset;
-      depth = at.distance;
-    }
-    best = at.distance;
-    touch = {f, depth, normal, at.weights};
+    const Projection at = project(corners_now(view, facet), facet.corners(), x);
+    if (at.distance >= best.distance) continue;
+    best = at;
+    nearest = f;
+    stands = square;
   }
-  return touch;
+  // inside or outside is decided by the nearest face alone: behind a more distant face's plane means nothing
+  if (nearest < 0 || best.gap >= 0) return {};
+  const Facet& facet = master_->facets[static_cast<std::size_t>(nearest)];
+  if (best.aside <= (stands ? overhang * size_of(corners_now(view, facet), facet.corners()) : 0))
+    return {nearest, -best.gap, best.normal, best.weights};
+  if (!behind_all(view, facet, best)) return {};
+  return {nearest, best.distance, -1 / best.distance * best.offset, best.weights};
 }
 
 double ContactPass::deepest(const NodeView& view) const {
@@ -119,8 +129,8 @@ double ContactPass::stiffness(std::size_t slave, double area) const {
   return pair_->factor * series(slave_->stiffness[slave], master_stiffness_) * area;
 }
 
-Vec3 ContactPass::friction(std::size_t slave, const Touch& touch, const Vec3& relative, double dt, double normal_force,
-                           ContactSums& sums) {
+Vec3 ContactPass::friction(std::size_t slave, const Touch& touch, const Vec3& relative, double dt,
+                           double normal_force, ContactSums& sums) {
   Anchor& anchor = anchors[slave];
   const double k = stiffness(slave, anchor.area);
   const Vec3 before = anchor.force;
@@ -144,12 +154,13 @@ Vec3 ContactPass::friction(std::size_t slave, const Touch& touch, const Vec3& re
   return trial - c * speed;
 }
 
-void ContactPass::apply(const NodeView& view, double dt, double sign, NodeForces& forces, ContactSums& sums,
-                        ContactReport& report, std::vector<double>& pressure) {
+void ContactPass::apply(const NodeView& view, double dt, double sign, bool start, NodeForces& forces,
+                        ContactSums& sums, ContactReport& report, std::vector<double>& pressure) {
   const bool rubs = pair_->friction_static > 0 || pair_->friction_dynamic > 0;
   const auto release = [&](std::size_t slave) {
     if (!anchors[slave].touching) return;
-    sums.friction_lost += 0.5 * dot(anchors[slave].force, anchors[slave].force) / stiffness(slave, anchors[slave].area);
+    sums.friction_lost +=
+        0.5 * dot(anchors[slave].force, anchors[slave].force) / stiffness(slave, anchors[slave].area);
     anchors[slave] = {};
   };
   for (std::size_t k = 0; k < active_.size(); ++k) {
@@ -161,17 +172,20 @@ void ContactPass::apply(const NodeView& view, double dt, double sign, NodeForces
     }
     const int node = slave_->nodes[slave];
     const Facet& facet = master_->facets[static_cast<std::size_t>(touch.facet)];
-    Anchor& anchor = anchors[slave];
-    if (!anchor.touching) {
-      const double area = slave_->area_along(slave, touch.normal, [&](int n) { return view.place(n); });
-      anchor = {{}, std::max(area, 1e-3 * slave_->areas[slave]), true};
-    }
-    const double stiff = stiffness(slave, anchor.area);
-    double normal_force = stiff * touch.depth;
-    sums.stored += 0.5 * normal_force * touch.depth;
     Vec3 relative = view.velocity(node);
     for (std::size_t c = 0; c < static_cast<std::size_t>(facet.corners()); ++c)
       relative -= touch.weights[c] * view.velocity(facet.nodes[c]);
+    Anchor& anchor = anchors[slave];
+    if (!anchor.touching) {
+      const double area = slave_->area_along(slave, touch.normal, [&](int n) { return view.place(n); });
+      const double came = start ? touch.depth : 1.5 * dt * std::max(0.0, -dot(relative, touch.normal));
+      anchor = {{}, std::max(area, 1e-3 * slave_->areas[slave]), std::max(0.0, touch.depth - came), true};
+    }
+    anchor.zero = std::min(anchor.zero, touch.depth);
+    const double depth = touch.depth - anchor.zero;
+    const double stiff = stiffness(slave, anchor.area);
+    double normal_force = stiff * depth;
+    sums.stored += 0.5 * normal_force * depth;
     if (pair_->damping > 0) {
       const double inverse = (*inverse_mass_)[4 * static_cast<std::size_t>(node)];
       const double closing = -dot(relative, touch.normal);
@@ -192,7 +206,8 @@ void ContactPass::apply(const NodeView& view, double dt, double sign, NodeForces
     pressure[static_cast<std::size_t>(node)] += normal_force / anchor.area;
     for (std::size_t c = 0; c < static_cast<std::size_t>(facet.corners()); ++c) {
       const auto place = static_cast<std::size_t>(master_->place_of(facet.nodes[c]));
-      pressure[static_cast<std::size_t>(facet.nodes[c])] += touch.weights[c] * normal_force / master_->areas[place];
+      pressure[static_cast<std::size_t>(facet.nodes[c])] +=
+          touch.weights[c] * normal_force / master_->areas[place];
     }
   }
 }
@@ -210,8 +225,10 @@ EdgePass::EdgePass(const ContactPair& pair, const SolidSurface& one, const Solid
   double other = 0;
   for (const Facet& f : two.facets) other += f.stiffness / static_cast<double>(two.facets.size());
   for (const SharpEdge& e : one.edges) {
-    const auto a = static_cast<std::size_t>(one.place_of(e.from)), b = static_cast<std::size_t>(one.place_of(e.to));
-    const double area = 0.5 * (one.areas[a] + one.areas[b]), stiff = 0.5 * (one.stiffness[a] + one.stiffness[b]);
+    const auto a = static_cast<std::size_t>(one.place_of(e.from)),
+               b = static_cast<std::size_t>(one.place_of(e.to));
+    const double area = 0.5 * (one.areas[a] + one.areas[b]),
+                 stiff = 0.5 * (one.stiffness[a] + one.stiffness[b]);
     stiffness_.push_back(pair.factor * series(stiff, other) * area);
   }
 }
@@ -232,12 +249,14 @@ void EdgePass::search(const NodeView& view, double margin) {
     for (const int other : found[k]) near_.emplace_back(static_cast<int>(k), other);
 }
 
-void EdgePass::apply(const NodeView& view, NodeForces& forces, ContactSums& sums, ContactReport& report) const {
+void EdgePass::apply(const NodeView& view, NodeForces& forces, ContactSums& sums,
+                     ContactReport& report) const {
   constexpr double inward = -0.02;  // so far from lying in a face: flush faces are the nodes' business
   for (const auto& [k1, k2] : near_) {
     const SharpEdge& e1 = one_->edges[static_cast<std::size_t>(k1)];
     const SharpEdge& e2 = two_->edges[static_cast<std::size_t>(k2)];
-    const Vec3 a1 = view.place(e1.from), b1 = view.place(e1.to), a2 = view.place(e2.from), b2 = view.place(e2.to);
+    const Vec3 a1 = view.place(e1.from), b1 = view.place(e1.to), a2 = view.place(e2.from),
+               b2 = view.place(e2.to);
     double s = 0, t = 0;
     if (!nearest_on_edges(a1, b1, a2, b2, s, t)) continue;
     const Vec3 d = a2 + t * (b2 - a2) - a1 - s * (b1 - a1);

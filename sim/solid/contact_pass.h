@@ -19,6 +19,7 @@ struct ContactSums {
 struct Anchor {
   Vec3 force;
   double area = 0;  ///< m2
+  double zero = 0;  ///< m, depth that counts as none: a node that comes in from the side is not thrown out
   bool touching = false;
 };
 
@@ -31,8 +32,8 @@ class ContactPass {
   void search(const NodeView&, double margin);
   /// Smallest gap (negative: depth) of all candidates; for the check at the start.
   double deepest(const NodeView&) const;
-  /// `sign`: +1 where the slave is part a of the pair, else -1.
-  void apply(const NodeView&, double dt, double sign, NodeForces&, ContactSums&, ContactReport&,
+  /// `sign`: +1 where the slave is part a of the pair, else -1; `start`: depths there now are meant.
+  void apply(const NodeView&, double dt, double sign, bool start, NodeForces&, ContactSums&, ContactReport&,
              std::vector<double>& pressure);
   void add_stiffness(std::vector<double>&) const;
 
@@ -49,14 +50,15 @@ class ContactPass {
   Touch nearest(std::size_t slave, const NodeView&) const;
   bool behind_all(const NodeView&, const Facet&, const Projection&) const;
   double stiffness(std::size_t slave, double area) const;
-  Vec3 friction(std::size_t slave, const Touch&, const Vec3& slip, double dt, double normal_force, ContactSums&);
+  Vec3 friction(std::size_t slave, const Touch&, const Vec3& slip, double dt, double normal_force,
+                ContactSums&);
 
   const ContactPair* pair_;
   const SolidSurface *slave_, *master_;
   const std::vector<double>* inverse_mass_;
   double master_stiffness_ = 0, depth_limit_ = 0;
-  std::vector<int> active_;            ///< slaves with candidates, by place in slave_->nodes
-  std::vector<std::vector<int>> near_;  ///< their facets
+  std::vector<int> active_;  ///< slaves with candidates, by place in slave_->nodes
+  std::vector<std::vector<std::pair<int, bool>>> near_;  ///< their facets; true: squarely opposite
 };
 
 /// Sharp edges of `one` against those of `two`.

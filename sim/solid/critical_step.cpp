@@ -105,7 +105,8 @@ double ExplicitSolid::critical_step() const {
     for (std::size_t n = 0; n < nodes; ++n) added[n] += penalty[n];
   }
   std::vector<SolidMaterial> materials;
-  for (std::size_t p = 0; p < cells_.mesh().parts.size(); ++p) materials.push_back(cells_.material(static_cast<int>(p)));
+  for (std::size_t p = 0; p < cells_.mesh().parts.size(); ++p)
+    materials.push_back(cells_.material(static_cast<int>(p)));
   return cell_critical_step(cells_.mesh(), materials, inverse_mass_, added);
 }
 

@@ -103,7 +103,8 @@ void ExplicitSolid::begin() {
   dt_ = options_.dt > 0 ? options_.dt : options_.safety * limit_;
   if (dt_ > limit_)
     throw std::invalid_argument("dt = " + std::to_string(dt_ * 1e9) + " ns, must be in (0, " +
-                                std::to_string(limit_ * 1e9) + "] ns, the critical step of this mesh and its contacts");
+                                std::to_string(limit_ * 1e9) +
+                                "] ns, the critical step of this mesh and its contacts");
   dt_before_ = dt_;
   begun_ = true;
   // half a step back with the forces at t = 0, so that the first velocity belongs half a step before it
@@ -145,8 +146,8 @@ void ExplicitSolid::compute_forces() {
   });
   for (const int cell : found_bad_)
     if (cell >= 0)
-      throw SolidStop("cell " + std::to_string(cell) + " has turned inside out at t = " + std::to_string(time_ * 1e6) +
-                          " us",
+      throw SolidStop("cell " + std::to_string(cell) +
+                          " has turned inside out at t = " + std::to_string(time_ * 1e6) + " us",
                       cell, time_);
 }
 
@@ -161,9 +162,11 @@ void ExplicitSolid::book_external(double half_dt) {
 
 void ExplicitSolid::advance_nodes(double dt, double drift) {
   for (const auto& load : loads_)
-    for (std::size_t k = 0; k < load.on.nodes.size(); ++k) extra_.add(load.on.nodes[k], load.on.shares[k] * load.force);
+    for (std::size_t k = 0; k < load.on.nodes.size(); ++k)
+      extra_.add(load.on.nodes[k], load.on.shares[k] * load.force);
   const auto parts = static_cast<int>(cells_.mesh().parts.size());
-  for (const int n : extra_.touched()) {  // a kick before the step, made larger by what damping will take off it
+  for (const int n :
+       extra_.touched()) {  // a kick before the step, made larger by what damping will take off it
     const auto place = 4 * static_cast<std::size_t>(n);
     int part = 0;
     while (n >= cells_.nodes_end(part)) ++part;
@@ -224,7 +227,8 @@ void ExplicitSolid::step() {
         for (std::size_t i = 0; i < 3; ++i) {
           const auto at = 4 * static_cast<std::size_t>(n) + i;
           const double middle = 0.5 * (before[at] + v_[at]);
-          if (inverse_mass_[at] > 0) booked_damping_ += damping_of(p) * mean_dt / inverse_mass_[at] * middle * middle;
+          if (inverse_mass_[at] > 0)
+            booked_damping_ += damping_of(p) * mean_dt / inverse_mass_[at] * middle * middle;
         }
   extra_.clear();
   dt_before_ = dt_;
@@ -272,8 +276,9 @@ void ExplicitSolid::balance(const std::vector<double>& v_before) {
   asked_ = false;
   largest_ = std::max({largest_, std::fabs(e.stored()), std::fabs(e.external), std::fabs(e.start)});
   if (std::fabs(e.residual()) > options_.energy_bound * largest_)
-    throw SolidStop("energy residual " + std::to_string(e.residual() / largest_) + " of the largest energy at t = " +
-                        std::to_string(time_ * 1e6) + " us, allowed is " + std::to_string(options_.energy_bound),
+    throw SolidStop("energy residual " + std::to_string(e.residual() / largest_) +
+                        " of the largest energy at t = " + std::to_string(time_ * 1e6) + " us, allowed is " +
+                        std::to_string(options_.energy_bound),
                     -1, time_);
 }
 
@@ -305,7 +310,8 @@ SolidState ExplicitSolid::save() const {
   s.v = v_;
   s.cells = cells_.memory();
   if (contact_) s.contact = contact_->memory();
-  s.booked = {booked_external_, booked_damping_, booked_frozen_, largest_, limit_, energies_.start, begun_ ? 1.0 : 0.0};
+  s.booked = {booked_external_, booked_damping_, booked_frozen_,    largest_,
+              limit_,           energies_.start, begun_ ? 1.0 : 0.0};
   s.rigid = rigid_;
   return s;
 }

@@ -27,13 +27,13 @@ class Team;
 /// Where the energy is, J.
 struct SolidEnergies {
   double kinetic = 0, strain = 0, plastic = 0, hourglass = 0;
-  double contact = 0;         ///< stored in penalty springs, normal and tangential, and in springs and planes
-  double friction = 0;        ///< dissipated by sliding
-  double contact_damping = 0; ///< dissipated by the contacts' damping
-  double damping = 0;         ///< dissipated by mass-proportional damping
-  double frozen = 0;          ///< kinetic energy of deformation given up when parts were frozen
-  double external = 0;        ///< work of the loads
-  double start = 0;           ///< of everything stored at t = 0
+  double contact = 0;   ///< stored in penalty springs, normal and tangential, and in springs and planes
+  double friction = 0;  ///< dissipated by sliding
+  double contact_damping = 0;  ///< dissipated by the contacts' damping
+  double damping = 0;          ///< dissipated by mass-proportional damping
+  double frozen = 0;           ///< kinetic energy of deformation given up when parts were frozen
+  double external = 0;         ///< work of the loads
+  double start = 0;            ///< of everything stored at t = 0
 
   double stored() const { return kinetic + strain + hourglass + contact; }
   double lost() const { return plastic + friction + contact_damping + damping + frozen; }
@@ -43,7 +43,8 @@ struct SolidEnergies {
 
 /// The run cannot go on; carries what is needed to look at the last state.
 struct SolidStop : std::runtime_error {
-  SolidStop(const std::string& why, int cell_, double time_) : std::runtime_error(why), cell(cell_), time(time_) {}
+  SolidStop(const std::string& why, int cell_, double time_)
+      : std::runtime_error(why), cell(cell_), time(time_) {}
   int cell;     ///< that turned inside out, or -1
   double time;  ///< s
 };
@@ -145,7 +146,8 @@ class ExplicitSolid {
 };
 
 /// Largest stable step of a mesh without contact, s: Lanczos iteration on its small displacements.
-double cell_critical_step(const SolidMesh&, const std::vector<SolidMaterial>&, const std::vector<double>& inverse_mass,
+double cell_critical_step(const SolidMesh&, const std::vector<SolidMaterial>&,
+                          const std::vector<double>& inverse_mass,
                           const std::vector<double>& added_stiffness);
 
 }  // namespace powbench::sim

@@ -7,20 +7,28 @@ double hex_sign(int mode, int corner) {
       {-1, 1, 1, -1, -1, 1, 1, -1}, {-1, -1, 1, 1, -1, -1, 1, 1}, {-1, -1, -1, -1, 1, 1, 1, 1}};
   const int xi = axes[0][corner], eta = axes[1][corner], zeta = axes[2][corner];
   switch (mode) {
-    case 0: return xi;
-    case 1: return eta;
-    case 2: return zeta;
-    case 3: return eta * zeta;
-    case 4: return zeta * xi;
-    case 5: return xi * eta;
-    default: return xi * eta * zeta;
+    case 0:
+      return xi;
+    case 1:
+      return eta;
+    case 2:
+      return zeta;
+    case 3:
+      return eta * zeta;
+    case 4:
+      return zeta * xi;
+    case 5:
+      return xi * eta;
+    default:
+      return xi * eta * zeta;
   }
 }
 
 std::array<Vec3, 7> hex_modes(const std::array<Vec3, 8>& nodal) {
   std::array<Vec3, 7> w{};
   for (int m = 0; m < 7; ++m)
-    for (int a = 0; a < 8; ++a) w[static_cast<std::size_t>(m)] += hex_sign(m, a) * nodal[static_cast<std::size_t>(a)];
+    for (int a = 0; a < 8; ++a)
+      w[static_cast<std::size_t>(m)] += hex_sign(m, a) * nodal[static_cast<std::size_t>(a)];
   return w;
 }
 

@@ -23,10 +23,11 @@ namespace powbench::sim {
 inline constexpr int hourglass_modes = 4;
 
 struct HexShape {
-  double volume = 0;                ///< m3
-  std::array<Vec3, 6> beta{};       ///< m2, of L1 .. L6: mean gradient of a field a = sum W_m beta_m / V
-  std::array<Vec3, 4> hourglass{};  ///< m, L4 .. L7 . coordinates: makes gamma_h = L_h - sum_j hourglass_hj B_j / V
-                                    ///< orthogonal to every linear field
+  double volume = 0;           ///< m3
+  std::array<Vec3, 6> beta{};  ///< m2, of L1 .. L6: mean gradient of a field a = sum W_m beta_m / V
+  std::array<Vec3, 4>
+      hourglass{};  ///< m, L4 .. L7 . coordinates: makes gamma_h = L_h - sum_j hourglass_hj B_j / V
+                    ///< orthogonal to every linear field
 };
 
 /// W_1 .. W_7 of a nodal field; [0] is W_1.

@@ -26,7 +26,8 @@ POWBENCH_INLINE V mean_gradient(const V (&w)[3][7], V (&beta)[6][3]) {
     beta[3][i] = (product(2, 4, i) + product(5, 1, i)) * third;
     beta[4][i] = (product(3, 2, i) + product(0, 5, i)) * third;
     beta[5][i] = (product(1, 3, i) + product(4, 0, i)) * third;
-    volume += w[i][0] * beta[0][i] + w[i][5] * (product(1, 3, i) * third) + w[i][4] * (product(3, 2, i) * third);
+    volume +=
+        w[i][0] * beta[0][i] + w[i][5] * (product(1, 3, i) * third) + w[i][4] * (product(3, 2, i) * third);
   }
   return volume;
 }
@@ -39,7 +40,8 @@ struct Flow {
 template <class V>
 POWBENCH_INLINE V update_stress(const V (&l)[3][3], const Flow& m, V (&s)[6], V& plastic, V& flow_stress) {
   const V half = V{} + 0.5 * m.dt;
-  const V wxy = (l[0][1] - l[1][0]) * half, wyz = (l[1][2] - l[2][1]) * half, wxz = (l[0][2] - l[2][0]) * half;
+  const V wxy = (l[0][1] - l[1][0]) * half, wyz = (l[1][2] - l[2][1]) * half,
+          wxz = (l[0][2] - l[2][0]) * half;
   const V trace = (l[0][0] + l[1][1] + l[2][2]) * (m.lambda * m.dt);
   const double twice = 2 * m.mu * m.dt, once = m.mu * m.dt;
   V t[6];
@@ -70,8 +72,8 @@ POWBENCH_INLINE V update_stress(const V (&l)[3][3], const Flow& m, V (&s)[6], V&
 /// Strain rate contracted with a stress, times the volume gives power.
 template <class V>
 POWBENCH_INLINE V power(const V (&s)[6], const V (&l)[3][3]) {
-  return s[0] * l[0][0] + s[1] * l[1][1] + s[2] * l[2][2] + s[3] * (l[0][1] + l[1][0]) + s[4] * (l[1][2] + l[2][1]) +
-         s[5] * (l[0][2] + l[2][0]);
+  return s[0] * l[0][0] + s[1] * l[1][1] + s[2] * l[2][2] + s[3] * (l[0][1] + l[1][0]) +
+         s[4] * (l[1][2] + l[2][1]) + s[5] * (l[0][2] + l[2][0]);
 }
 
 /// Modes of positions now (w), at mid-step (middle) and of the velocity (rate), one component after the other.
@@ -173,7 +175,9 @@ void advance_nodes(const NodeRange<Real>& range) {
     for (int k = range.slot_begin[n]; k < range.slot_begin[n + 1]; ++k) f += widen(range.f + range.slots[k]);
     double* const velocity = range.v + 4 * static_cast<long>(n);
     double* const place = range.u + 4 * static_cast<long>(n);
-    const D4 v = (widen(velocity) * keep + f * widen(range.inverse_mass + 4 * static_cast<long>(n)) * range.dt) * scale;
+    const D4 v =
+        (widen(velocity) * keep + f * widen(range.inverse_mass + 4 * static_cast<long>(n)) * range.dt) *
+        scale;
     *reinterpret_cast<D4u*>(velocity) = v;
     *reinterpret_cast<D4u*>(place) += v * range.drift;
   }
@@ -181,12 +185,12 @@ void advance_nodes(const NodeRange<Real>& range) {
 
 }  // namespace
 
-#define POWBENCH_CELL_KERNEL(function, title)                                                                   \
-  const CellKernel& function() {                                                                                \
-    static constexpr CellKernel kernel{title,      brick_cells<double>, hex_cells<double>, brick_cells<float>, \
-                                       hex_cells<float>, tet_cells,     plastic_cells,      \
-                                       advance_nodes<double>, advance_nodes<float>};                        \
-    return kernel;                                                                                              \
+#define POWBENCH_CELL_KERNEL(function, title)                                                         \
+  const CellKernel& function() {                                                                      \
+    static constexpr CellKernel kernel{                                                               \
+        title,     brick_cells<double>, hex_cells<double>,     brick_cells<float>,  hex_cells<float>, \
+        tet_cells, plastic_cells,       advance_nodes<double>, advance_nodes<float>};                 \
+    return kernel;                                                                                    \
   }
 
 }  // namespace powbench::sim

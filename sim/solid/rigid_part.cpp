@@ -65,8 +65,8 @@ RigidPart freeze(int first, int last, bool held, const NodeView& view, const std
   return part;
 }
 
-void advance(RigidPart& part, const NodeForces& forces, const std::vector<Vec3>& reference, double dt, double drift,
-             double* u, double* v) {
+void advance(RigidPart& part, const NodeForces& forces, const std::vector<Vec3>& reference, double dt,
+             double drift, double* u, double* v) {
   if (!part.held) {
     Vec3 force, torque;
     for (const int n : forces.touched()) {

@@ -13,8 +13,8 @@ namespace {
 void check_pair(const ContactPair& p, std::size_t parts, std::size_t number) {
   const auto need = [&](bool good, const char* key, double value, const char* range) {
     if (!good)
-      throw std::invalid_argument("contact pair " + std::to_string(number) + ": " + key + " = " + std::to_string(value) +
-                                  ", must be " + range);
+      throw std::invalid_argument("contact pair " + std::to_string(number) + ": " + key + " = " +
+                                  std::to_string(value) + ", must be " + range);
   };
   const int count = static_cast<int>(parts);
   need(p.a >= 0 && p.a < count, "part a", p.a, "a part of the mesh");
@@ -46,6 +46,7 @@ struct SolidContact::Impl {
   double margin = 0;
   std::vector<Vec3> places;  ///< of the surface nodes at the latest search
   long searches = 0, until_check = 0;
+  bool started = false;
 
   void search(const NodeView& view) {
     for (auto& p : passes) p.search(view, margin);
@@ -125,10 +126,11 @@ void SolidContact::apply(const NodeView& view, double dt, double ahead, NodeForc
   std::fill(m.pressure.begin(), m.pressure.end(), 0.0);
   for (std::size_t k = 0; k < m.reports.size(); ++k) {
     m.reports[k] = {};
-    m.passes[2 * k].apply(view, dt, 1, forces, m.sums, m.reports[k], m.pressure);
-    m.passes[2 * k + 1].apply(view, dt, -1, forces, m.sums, m.reports[k], m.pressure);
+    m.passes[2 * k].apply(view, dt, 1, !m.started, forces, m.sums, m.reports[k], m.pressure);
+    m.passes[2 * k + 1].apply(view, dt, -1, !m.started, forces, m.sums, m.reports[k], m.pressure);
     if (m.options.edges) m.edges[k].apply(view, forces, m.sums, m.reports[k]);
   }
+  m.started = true;
 }
 
 double SolidContact::stored() const {
@@ -158,23 +160,25 @@ std::vector<double> SolidContact::stiffness() const {
 
 std::vector<double> SolidContact::memory() const {
   const Impl& m = *impl_;
-  std::vector<double> all{m.sums.stored, m.sums.friction_lost, m.sums.damping_lost};
+  std::vector<double> all{m.sums.stored, m.sums.friction_lost, m.sums.damping_lost, m.started ? 1.0 : 0.0};
   for (const auto& p : m.passes)
-    for (const Anchor& a : p.anchors) all.insert(all.end(), {a.force.x, a.force.y, a.force.z, a.area, a.touching ? 1.0 : 0.0});
+    for (const Anchor& a : p.anchors)
+      all.insert(all.end(), {a.force.x, a.force.y, a.force.z, a.area, a.zero, a.touching ? 1.0 : 0.0});
   return all;
 }
 
 void SolidContact::restore_memory(const std::vector<double>& all) {
   Impl& m = *impl_;
-  std::size_t size = 3;
-  for (const auto& p : m.passes) size += 5 * p.anchors.size();
+  std::size_t size = 4;
+  for (const auto& p : m.passes) size += 6 * p.anchors.size();
   if (all.size() != size) throw std::invalid_argument("restart: the saved contact belongs to another mesh");
   m.sums = {all[0], all[1], all[2]};
-  auto from = all.begin() + 3;
+  m.started = all[3] != 0;
+  auto from = all.begin() + 4;
   for (auto& p : m.passes)
     for (Anchor& a : p.anchors) {
-      a = {{from[0], from[1], from[2]}, from[3], from[4] != 0};
-      from += 5;
+      a = {{from[0], from[1], from[2]}, from[3], from[4], from[5] != 0};
+      from += 6;
     }
   m.places.clear();  // candidates are found anew; which faces are looked at does not change which is nearest
   m.until_check = 0;

@@ -23,8 +23,8 @@ class CellBatches;
 struct ContactPair {
   int a = 0, b = 0;  ///< parts
   double friction_static = 0, friction_dynamic = 0;
-  double decay = 0;                                                 ///< c, s/m
-  double shear_limit = std::numeric_limits<double>::infinity();     ///< kappa, Pa
+  double decay = 0;                                              ///< c, s/m
+  double shear_limit = std::numeric_limits<double>::infinity();  ///< kappa, Pa
   /// Of the penalty, > 0. A third puts two equal cells on the same footing as a cell on a rigid plane with 0.65, where
   /// the rebound keeps its energy best (docs/bench/solid_accuracy.txt).
   double factor = 1.0 / 3;
@@ -43,10 +43,10 @@ double friction_coefficient(const ContactPair&, double speed);
 
 /// What one pair does now.
 struct ContactReport {
-  Vec3 force;           ///< N, on part a
-  double force_sum = 0; ///< N, magnitudes of the normal forces
-  double area = 0;      ///< m2, of the pressing nodes of a
-  int touching = 0;     ///< nodes, both ways, and edge pairs
+  Vec3 force;            ///< N, on part a
+  double force_sum = 0;  ///< N, magnitudes of the normal forces
+  double area = 0;       ///< m2, of the pressing nodes of a
+  int touching = 0;      ///< nodes, both ways, and edge pairs
 };
 
 class SolidContact {
@@ -59,11 +59,12 @@ class SolidContact {
   /// Adds the forces of this step; `dt` led here (friction moves on by it), `ahead` comes next (bounds the search).
   void apply(const NodeView&, double dt, double ahead, NodeForces&);
 
-  double stored() const;        ///< J, normal and tangential
-  double friction_lost() const; ///< J, so far
-  double damping_lost() const;  ///< J, so far
+  double stored() const;         ///< J, normal and tangential
+  double friction_lost() const;  ///< J, so far
+  double damping_lost() const;   ///< J, so far
   const ContactReport& report(int pair) const;
-  std::vector<double> node_pressure() const;  ///< Pa, at every node of the mesh: normal force over area, latest step
+  std::vector<double> node_pressure()
+      const;  ///< Pa, at every node of the mesh: normal force over area, latest step
 
   /// Penalty stiffness that can act on each node when everything touches, N/m.
   std::vector<double> stiffness() const;

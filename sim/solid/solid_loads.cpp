@@ -19,7 +19,8 @@ Vec3 mean(const NodeShares& of, const double* field) {
 }
 
 double apply_loads(const std::vector<SolidLoad>& loads, const std::vector<SolidSpring>& springs,
-                   const std::vector<SolidPlane>& planes, const NodeView& view, NodeForces& forces, double* plane_force) {
+                   const std::vector<SolidPlane>& planes, const NodeView& view, NodeForces& forces,
+                   double* plane_force) {
   double stored = 0;
   for (const auto& load : loads) spread(load.on, load.force, forces);
   for (const auto& spring : springs) {

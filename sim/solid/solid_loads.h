@@ -39,7 +39,7 @@ struct SolidPlane {
 Vec3 mean(const NodeShares&, const double* field);
 
 /// Adds the forces of all; returns what springs and planes store, J.
-double apply_loads(const std::vector<SolidLoad>&, const std::vector<SolidSpring>&, const std::vector<SolidPlane>&,
-                   const NodeView&, NodeForces&, double* plane_force);
+double apply_loads(const std::vector<SolidLoad>&, const std::vector<SolidSpring>&,
+                   const std::vector<SolidPlane>&, const NodeView&, NodeForces&, double* plane_force);
 
 }  // namespace powbench::sim

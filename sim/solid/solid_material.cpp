@@ -7,8 +7,8 @@ namespace powbench::sim {
 void check_material(const SolidMaterial& m) {
   const auto need = [&](bool good, const char* key, double value, const char* range) {
     if (!good)
-      throw std::invalid_argument("material '" + m.name + "': " + key + " = " + std::to_string(value) + ", must be " +
-                                  range);
+      throw std::invalid_argument("material '" + m.name + "': " + key + " = " + std::to_string(value) +
+                                  ", must be " + range);
   };
   need(m.density > 0, "density", m.density, "> 0 kg/m3");
   need(m.young > 0, "young", m.young, "> 0 Pa");

@@ -17,20 +17,20 @@ enum class SolidLaw {
 /// W of the neo-Hookean law: mu/2 (F:F - 3 - 2 ln J) + lambda/2 (J - 1)^2.
 struct SolidMaterial {
   std::string name = "steel";
-  double density = 7850;   ///< kg/m3
-  double young = 2.1e11;   ///< Pa
-  double poisson = 0.3;    ///< -1 < nu < 0.5
+  double density = 7850;                                   ///< kg/m3
+  double young = 2.1e11;                                   ///< Pa
+  double poisson = 0.3;                                    ///< -1 < nu < 0.5
   double yield = std::numeric_limits<double>::infinity();  ///< Pa; finite: plastic
   double hardening = 0;                                    ///< Pa, d(yield stress)/d(plastic strain), >= 0
-  bool small_displacement = false;                         ///< the linear law; not together with a yield stress
+  bool small_displacement = false;  ///< the linear law; not together with a yield stress
   /// Hourglass stiffness in units of the one that bends a brick exactly; (0, 2]. Plastic parts use a tenth of it.
   double hourglass = 1.0;
   double damping = 0;  ///< 1/s, mass-proportional: force -damping m v, >= 0
 
   SolidLaw law() const {
-    return small_displacement                                     ? SolidLaw::linear
+    return small_displacement                                ? SolidLaw::linear
            : yield < std::numeric_limits<double>::infinity() ? SolidLaw::plastic
-                                                                  : SolidLaw::neo_hookean;
+                                                             : SolidLaw::neo_hookean;
   }
   double lambda() const { return young * poisson / ((1 + poisson) * (1 - 2 * poisson)); }
   double mu() const { return young / (2 * (1 + poisson)); }

@@ -18,7 +18,9 @@ double smallest_corner(const std::array<Vec3, 8>& x) {
   double least = 1e300;
   for (int a = 0; a < 8; ++a) {
     const auto& n = next[a];
-    const auto from = [&](int k) { return x[static_cast<std::size_t>(n[k])] - x[static_cast<std::size_t>(a)]; };
+    const auto from = [&](int k) {
+      return x[static_cast<std::size_t>(n[k])] - x[static_cast<std::size_t>(a)];
+    };
     least = std::fmin(least, dot(from(0), cross(from(1), from(2))));
   }
   return least;
@@ -35,7 +37,9 @@ void add_grid(SolidMesh& mesh, int part, const std::vector<double>& x, const std
               const std::vector<double>& z, const std::function<bool(int, int, int)>& filled) {
   const std::size_t nx = x.size(), ny = y.size(), nz = z.size();
   std::vector<int> number(nx * ny * nz, -1);
-  const auto place = [&](std::size_t i, std::size_t j, std::size_t k) -> int& { return number[i + nx * (j + ny * k)]; };
+  const auto place = [&](std::size_t i, std::size_t j, std::size_t k) -> int& {
+    return number[i + nx * (j + ny * k)];
+  };
   static constexpr int corner[8][3] = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0},
                                        {0, 0, 1}, {1, 0, 1}, {1, 1, 1}, {0, 1, 1}};
   const auto each_cell = [&](const auto& visit) {
@@ -46,8 +50,8 @@ void add_grid(SolidMesh& mesh, int part, const std::vector<double>& x, const std
   };
   each_cell([&](std::size_t i, std::size_t j, std::size_t k) {
     for (const auto& c : corner)
-      place(i + static_cast<std::size_t>(c[0]), j + static_cast<std::size_t>(c[1]), k + static_cast<std::size_t>(c[2])) =
-          0;
+      place(i + static_cast<std::size_t>(c[0]), j + static_cast<std::size_t>(c[1]),
+            k + static_cast<std::size_t>(c[2])) = 0;
   });
   for (std::size_t k = 0; k < nz; ++k)  // nodes in the order of the grid keep neighbours close in memory
     for (std::size_t j = 0; j < ny; ++j)
@@ -60,8 +64,9 @@ void add_grid(SolidMesh& mesh, int part, const std::vector<double>& x, const std
     SolidCell cell;
     cell.part = part;
     for (std::size_t a = 0; a < 8; ++a)
-      cell.nodes[a] = place(i + static_cast<std::size_t>(corner[a][0]), j + static_cast<std::size_t>(corner[a][1]),
-                            k + static_cast<std::size_t>(corner[a][2]));
+      cell.nodes[a] =
+          place(i + static_cast<std::size_t>(corner[a][0]), j + static_cast<std::size_t>(corner[a][1]),
+                k + static_cast<std::size_t>(corner[a][2]));
     mesh.cells.push_back(cell);
   });
 }
@@ -80,7 +85,8 @@ int add_box(SolidMesh& mesh, int part, const Vec3& lo, const Vec3& hi, int nx, i
 }
 
 void map_nodes(SolidMesh& mesh, int first, const std::function<Vec3(const Vec3&)>& map) {
-  for (std::size_t n = static_cast<std::size_t>(first); n < mesh.nodes.size(); ++n) mesh.nodes[n] = map(mesh.nodes[n]);
+  for (std::size_t n = static_cast<std::size_t>(first); n < mesh.nodes.size(); ++n)
+    mesh.nodes[n] = map(mesh.nodes[n]);
 }
 
 double cell_volume(const SolidMesh& mesh, const SolidCell& cell) {
@@ -97,7 +103,8 @@ void check_mesh(const SolidMesh& mesh) {
   };
   for (std::size_t e = 0; e < mesh.cells.size(); ++e) {
     const SolidCell& cell = mesh.cells[e];
-    if (cell.part < 0 || cell.part >= static_cast<int>(mesh.parts.size())) bad(e, "names a part that does not exist");
+    if (cell.part < 0 || cell.part >= static_cast<int>(mesh.parts.size()))
+      bad(e, "names a part that does not exist");
     for (std::size_t a = 0; a < static_cast<std::size_t>(cell.corners()); ++a)
       if (cell.nodes[a] < 0 || cell.nodes[a] >= static_cast<int>(mesh.nodes.size()))
         bad(e, "names a node that does not exist");

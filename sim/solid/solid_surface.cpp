@@ -6,7 +6,8 @@
 namespace powbench::sim {
 namespace {
 
-constexpr int hex_faces[6][4] = {{0, 3, 2, 1}, {4, 5, 6, 7}, {0, 1, 5, 4}, {1, 2, 6, 5}, {2, 3, 7, 6}, {3, 0, 4, 7}};
+constexpr int hex_faces[6][4] = {{0, 3, 2, 1}, {4, 5, 6, 7}, {0, 1, 5, 4},
+                                 {1, 2, 6, 5}, {2, 3, 7, 6}, {3, 0, 4, 7}};
 constexpr int tet_faces[4][3] = {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {2, 0, 3}};
 
 std::array<Vec3, 4> places(const SolidMesh& mesh, const Facet& f) {
@@ -17,7 +18,8 @@ std::array<Vec3, 4> places(const SolidMesh& mesh, const Facet& f) {
 }
 
 std::vector<Facet> skin(const SolidMesh& mesh, int part) {
-  std::map<std::array<int, 4>, std::pair<Facet, int>> faces;  // key: sorted corners; order fixes the numbering
+  std::map<std::array<int, 4>, std::pair<Facet, int>>
+      faces;  // key: sorted corners; order fixes the numbering
   for (std::size_t e = 0; e < mesh.cells.size(); ++e) {
     const SolidCell& cell = mesh.cells[e];
     if (cell.part != part) continue;
@@ -72,7 +74,8 @@ int SolidSurface::place_of(int node) const {
   return static_cast<int>(std::lower_bound(nodes.begin(), nodes.end(), node) - nodes.begin());
 }
 
-double SolidSurface::area_along(std::size_t place, const Vec3& against, const std::function<Vec3(int)>& at) const {
+double SolidSurface::area_along(std::size_t place, const Vec3& against,
+                                const std::function<Vec3(int)>& at) const {
   double sum = 0;
   for (const int f : facets_at[place]) {
     const Facet& facet = facets[static_cast<std::size_t>(f)];
@@ -87,7 +90,8 @@ SolidSurface surface_of(const SolidMesh& mesh, int part, const SolidMaterial& ma
   SolidSurface s;
   s.part = part;
   s.facets = skin(mesh, part);
-  for (const Facet& f : s.facets) s.nodes.insert(s.nodes.end(), f.nodes.begin(), f.nodes.begin() + f.corners());
+  for (const Facet& f : s.facets)
+    s.nodes.insert(s.nodes.end(), f.nodes.begin(), f.nodes.begin() + f.corners());
   std::sort(s.nodes.begin(), s.nodes.end());
   s.nodes.erase(std::unique(s.nodes.begin(), s.nodes.end()), s.nodes.end());
   s.areas.assign(s.nodes.size(), 0.0);
@@ -96,7 +100,8 @@ SolidSurface surface_of(const SolidMesh& mesh, int part, const SolidMaterial& ma
   for (std::size_t k = 0; k < s.facets.size(); ++k) {
     Facet& f = s.facets[k];
     const double area = 0.5 * norm(facet_normal(places(mesh, f), f.corners()));
-    f.stiffness = material.wave_modulus() * area / cell_volume(mesh, mesh.cells[static_cast<std::size_t>(f.cell)]);
+    f.stiffness =
+        material.wave_modulus() * area / cell_volume(mesh, mesh.cells[static_cast<std::size_t>(f.cell)]);
     for (std::size_t c = 0; c < static_cast<std::size_t>(f.corners()); ++c) {
       const auto n = static_cast<std::size_t>(s.place_of(f.nodes[c]));
       s.stiffness[n] += f.stiffness;
@@ -107,9 +112,12 @@ SolidSurface surface_of(const SolidMesh& mesh, int part, const SolidMaterial& ma
     for (const int f : s.facets_at[n]) {
       const Facet& facet = s.facets[static_cast<std::size_t>(f)];
       const Vec3 along = unit(facet_normal(places(mesh, facet), facet.corners()));
-      s.areas[n] = std::max(s.areas[n], s.area_along(n, -along, [&](int node) { return mesh.nodes[static_cast<std::size_t>(node)]; }));
+      s.areas[n] = std::max(s.areas[n], s.area_along(n, -along, [&](int node) {
+        return mesh.nodes[static_cast<std::size_t>(node)];
+      }));
     }
-  for (std::size_t n = 0; n < s.nodes.size(); ++n) s.stiffness[n] /= static_cast<double>(s.facets_at[n].size());
+  for (std::size_t n = 0; n < s.nodes.size(); ++n)
+    s.stiffness[n] /= static_cast<double>(s.facets_at[n].size());
   find_edges(mesh, s);
   return s;
 }

@@ -30,11 +30,11 @@ struct SolidSurface {
   int part = 0;
   std::vector<Facet> facets;
   std::vector<SharpEdge> edges;
-  std::vector<int> nodes;                     ///< ascending
-  std::vector<double> areas;                  ///< m2, by place in `nodes`: share of the faces around it, seen along the
-                                              ///< face along which it is largest
-  std::vector<double> stiffness;              ///< Pa/m, mean over its faces, by place in `nodes`
-  std::vector<std::vector<int>> facets_at;    ///< around a node, by place in `nodes`
+  std::vector<int> nodes;         ///< ascending
+  std::vector<double> areas;      ///< m2, by place in `nodes`: share of the faces around it, seen along the
+                                  ///< face along which it is largest
+  std::vector<double> stiffness;  ///< Pa/m, mean over its faces, by place in `nodes`
+  std::vector<std::vector<int>> facets_at;  ///< around a node, by place in `nodes`
 
   int place_of(int node) const;  ///< in `nodes`, which must hold it
 

@@ -12,12 +12,14 @@ namespace powbench::sim::cases {
 inline SolidMesh seven_hexahedra() {
   SolidMesh m;
   const int part = m.add_part("cube");
-  const Vec3 outer[8] = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}, {0, 0, 1}, {1, 0, 1}, {1, 1, 1}, {0, 1, 1}};
+  const Vec3 outer[8] = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0},
+                         {0, 0, 1}, {1, 0, 1}, {1, 1, 1}, {0, 1, 1}};
   const Vec3 inner[8] = {{.25, .34, .26}, {.74, .29, .31}, {.69, .66, .24}, {.30, .72, .33},
                          {.32, .25, .68}, {.68, .31, .72}, {.75, .70, .66}, {.27, .68, .73}};
   for (const auto& p : outer) m.nodes.push_back(p);
   for (const auto& p : inner) m.nodes.push_back(p);
-  const int faces[6][4] = {{0, 1, 2, 3}, {4, 7, 6, 5}, {0, 4, 5, 1}, {1, 5, 6, 2}, {2, 6, 7, 3}, {3, 7, 4, 0}};
+  const int faces[6][4] = {{0, 1, 2, 3}, {4, 7, 6, 5}, {0, 4, 5, 1},
+                           {1, 5, 6, 2}, {2, 6, 7, 3}, {3, 7, 4, 0}};
   for (const auto& f : faces) {
     SolidCell c;
     c.part = part;
@@ -43,7 +45,8 @@ inline SolidMesh distorted_eight() {
 
 /// Six tetrahedra around the diagonal of each cell; neighbours fit where the cells are numbered alike.
 inline SolidMesh tetrahedra_of(const SolidMesh& hexes) {
-  static constexpr std::size_t cut[6][4] = {{0, 1, 2, 6}, {0, 2, 3, 6}, {0, 3, 7, 6}, {0, 7, 4, 6}, {0, 4, 5, 6}, {0, 5, 1, 6}};
+  static constexpr std::size_t cut[6][4] = {{0, 1, 2, 6}, {0, 2, 3, 6}, {0, 3, 7, 6},
+                                            {0, 7, 4, 6}, {0, 4, 5, 6}, {0, 5, 1, 6}};
   SolidMesh m;
   m.nodes = hexes.nodes;
   m.parts = hexes.parts;

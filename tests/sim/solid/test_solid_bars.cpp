@@ -5,10 +5,12 @@
 
 using namespace powbench::bench;
 
-TEST_CASE("elastic bar on a rigid wall, nu = 0, 100 cells long: it stays 2 L / c and leaves as fast as it came") {
+TEST_CASE(
+    "elastic bar on a rigid wall, nu = 0, 100 cells long: it stays 2 L / c and leaves as fast as it came") {
   const BarOnWall r = bar_on_wall(100, 0.95, 0.65);
-  std::cout << "bar on wall: contact time " << 100 * r.contact_error << " %, kinetic energy after " << r.kinetic_low
-            << " .. " << r.kinetic_high << ", hourglass " << r.hourglass << " of strain, residual " << r.residual << "\n";
+  std::cout << "bar on wall: contact time " << 100 * r.contact_error << " %, kinetic energy after "
+            << r.kinetic_low << " .. " << r.kinetic_high << ", hourglass " << r.hourglass
+            << " of strain, residual " << r.residual << "\n";
   CHECK(std::fabs(r.contact_error) < 0.015);
   CHECK(r.kinetic_low > 1 - 5e-4);
   CHECK(r.kinetic_high < 1 + 5e-4);
@@ -30,9 +32,9 @@ TEST_CASE("confined bar (SDNV100): touch, release, stress and speed of the front
 TEST_CASE("two equal bars exchange their velocities, whether their nodes meet or not") {
   for (const bool meet : {true, false}) {
     const TwoBars r = two_bars(meet);
-    std::cout << "two bars, nodes " << (meet ? "meet" : "do not meet") << ": contact time " << 100 * r.contact_error
-              << " %, velocities " << r.v_first << " and " << r.v_second << ", force " << 100 * r.force_error
-              << " %, residual " << r.residual << "\n";
+    std::cout << "two bars, nodes " << (meet ? "meet" : "do not meet") << ": contact time "
+              << 100 * r.contact_error << " %, velocities " << r.v_first << " and " << r.v_second
+              << ", force " << 100 * r.force_error << " %, residual " << r.residual << "\n";
     CHECK(std::fabs(r.contact_error) < 0.02);
     CHECK(std::fabs(r.v_first) < 0.01);
     CHECK(r.v_second == Approx(1).epsilon(0.01));

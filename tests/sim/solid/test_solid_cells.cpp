@@ -45,7 +45,8 @@ constexpr double gradient[3][3] = {{1e-3, 4e-4, -2e-4}, {3e-4, -5e-4, 6e-4}, {-1
 
 }  // namespace
 
-TEST_CASE("patch test: a linear displacement leaves inner nodes without force and all cells with one stress") {
+TEST_CASE(
+    "patch test: a linear displacement leaves inner nodes without force and all cells with one stress") {
   for (const bool small : {true, false})
     for (const bool tets : {false, true}) {
       SolidMaterial m = material(1e6, 0.25, 1000);
@@ -76,8 +77,8 @@ TEST_CASE("patch test of plastic cells: one step of a linear velocity") {
     all = std::max(all, f);
     if (n >= 8) inner = std::max(inner, f);
   }
-  std::cout << "patch test, plastic hex8: inner force " << inner / all << ", stress scatter " << stress_scatter(cells, u)
-            << "\n";
+  std::cout << "patch test, plastic hex8: inner force " << inner / all << ", stress scatter "
+            << stress_scatter(cells, u) << "\n";
   CHECK(inner < 1e-12 * all);
   CHECK(stress_scatter(cells, u) < 1e-12);
   const auto s = cells.stresses(u);
@@ -123,7 +124,8 @@ TEST_CASE("forces are the derivative of the energy, hourglass modes included") {
 }
 
 TEST_CASE("the volume of a hexahedron is exact and its gradient is its derivative") {
-  std::array<Vec3, 8> x{Vec3{0, 0, 0}, {1, .1, 0}, {1.2, 1, .1}, {0, .9, -.1}, {.1, 0, 1}, {1, 0, .8}, {1, 1.3, 1}, {-.1, 1, 1.1}};
+  std::array<Vec3, 8> x{Vec3{0, 0, 0}, {1, .1, 0}, {1.2, 1, .1}, {0, .9, -.1},
+                        {.1, 0, 1},    {1, 0, .8}, {1, 1.3, 1},  {-.1, 1, 1.1}};
   const HexShape s = hex_shape(x);
   // two Gauss points a direction integrate the Jacobian of a trilinear cell exactly
   double volume = 0;
@@ -145,14 +147,16 @@ TEST_CASE("the volume of a hexahedron is exact and its gradient is its derivativ
       auto up = x, down = x;
       up[a][i] += 1e-3;
       down[a][i] -= 1e-3;
-      CHECK(b[a][i] == Approx((hex_shape(up).volume - hex_shape(down).volume) / 2e-3).epsilon(1e-9).margin(1e-12));
+      CHECK(b[a][i] ==
+            Approx((hex_shape(up).volume - hex_shape(down).volume) / 2e-3).epsilon(1e-9).margin(1e-12));
     }
 }
 
 TEST_CASE("forces in float follow those in double, far from the origin too") {
   SolidMesh mesh;
   add_box(mesh, mesh.add_part("box"), {0.05, 0, 0}, {0.06, 0.01, 0.01}, 5, 5, 5);
-  CellBatches precise(mesh, {material(2e11, 0.3, 7850)}, false), coarse(mesh, {material(2e11, 0.3, 7850)}, true);
+  CellBatches precise(mesh, {material(2e11, 0.3, 7850)}, false),
+      coarse(mesh, {material(2e11, 0.3, 7850)}, true);
   std::vector<double> u(4 * mesh.nodes.size(), 0.0);
   for (std::size_t n = 0; n < mesh.nodes.size(); ++n)
     for (std::size_t i = 0; i < 3; ++i) u[4 * n + i] = 4e-3 + 1e-6 * std::sin(static_cast<double>(3 * n + i));
@@ -182,5 +186,6 @@ TEST_CASE("bad cells, materials and parts are refused in one sentence") {
   SolidMesh shared = mesh;
   shared.add_part("other");
   shared.cells[1].part = 1;
-  CHECK_THROWS_WITH(CellBatches(shared, {SolidMaterial{}, SolidMaterial{}}, false), Catch::Contains("two parts"));
+  CHECK_THROWS_WITH(CellBatches(shared, {SolidMaterial{}, SolidMaterial{}}, false),
+                    Catch::Contains("two parts"));
 }
