@@ -250,7 +250,7 @@ TaylorBar taylor_bar(int across, int along) {
   copper.yield = 400e6;
   copper.hardening = 100e6;
   SolidOptions options;
-  options.safety = 0.3;  // cells at the foot end up at a third of their height
+  options.safety = 0.6;
   options.ledger_every = 100;
   options.energy_bound = 0.02;
   ExplicitSolid s(mesh, {copper}, options);

@@ -61,6 +61,10 @@ class CellBatches {
   CellEnergies energies(int part, const std::vector<double>& u) const;
   std::vector<CellStress> stresses(const std::vector<double>& u) const;
 
+  /// Of all plastic cells, the smallest time a wave needs through one as it is now, s (0: there are none). The critical
+  /// step shrinks with it.
+  double plastic_transit(const double* u) const;
+
   /// Everything the cells remember (stress, plastic strain, hourglass forces, work booked), for a restart.
   std::vector<double> memory() const;
   void restore_memory(const std::vector<double>&);

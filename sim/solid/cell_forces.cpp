@@ -247,6 +247,29 @@ std::vector<CellStress> CellBatches::stresses(const std::vector<double>& u) cons
   return all;
 }
 
+double CellBatches::plastic_transit(const double* u) const {
+  double least = 1e300;
+  for (const Batch& b : batches_) {
+    if (b.kind != Kind::plastic) continue;
+    const double modulus = material(b.part).wave_modulus();
+    for (const int e : b.cells) {
+      const SolidCell& cell = mesh_.cells[static_cast<std::size_t>(e)];
+      std::array<Vec3, 8> x;
+      double mass = 0;
+      for (std::size_t a = 0; a < 8; ++a) {
+        const auto n = static_cast<std::size_t>(cell.nodes[a]);
+        x[a] = mesh_.nodes[n] + Vec3{u[4 * n], u[4 * n + 1], u[4 * n + 2]};
+        mass += masses_[n] / 8;
+      }
+      const HexShape s = hex_shape(x);
+      double square = 0;
+      for (const Vec3& beta : s.beta) square += 8 * dot(beta, beta);
+      least = std::min(least, std::sqrt(mass * s.volume / (modulus * square)));
+    }
+  }
+  return least < 1e300 ? least : 0;
+}
+
 std::vector<double> CellBatches::memory() const {
   std::vector<double> all;
   for (const Batch& b : batches_) {

@@ -45,7 +45,7 @@ ContactPass::ContactPass(const ContactPair& pair, const SolidSurface& slave, con
     master_stiffness_ += f.stiffness / static_cast<double>(master.facets.size());
 }
 
-void ContactPass::search(const NodeView& view, double margin) {
+double ContactPass::search(const NodeView& view) {
   std::vector<Box> probes(slave_->nodes.size()), targets(master_->facets.size());
   std::vector<Vec3> normals(master_->facets.size());
   depth_limit_ = 1e300;
@@ -53,9 +53,10 @@ void ContactPass::search(const NodeView& view, double margin) {
     const auto p = corners_now(view, master_->facets[f]);
     const int count = master_->facets[f].corners();
     for (int k = 0; k < count; ++k) targets[f].include(p[static_cast<std::size_t>(k)]);
+    const double margin = 0.5 * size_of(p, count);
     targets[f].grow(margin);
     normals[f] = unit(facet_normal(p, count));
-    depth_limit_ = std::min(depth_limit_, 0.5 * size_of(p, count));
+    depth_limit_ = std::min(depth_limit_, margin);
   }
   for (std::size_t n = 0; n < probes.size(); ++n) probes[n].include(view.place(slave_->nodes[n]));
   auto found = overlapping(probes, targets);
@@ -75,6 +76,8 @@ void ContactPass::search(const NodeView& view, double margin) {
     for (const int f : list)
       near_.back().push_back({f, dot(normal, normals[static_cast<std::size_t>(f)]) < opposite});
   }
+  asleep_.assign(active_.size(), 0.0);
+  return depth_limit_;
 }
 
 bool ContactPass::behind_all(const NodeView& view, const Facet& facet, const Projection& at) const {
@@ -111,12 +114,13 @@ ContactPass::Touch ContactPass::nearest(std::size_t active, const NodeView& view
     stands = square;
   }
   // inside or outside is decided by the nearest face alone: behind a more distant face's plane means nothing
-  if (nearest < 0 || best.gap >= 0) return {};
+  const Touch none{-1, best.distance, 0, {}, {}};
+  if (nearest < 0 || best.gap >= 0) return none;
   const Facet& facet = master_->facets[static_cast<std::size_t>(nearest)];
   if (best.aside <= (stands ? overhang * size_of(corners_now(view, facet), facet.corners()) : 0))
-    return {nearest, -best.gap, best.normal, best.weights};
-  if (!behind_all(view, facet, best)) return {};
-  return {nearest, best.distance, -1 / best.distance * best.offset, best.weights};
+    return {nearest, 0, -best.gap, best.normal, best.weights};
+  if (!behind_all(view, facet, best)) return none;
+  return {nearest, 0, best.distance, -1 / best.distance * best.offset, best.weights};
 }
 
 double ContactPass::deepest(const NodeView& view) const {
@@ -165,9 +169,11 @@ void ContactPass::apply(const NodeView& view, double dt, double sign, bool start
   };
   for (std::size_t k = 0; k < active_.size(); ++k) {
     const auto slave = static_cast<std::size_t>(active_[k]);
+    if (travel_ < asleep_[k]) continue;
     const Touch touch = nearest(k, view);
     if (touch.facet < 0) {
       release(slave);
+      asleep_[k] = travel_ + touch.away;
       continue;
     }
     const int node = slave_->nodes[slave];
@@ -233,17 +239,17 @@ EdgePass::EdgePass(const ContactPair& pair, const SolidSurface& one, const Solid
   }
 }
 
-void EdgePass::search(const NodeView& view, double margin) {
-  const auto boxes = [&](const SolidSurface& s, double grow) {
+void EdgePass::search(const NodeView& view) {
+  const auto boxes = [&](const SolidSurface& s, double share) {
     std::vector<Box> all(s.edges.size());
     for (std::size_t k = 0; k < all.size(); ++k) {
       all[k].include(view.place(s.edges[k].from));
       all[k].include(view.place(s.edges[k].to));
-      all[k].grow(grow);
+      all[k].grow(share * norm(view.place(s.edges[k].to) - view.place(s.edges[k].from)));
     }
     return all;
   };
-  const auto found = overlapping(boxes(*one_, 0), boxes(*two_, margin));
+  const auto found = overlapping(boxes(*one_, 0), boxes(*two_, 0.5));
   near_.clear();
   for (std::size_t k = 0; k < found.size(); ++k)
     for (const int other : found[k]) near_.emplace_back(static_cast<int>(k), other);

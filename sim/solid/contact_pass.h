@@ -28,10 +28,13 @@ class ContactPass {
   ContactPass(const ContactPair&, const SolidSurface& slave, const SolidSurface& master,
               const std::vector<double>& inverse_mass);
 
-  /// New candidates for nodes within `margin` of a face.
-  void search(const NodeView&, double margin);
+  /// New candidates for nodes within half a face's size of it. Returns the smallest of these distances.
+  double search(const NodeView&);
   /// Smallest gap (negative: depth) of all candidates; for the check at the start.
   double deepest(const NodeView&) const;
+  /// Travel: how far any two nodes may have moved against each other since the start; nodes that are too far from the
+  /// other part to have come to it are passed over.
+  void set_travel(double travel) { travel_ = travel; }
   /// `sign`: +1 where the slave is part a of the pair, else -1; `start`: depths there now are meant.
   void apply(const NodeView&, double dt, double sign, bool start, NodeForces&, ContactSums&, ContactReport&,
              std::vector<double>& pressure);
@@ -42,12 +45,13 @@ class ContactPass {
  private:
   struct Touch {
     int facet = -1;
+    double away = 0;  ///< m, while it does not touch: a lower bound of the distance
     double depth = 0;
     Vec3 normal;
     std::array<double, 4> weights{};
   };
 
-  Touch nearest(std::size_t slave, const NodeView&) const;
+  Touch nearest(std::size_t active, const NodeView&) const;
   bool behind_all(const NodeView&, const Facet&, const Projection&) const;
   double stiffness(std::size_t slave, double area) const;
   Vec3 friction(std::size_t slave, const Touch&, const Vec3& slip, double dt, double normal_force,
@@ -57,7 +61,9 @@ class ContactPass {
   const SolidSurface *slave_, *master_;
   const std::vector<double>* inverse_mass_;
   double master_stiffness_ = 0, depth_limit_ = 0;
-  std::vector<int> active_;  ///< slaves with candidates, by place in slave_->nodes
+  double travel_ = 0;
+  std::vector<double> asleep_;  ///< m, of each active slave: travel before which it cannot touch
+  std::vector<int> active_;     ///< slaves with candidates, by place in slave_->nodes
   std::vector<std::vector<std::pair<int, bool>>> near_;  ///< their facets; true: squarely opposite
 };
 
@@ -66,7 +72,7 @@ class EdgePass {
  public:
   EdgePass(const ContactPair&, const SolidSurface& one, const SolidSurface& two);
 
-  void search(const NodeView&, double margin);
+  void search(const NodeView&);
   void apply(const NodeView&, NodeForces&, ContactSums&, ContactReport&) const;
 
  private:

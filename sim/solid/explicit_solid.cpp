@@ -205,8 +205,19 @@ void ExplicitSolid::advance_nodes(double dt, double drift) {
     sim::advance(body, extra_, cells_.mesh().nodes, dt, drift, u_.data(), v_.data());
 }
 
+/// The critical step goes with the time a wave needs through the flattest plastic cell.
+void ExplicitSolid::follow_cells() {
+  constexpr long every = 20;
+  if (options_.dt > 0 || steps_ % every != 0) return;
+  const double now = cells_.plastic_transit(u_.data());
+  if (now <= 0) return;
+  if (transit_ == 0) transit_ = now;
+  dt_ = std::min(dt_, options_.safety * limit_ * std::min(1.0, now / transit_));
+}
+
 void ExplicitSolid::step() {
   if (!begun_) begin();
+  follow_cells();
   compute_forces();
   compute_loads();
   book_external(0.5 * dt_before_);
@@ -317,7 +328,7 @@ SolidState ExplicitSolid::save() const {
 }
 
 void ExplicitSolid::restore(const SolidState& s) {
-  if (s.u.size() != u_.size() || s.booked.size() != 7)
+  if (s.u.size() != u_.size() || s.booked.size() != 8)
     throw std::invalid_argument("restart: the saved state belongs to another mesh");
   cells_.restore_memory(s.cells);
   if (contact_) contact_->restore_memory(s.contact);
@@ -334,6 +345,7 @@ void ExplicitSolid::restore(const SolidState& s) {
   limit_ = s.booked[4];
   energies_.start = s.booked[5];
   begun_ = s.booked[6] != 0;
+  transit_ = s.booked[7];
   rigid_ = s.rigid;
 }
 

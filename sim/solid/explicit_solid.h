@@ -50,7 +50,7 @@ struct SolidStop : std::runtime_error {
 };
 
 struct SolidOptions {
-  double dt = 0;  ///< s; 0: `safety` times the critical step
+  double dt = 0;  ///< s; 0: `safety` times the critical step, less as plastic cells are flattened
   double safety = 0.9;
   int workers = 1;
   bool float_forces = false;   ///< elastic bricks and hexahedra in single precision; places stay in double
@@ -124,7 +124,7 @@ class ExplicitSolid {
   void each_worker(const std::function<void(int)>&);
   void book_external(double half_dt);
   void balance(const std::vector<double>& v_before);
-  double shrink() const;
+  void follow_cells();
   double damping_of(int part) const { return cells_.material(part).damping; }
 
   CellBatches cells_;
@@ -139,7 +139,8 @@ class ExplicitSolid {
   std::map<int, RigidPart> rigid_;
   std::vector<int> found_bad_;
   double time_ = 0, dt_ = 0, dt_before_ = 0, plane_force_ = 0, load_store_ = 0;
-  double booked_external_ = 0, booked_damping_ = 0, booked_frozen_ = 0, largest_ = 0, limit_ = 0;
+  double booked_external_ = 0, booked_damping_ = 0, booked_frozen_ = 0, largest_ = 0, limit_ = 0,
+         transit_ = 0;
   long steps_ = 0;
   bool begun_ = false, asked_ = false;
   SolidEnergies energies_;

@@ -43,14 +43,16 @@ struct SolidContact::Impl {
   std::vector<ContactReport> reports;
   std::vector<double> pressure;
   ContactSums sums;
-  double margin = 0;
-  std::vector<Vec3> places;  ///< of the surface nodes at the latest search
+  double margin = 0;               ///< m, within which candidates are known
+  double fastest = 0, travel = 0;  ///< m/s at the latest check; m
+  std::vector<Vec3> places;        ///< of the surface nodes at the latest search
   long searches = 0, until_check = 0;
   bool started = false;
 
   void search(const NodeView& view) {
-    for (auto& p : passes) p.search(view, margin);
-    for (auto& e : edges) e.search(view, margin);
+    margin = 1e300;
+    for (auto& p : passes) margin = std::min(margin, p.search(view));
+    for (auto& e : edges) e.search(view);
     places.clear();
     for (const auto& [part, s] : surfaces)
       for (const int n : s.nodes) places.push_back(view.place(n));
@@ -69,6 +71,7 @@ struct SolidContact::Impl {
         if (!fresh) moved = std::max(moved, norm(view.place(n) - places[k++]));
         speed = std::max(speed, norm(view.velocity(n)));
       }
+    fastest = speed;
     constexpr double steps = 8;
     if (fresh || 2 * (moved + 2 * steps * speed * dt) > margin) search(view);
     until_check = static_cast<long>(steps) - 1;
@@ -82,18 +85,12 @@ SolidContact::SolidContact(const CellBatches& cells, const std::vector<double>& 
   m.options = options;
   m.inverse_mass = inverse_mass;
   const SolidMesh& mesh = cells.mesh();
-  double area = 0, facets = 0;
   for (std::size_t k = 0; k < m.options.pairs.size(); ++k) {
     const ContactPair& p = m.options.pairs[k];
     check_pair(p, mesh.parts.size(), k);
     for (const int part : {p.a, p.b})
       if (m.surfaces.count(part) == 0) m.surfaces[part] = surface_of(mesh, part, cells.material(part));
   }
-  for (const auto& [part, s] : m.surfaces) {
-    for (const double a : s.areas) area += a;
-    facets += static_cast<double>(s.facets.size());
-  }
-  m.margin = facets > 0 ? 0.5 * std::sqrt(area / facets) : 0;
   for (const ContactPair& p : m.options.pairs) {
     m.passes.emplace_back(p, m.surfaces.at(p.a), m.surfaces.at(p.b), m.inverse_mass);
     m.passes.emplace_back(p, m.surfaces.at(p.b), m.surfaces.at(p.a), m.inverse_mass);
@@ -122,6 +119,9 @@ SolidContact::~SolidContact() = default;
 void SolidContact::apply(const NodeView& view, double dt, double ahead, NodeForces& forces) {
   Impl& m = *impl_;
   m.search_if_due(view, std::max(dt, ahead));
+  m.travel += 4 * m.fastest *
+              std::max(dt, ahead);  // twice what two nodes do, should they be faster by the next check
+  for (auto& p : m.passes) p.set_travel(m.travel);
   m.sums.stored = 0;
   std::fill(m.pressure.begin(), m.pressure.end(), 0.0);
   for (std::size_t k = 0; k < m.reports.size(); ++k) {
