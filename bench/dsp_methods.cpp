@@ -146,9 +146,7 @@ std::vector<Contact> extracted(const Record& r, int modes) {
   const Force f = restore_force(r, Channel::pvdf_a, o, std::nullopt);
   if (!f.present) return {};
   const Measured seat = core_events(r, o).seat;
-  return analyse_force(f, closing_end(r, f.signal), seat.known() ? std::optional(seat.value) : std::nullopt,
-                       o)
-      .train.contacts;
+  return analyse_force(f, closing_end(r, f.signal), seat, o).train.contacts;
 }
 
 std::vector<Contact> pulse_fit(const Record& r) {

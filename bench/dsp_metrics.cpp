@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "core/units.h"
+#include "dsp/least_squares.h"
 #include "dsp/statistics.h"
 
 namespace powbench::bench {
@@ -23,12 +25,40 @@ double rms(std::vector<double> x) {
   return std::sqrt(mean(x));
 }
 
+double force(const TrueContact& c, PulseForm form, double exponent, double t) {
+  const double v = (t - c.touch) / (c.release - c.touch);
+  if (!(v > 0) || !(v < 1)) return 0.0;
+  const double base = std::sin(pi * (form == PulseForm::asymmetric ? std::pow(v, 0.8) : v));
+  return base > 0 ? c.peak * std::pow(base, exponent) : 0.0;
+}
+
 }  // namespace
 
-void Scorer::add(const std::vector<TrueContact>& truth, const std::vector<Contact>& found) {
+double touch_bound(const TrueContact& c, PulseForm form, double noise, double rate) {
+  if (!std::isfinite(c.release)) return std::numeric_limits<double>::quiet_NaN();
+  const double p = form == PulseForm::hertz ? 1.5 : 1.0, width = c.release - c.touch, step = 1e-5 * width;
+  std::vector<std::vector<double>> columns(4);
+  for (double t = c.touch - 5 / rate; t < c.release + 5 / rate; t += 1 / rate) {
+    const auto slope = [&](const TrueContact& up, const TrueContact& down, double h) {
+      return (force(up, form, p, t) - force(down, form, p, t)) / (2 * h);
+    };
+    columns[0].push_back(
+        slope({c.touch + step, c.release, c.peak}, {c.touch - step, c.release, c.peak}, step));
+    columns[1].push_back(
+        slope({c.touch, c.release + step, c.peak}, {c.touch, c.release - step, c.peak}, step));
+    columns[2].push_back(force(c, form, p, t) / c.peak);
+    columns[3].push_back((force(c, form, p + 1e-4, t) - force(c, form, p - 1e-4, t)) / 2e-4);
+  }
+  const std::vector<double> zero(columns[0].size(), 0.0);
+  return noise * dsp::linear_least_squares(columns, zero).u(0);
+}
+
+void Scorer::add(const std::vector<TrueContact>& truth, const std::vector<Contact>& found,
+                 const std::vector<double>& bounds) {
   std::vector<bool> used(found.size(), false);
   int matched = 0;
-  for (const TrueContact& c : truth) {
+  for (std::size_t k = 0; k < truth.size(); ++k) {
+    const TrueContact& c = truth[k];
     std::size_t best = found.size();
     double distance = tolerance;
     for (std::size_t j = 0; j < found.size(); ++j) {
@@ -44,6 +74,7 @@ void Scorer::add(const std::vector<TrueContact>& truth, const std::vector<Contac
     const Contact& f = found[best];
     const double e = f.touch.value - c.touch;
     touch_.push_back(e);
+    if (k < bounds.size() && std::isfinite(bounds[k])) bound_.push_back(e / bounds[k]);
     if (std::isfinite(f.touch.u) && f.touch.u > 0) z_.push_back(e / f.touch.u);
     if (!std::isfinite(c.release) || !f.release.known() ||
         std::abs(f.release.value - c.release) > 4 * tolerance)
@@ -76,6 +107,7 @@ Score Scorer::score() const {
   s.duration_bias = mean(duration_);
   s.peak_bias = mean(peak_);
   s.z_std = rms(z_);
+  s.bound_ratio = rms(bound_);
   return s;
 }
 

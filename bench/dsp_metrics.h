@@ -19,17 +19,23 @@ struct Score {
   double duration_bias = 0;  ///< contact duration
   double peak_bias = 0;      ///< relative
   double z_std = 0;          ///< standard deviation of (touch and release error) / stated uncertainty
+  double bound_ratio = 0;    ///< rms of (touch error / Cramer-Rao bound) over the bounces
   double cpu_ms = 0;         ///< per record; filled by the caller
 };
 
+/// Cramer-Rao bound on the touch of a bounce, s: touch, release, peak and exponent unknown, white noise of `noise` N a sample, no
+/// ringing. NaN for a contact that stays closed.
+double touch_bound(const TrueContact&, PulseForm, double noise, double rate);
+
 class Scorer {
  public:
-  void add(const std::vector<TrueContact>& truth, const std::vector<Contact>& found);
+  void add(const std::vector<TrueContact>& truth, const std::vector<Contact>& found,
+           const std::vector<double>& bounds = {});
   Score score() const;
 
  private:
   int records_ = 0, exact_ = 0, matched_ = 0, missed_ = 0, invented_ = 0;
-  std::vector<double> touch_, release_, duration_, peak_, z_;
+  std::vector<double> touch_, release_, duration_, peak_, z_, bound_;
 };
 
 }  // namespace powbench::bench

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <cstring>
@@ -7,14 +8,15 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
+#include "bench/dsp_figures.h"
 #include "bench/dsp_methods.h"
 #include "bench/dsp_metrics.h"
 #include "bench/dsp_synth.h"
 #include "core/phase.h"
 #include "dsp/extract.h"
 
-/// Speed against error of the contact extraction. Prints one table; `--json PATH` writes it too.
-/// Usage: bench_dsp_score [--seeds N] [--rate HZ] [--json PATH] [--case SUBSTRING] [--method SUBSTRING]
+/// Speed against error of the contact extraction. Prints one table; `--json PATH` writes it too, and the picture beside it.
+/// Usage: bench_dsp_score [--seeds N] [--held-out N] [--angles N] [--rate HZ] [--json PATH] [--case SUBSTRING] [--method SUBSTRING]
 /// [--all]
 
 namespace {
@@ -28,6 +30,7 @@ double cpu_ms() {
 
 struct Arguments {
   int seeds = 40;
+  int held_out = 100, angles = 12;
   double rate = 1e6;
   std::string json, only_case, only_method;
   bool all = false;
@@ -45,6 +48,10 @@ Arguments parse(int argc, char** argv) {
     const std::string value = argv[++i];
     if (key == "--seeds")
       a.seeds = std::stoi(value);
+    else if (key == "--held-out")
+      a.held_out = std::stoi(value);
+    else if (key == "--angles")
+      a.angles = std::stoi(value);
     else if (key == "--rate")
       a.rate = std::stod(value);
     else if (key == "--json")
@@ -54,7 +61,8 @@ Arguments parse(int argc, char** argv) {
     else if (key == "--method")
       a.only_method = value;
     else
-      throw std::invalid_argument(key + ": allowed --seeds --rate --json --case --method --all");
+      throw std::invalid_argument(
+          key + ": allowed --seeds --held-out --angles --rate --json --case --method --all");
   }
   return a;
 }
@@ -83,31 +91,96 @@ std::vector<Cell> grid(const Arguments& a) {
         s.snr_db = snr;
         s.rate = a.rate;
         cells.push_back({s});
+        if (c != ForceCase::clean || form != PulseForm::half_sine || snr != 40 || a.rate == 100e3) continue;
+        s.rate = 100e3;
+        cells.push_back({s});
       }
   return cells;
 }
 
-Score run(const Cell& cell, const Method& m, int seeds) {
+/// Records that nobody looked at while the extraction was made: their seeds begin here.
+constexpr std::uint64_t unseen_seeds = 100000;
+
+Score run(const Cell& cell, const Method& m, int seeds, bool unseen) {
   Scorer scorer;
   double spent = 0;
   for (int k = 0; k < seeds; ++k) {
-    const SynthRecord r = synthesise(cell.settings, static_cast<std::uint64_t>(k));
+    const SynthRecord r =
+        synthesise(cell.settings, (unseen ? unseen_seeds : 0) + static_cast<std::uint64_t>(k));
     const double before = cpu_ms();
     const auto found = m.contacts(r.record);
     spent += cpu_ms() - before;
-    scorer.add(r.contacts, found);
+    std::vector<double> bounds;
+    for (const TrueContact& c : r.contacts)
+      bounds.push_back(touch_bound(c, cell.settings.form, r.noise, cell.settings.rate));
+    scorer.add(r.contacts, found, bounds);
   }
   Score s = scorer.score();
-  s.cpu_ms = spent / seeds;
+  s.cpu_ms = spent / std::max(1, seeds);
   return s;
 }
 
-nlohmann::json to_json(const Cell& c, const Method& m, const Score& s) {
-  return {{"case", name(c.settings.force_case)},
+/// One printed row.
+struct Row {
+  Cell cell;
+  std::string method;
+  bool unseen = false;
+  Score score;
+};
+
+/// The row of a case at half sine, full chain, unseen records.
+const Score* find(const std::vector<Row>& rows, ForceCase c, double snr, double rate) {
+  for (const Row& r : rows)
+    if (r.unseen && r.cell.settings.force_case == c && r.cell.settings.form == PulseForm::half_sine &&
+        r.cell.settings.snr_db == snr && r.cell.settings.rate == rate)
+      return &r.score;
+  return nullptr;
+}
+
+void add_timing(std::vector<Figure>& out, const std::string& what, const Score* s) {
+  if (!s) return;
+  out.push_back(at_most(what + ": touch rms, us", 1e6 * s->touch_rmse, 4, 1));
+  out.push_back(at_most(what + ": release rms, us", 1e6 * s->release_rmse, 4, 1));
+  out.push_back(at_most(what + ": duration bias, us", 1e6 * s->duration_bias, 3, 0.5));
+  out.push_back(between(what + ": std of error / uncertainty", s->z_std, 0.8, 1.25, 0.9, 1.1));
+  out.push_back(at_most(what + ": touch error / Cramer-Rao bound", s->bound_ratio, 2, 1.2));
+}
+
+void add_ring(std::vector<Figure>& out, const std::string& what, const Score* s) {
+  if (!s) return;
+  out.push_back(at_least(what + ": precision", s->precision, 0.98, 0.995));
+  out.push_back(at_least(what + ": exact sequence", s->exact, 0.95, 0.99));
+  out.push_back(at_most(what + ": touch rms, us", 1e6 * s->touch_rmse, 10, 2));
+  out.push_back(between(what + ": std of error / uncertainty", s->z_std, 0.8, 1.25, 0.9, 1.1));
+  out.push_back(at_most(what + ": touch error / bound without ringing", s->bound_ratio, 2, 1.2));
+}
+
+std::vector<Figure> figures(const std::vector<Row>& rows, double rate) {
+  std::vector<Figure> out;
+  add_timing(out, "clean 40 dB", find(rows, ForceCase::clean, 40, rate));
+  add_timing(out, "hum 40 dB", find(rows, ForceCase::hum, 40, rate));
+  add_timing(out, "clean 40 dB at 100 kS/s", find(rows, ForceCase::clean, 40, 100e3));
+  add_ring(out, "ringing 20 % in the band 40 dB", find(rows, ForceCase::ring_in_band, 40, rate));
+  add_ring(out, "the same from before the first touch", find(rows, ForceCase::ring_overlap, 40, rate));
+  if (const Score* s = find(rows, ForceCase::clean, 20, rate)) {
+    out.push_back(at_least("clean 20 dB: exact sequence", s->exact, 0.97, 1));
+    out.push_back(at_most("clean 20 dB: touch rms, us", 1e6 * s->touch_rmse, 25, 10));
+    out.push_back(between("clean 20 dB: std of error / uncertainty", s->z_std, 0.8, 1.25, 0.9, 1.1));
+  }
+  out.push_back(at_most("5 N plateau behind 5 Hz: error, N", droop_error(), 0.02, 0.02));
+  return out;
+}
+
+nlohmann::json to_json(const Row& row) {
+  const Cell& c = row.cell;
+  const Score& s = row.score;
+  return {{"records_set", row.unseen ? "unseen" : "tuning"},
+          {"bound_ratio", s.bound_ratio},
+          {"case", name(c.settings.force_case)},
           {"form", name(c.settings.form)},
           {"snr_db", c.settings.snr_db},
           {"rate_hz", c.settings.rate},
-          {"method", m.name},
+          {"method", row.method},
           {"records", s.records},
           {"recall", s.recall},
           {"precision", s.precision},
@@ -152,40 +225,78 @@ nlohmann::json whole_record(int seeds) {
   return rows;
 }
 
-void print(const Cell& c, const Method& m, const Score& s) {
+void print(const Row& row) {
+  const Score& s = row.score;
   std::printf(
-      "%-33s %-10s %3.0f | %-10s | %5.3f %5.3f %5.3f | %7.2f %7.2f %6.2f | %7.2f %7.2f | %7.2f | %6.3f | "
+      "%-33s %-10s %3.0f %5.0f %-6s | %-10s | %5.3f %5.3f %5.3f | %7.2f %7.2f %6.2f %5.2f | %7.2f %7.2f | "
+      "%7.2f | %6.3f | "
       "%6.2f | %8.2f\n",
-      std::string(name(c.settings.force_case)).c_str(), std::string(name(c.settings.form)).c_str(),
-      c.settings.snr_db, std::string(m.name).c_str(), s.recall, s.precision, s.exact, 1e6 * s.touch_rmse,
-      1e6 * s.touch_bias, 1e6 * s.touch_median, 1e6 * s.release_rmse, 1e6 * s.release_bias,
-      1e6 * s.duration_bias, s.peak_bias, s.z_std, s.cpu_ms);
+      std::string(name(row.cell.settings.force_case)).c_str(),
+      std::string(name(row.cell.settings.form)).c_str(), row.cell.settings.snr_db,
+      row.cell.settings.rate / 1e3, row.unseen ? "unseen" : "tuning", row.method.c_str(), s.recall,
+      s.precision, s.exact, 1e6 * s.touch_rmse, 1e6 * s.touch_bias, 1e6 * s.touch_median, s.bound_ratio,
+      1e6 * s.release_rmse, 1e6 * s.release_bias, 1e6 * s.duration_bias, s.peak_bias, s.z_std, s.cpu_ms);
   std::fflush(stdout);
+}
+
+/// Every cell with every method on the tuning records, and the full chain on records nobody tuned for.
+std::vector<Row> score_contacts(const Arguments& a) {
+  std::printf(
+      "contacts of one film; %d tuning records and %d unseen ones a row; times in us; CPU of one thread per "
+      "record\n",
+      a.seeds, a.held_out);
+  std::printf(
+      "%-33s %-10s %3s %5s %-6s | %-10s | %5s %5s %5s | %7s %7s %6s %5s | %7s %7s | %7s | %6s | %6s | %8s\n",
+      "case", "form", "dB", "kS/s", "set", "method", "recal", "prec", "exact", "touch", "bias", "median",
+      "bound", "release", "bias", "dur bias", "peak", "z std", "CPU ms");
+  std::vector<Row> rows;
+  for (const Cell& c : grid(a))
+    for (const Method& m : methods()) {
+      if (std::string(m.name).find(a.only_method) == std::string::npos) continue;
+      for (const bool unseen : {false, true}) {
+        const int n = unseen ? a.held_out : a.seeds;
+        if (n == 0 || (unseen && m.name != methods().back().name)) continue;
+        rows.push_back({c, std::string(m.name), unseen, run(c, m, n, unseen)});
+        print(rows.back());
+      }
+    }
+  return rows;
+}
+
+std::vector<Mark> marks(const std::vector<Row>& rows) {
+  std::vector<Mark> out;
+  for (const Row& r : rows) {
+    const auto& s = r.cell.settings;
+    const bool ring = s.force_case == ForceCase::ring_in_band;
+    if (r.unseen || s.snr_db != 40 || s.form != PulseForm::half_sine || s.rate != 1e6) continue;
+    if (ring || s.force_case == ForceCase::clean)
+      out.push_back({r.method, ring, r.score.cpu_ms, 1e6 * r.score.touch_rmse});
+  }
+  return out;
 }
 
 }  // namespace
 
 int main(int argc, char** argv) try {
   const Arguments a = parse(argc, argv);
+  const std::vector<Row> rows = score_contacts(a);
   nlohmann::json out{{"contacts", nlohmann::json::array()}};
-  std::printf(
-      "contacts of one film at %.0f kS/s, %d records a row; times in us; CPU of one thread per record\n",
-      a.rate / 1e3, a.seeds);
-  std::printf("%-33s %-10s %3s | %-10s | %5s %5s %5s | %7s %7s %6s | %7s %7s | %7s | %6s | %6s | %8s\n",
-              "case", "form", "dB", "method", "recal", "prec", "exact", "touch", "bias", "median", "release",
-              "bias", "dur bias", "peak", "z std", "CPU ms");
-  for (const Cell& c : grid(a))
-    for (const Method& m : methods()) {
-      if (std::string(m.name).find(a.only_method) == std::string::npos) continue;
-      const Score s = run(c, m, a.seeds);
-      print(c, m, s);
-      out["contacts"].push_back(to_json(c, m, s));
-    }
+  for (const Row& r : rows) out["contacts"].push_back(to_json(r));
   out["whole_record"] = whole_record(a.seeds);
+  const RigScore rig = score_rig(a.angles);
+  out["simulated_rig"] = rig.json;
+  std::vector<Figure> all = figures(rows, a.rate);
+  double worst = 0;
+  for (const auto& row : out["whole_record"]) worst = std::max(worst, row["angle_rms_deg"].get<double>());
+  all.push_back(at_most("closing angle rms at 50 Hz +- 0.5, degrees", worst, 0.1, 0.05));
+  all.push_back(at_most("simulated rig: closing angle rms, degrees", rig.angle_deg, 0.1, 0.05));
+  all.push_back(at_most("simulated rig: six channels, 100 ms, 200 kS/s, CPU ms", rig.cpu_ms, 50, 50));
+  out["figures"] = print(all);
   if (!a.json.empty()) {
     std::ofstream file(a.json);
     file << out.dump(1) << '\n';
     if (!file) throw std::invalid_argument("--json " + a.json + ": cannot be written");
+    write_picture(a.json.substr(0, a.json.rfind('.')) + ".svg", marks(rows));
   }
   return 0;
 } catch (const std::exception& e) {

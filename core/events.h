@@ -43,16 +43,25 @@ struct Contact {
   std::uint32_t flags = flag_none;
 };
 
+/// Part of a train: the bounces after the first touch, or those that the core's impact causes.
+struct BounceTrain {
+  int openings = 0;  ///< re-openings
+  Measured from;     ///< s: first touch; in the second train the first release at or after the core's seat
+  Measured to;       ///< s: last touch of the part; unknown when it does not end closed
+};
+
 /// The train of touches seen by one channel (a force channel or the contact-voltage channel).
 struct ContactTrain {
   bool present = false;           ///< the channel exists and passed its quality gate
   std::vector<Contact> contacts;  ///< in order of touch
-  Measured settled;         ///< s: last touch, after which the contact stays closed (AC pulsation allowed)
-  Measured settled_force;   ///< N: mean force at the end of the record
-  Measured bounce_time;     ///< s: settled - first touch (first to last closing; relay standards)
-  int bounce_count = 0;     ///< re-openings within the bounce time
-  double resolution = 0.0;  ///< s: shortest opening this channel can resolve
-  double noise = 0.0;       ///< rms of the pre-trigger after offset and hum were removed, channel unit
+  Measured settled;          ///< s: last touch, after which the contact stays closed (AC pulsation allowed)
+  Measured settled_force;    ///< N: mean force at the end of the record
+  Measured bounce_time;      ///< s: settled - first touch (first to last closing; relay standards)
+  int bounce_count = 0;      ///< re-openings within the bounce time
+  BounceTrain first_train;   ///< before the core's seat; the whole train when no seat is known
+  BounceTrain second_train;  ///< from the core's seat on
+  double resolution = 0.0;   ///< s: shortest opening this channel can resolve
+  double noise = 0.0;        ///< rms of the pre-trigger after offset and hum were removed, channel unit
   std::uint32_t flags = flag_none;
 };
 
@@ -77,11 +86,19 @@ struct CoilEvents {
   std::uint32_t flags = flag_none;
 };
 
+/// The measured pole, closed only while both of its breaks are: what force says beside what the contact-voltage says.
+struct PoleEvents {
+  ContactTrain by_force;          ///< from both films: openings of either break; not present without both
+  Measured disagreement;          ///< s: time within the closing in which force and contact-voltage differ
+  Measured longest_disagreement;  ///< s: the longest stretch of it
+};
+
 /// All events of one record. Filled by `dsp/extract_events`.
 struct Events {
   ContactTrain pvdf_a;
   ContactTrain pvdf_b;
   ContactTrain contact_voltage;  ///< the measured pole: closed only when both of its breaks are closed
+  PoleEvents pole;               ///< the same pole by force, and how far the two agree
   CoreEvents core;
   CoilEvents coil;
   std::string method;           ///< name of the extraction chain

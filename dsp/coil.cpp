@@ -75,10 +75,12 @@ Measured switch_on_time(const Record& record, const Signal& mains) {
     const double u = std::hypot(coil.dt * noise / std::abs(k->expected), 0.02 * coil.dt);
     return {at + (0.5 - share) * coil.dt, u};
   }
-  // Whole: the switch closed somewhere between two samples, and not before the gate edge at time 0.
-  double from = at - coil.dt;
-  if (from < 0 && at >= 0) from = 0;
-  return {0.5 * (from + at), std::max(at - from, 1e-7) / std::sqrt(12.0)};
+  // Whole: the switch closed somewhere between two samples, and not before the gate edge at time 0. A solid-state switch
+  // conducts from the edge on; that is the answer whenever the samples allow it.
+  const double from = at - coil.dt;
+  const bool edge = from <= 0 && at >= 0;
+  const double low = edge ? 0.0 : from;
+  return {edge ? 0.0 : 0.5 * (low + at), std::max(at - low, 1e-7) / std::sqrt(12.0)};
 }
 
 Measured peak_current(const Record& record) {

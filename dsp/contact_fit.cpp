@@ -9,6 +9,18 @@
 
 namespace powbench::dsp {
 
+std::uint32_t flags_of_mask(const Signal& s, double t1, double t2) {
+  const std::uint8_t m = s.mask_within(t1, t2);
+  return (m & mask_clipped ? flag_clipped : 0U) | (m & mask_gap ? flag_gap : 0U) |
+         (m & mask_edge ? flag_edge : 0U);
+}
+
+/// What a sampled edge leaves open whatever the noise: the force between samples and the amplifier's own rise. A full
+/// dt / sqrt(12) for an edge of five samples or fewer, less in proportion for longer ones.
+double shape_uncertainty(double dt, double rise) {
+  return dt / std::sqrt(12.0) * std::min(1.0, 5 * dt / std::max(rise, dt));
+}
+
 namespace {
 
 /// Weak knowledge of the exponent (half sine to Hertz), so that a pulse of ten samples stays determined.
@@ -114,12 +126,6 @@ Measured impulse_of(const Signal& s, double t1, double t2, double noise) {
   return {sum * s.dt, noise * s.dt * std::sqrt(static_cast<double>(std::max<std::size_t>(n, 1)))};
 }
 
-std::uint32_t flags_of_mask(const Signal& s, double t1, double t2) {
-  const std::uint8_t m = s.mask_within(t1, t2);
-  return (m & mask_clipped ? flag_clipped : 0U) | (m & mask_gap ? flag_gap : 0U) |
-         (m & mask_edge ? flag_edge : 0U);
-}
-
 double largest(std::span<const double> smooth, const Signal& s, double t1, double t2) {
   double peak = 0;
   for (std::size_t i = s.index_at(t1); i < s.size() && s.time(i) <= t2; ++i) peak = std::max(peak, smooth[i]);
@@ -145,12 +151,6 @@ double first_maximum(const FitInput& in, double kink, int side, double span) {
     if (v < best - std::max(5 * in.levels.noise, 0.05 * best)) break;
   }
   return at;
-}
-
-/// What a sampled edge leaves open whatever the noise: the force between samples and the amplifier's own rise. A full
-/// dt / sqrt(12) for an edge of five samples or fewer, less in proportion for longer ones.
-double shape_uncertainty(double dt, double rise) {
-  return dt / std::sqrt(12.0) * std::min(1.0, 5 * dt / std::max(rise, dt));
 }
 
 struct EdgeCandidate {
@@ -198,6 +198,18 @@ EdgeCandidate fit_edge_family(const Samples& s, double kink, int side, double le
 }
 
 }  // namespace
+
+Contact contact_from(const PulseShape& p, const Measured& touch, const Measured& release,
+                     const Measured& peak, const Signal& force, double noise, double grow) {
+  Contact c;
+  const double floor = shape_uncertainty(force.dt, 0.5 * (p.release - p.touch));
+  c.touch = {touch.value, std::hypot(touch.u * grow, floor)};
+  c.release = {release.value, std::hypot(release.u * grow, floor)};
+  c.peak = {peak.value, peak.u * grow};
+  c.impulse = impulse_of(force, touch.value, release.value, noise);
+  c.flags = flags_of_mask(force, touch.value, release.value);
+  return c;
+}
 
 double PulseShape::operator()(double t) const {
   const double v = (t - touch) / (release - touch);
@@ -276,21 +288,6 @@ ContactFit coarse_contact(const FitInput& in, const Interval& c) {
 }
 
 }  // namespace
-
-double pulse_cost(const FitInput& in, const Interval& c, const Neighbours& nb, bool or_nothing) {
-  const double dt = in.force.dt, margin = in.options.fit_margin;
-  const Samples s =
-      good_samples(in.force, c.touch - std::clamp(0.45 * (c.touch - nb.previous_release), 3 * dt, margin),
-                   c.release + std::clamp(0.45 * (nb.next_touch - c.release), 3 * dt, margin));
-  double nothing = 0;
-  for (const double x : s.x) nothing += x * x / (in.noise * in.noise);
-  if (s.t.size() < 7) return nothing;
-  const double peak = std::max(largest(in.smooth, in.force, c.touch, c.release), in.levels.touch);
-  const double pulse =
-      fit_pulse(s, {c.touch, c.release, peak, 1.2, 1.0}, in.noise, in.options, false, 6).chi2;
-  // A pulse costs its four parameters (BIC).
-  return or_nothing ? std::min(nothing, pulse + 4 * std::log(static_cast<double>(s.t.size()))) : pulse;
-}
 
 ContactFit fit_contact(const FitInput& in, const Interval& c, const Neighbours& nb) {
   if (c.open_ended()) return in.quick ? coarse_contact(in, c) : fit_by_edges(in, c, nb);

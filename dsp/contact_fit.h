@@ -46,9 +46,16 @@ struct ContactFit {
 /// describes the contact, touch and release are fitted one by one (`fit_edge`).
 ContactFit fit_contact(const FitInput&, const Interval&, const Neighbours&);
 
-/// Sum of squared residuals over variance of the best pulse through `interval` (6 iterations, weighted as fit_contact
-/// does): what a hypothesis about the rest of the signal costs. With `or_nothing`, no pulse at all may be cheaper.
-double pulse_cost(const FitInput&, const Interval&, const Neighbours&, bool or_nothing);
+/// Contact from a pulse that some other fit found, with the impulse, the flags of its samples and the part of the uncertainty that
+/// sampling adds; `grow`: factor on the fit's own uncertainties.
+Contact contact_from(const PulseShape&, const Measured& touch, const Measured& release, const Measured& peak,
+                     const Signal& force, double noise, double grow);
+
+/// Standard uncertainty that sampling at `dt` adds to an edge of duration `rise`, s.
+double shape_uncertainty(double dt, double rise);
+
+/// Bits of lost or clipped samples in [t1, t2] as flags.
+std::uint32_t flags_of_mask(const Signal&, double t1, double t2);
 
 struct EdgeFit {
   Measured kink;      ///< s: where the force leaves (side +1) or reaches (side -1) zero

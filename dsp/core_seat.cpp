@@ -124,6 +124,32 @@ std::vector<Drop> velocity_drops(const Signal& s, double t1, double t2, double h
   return out;
 }
 
+constexpr double impact_search = 0.3e-3;  ///< s on either side of the laser's seat
+constexpr double impact_clear = 15;       ///< largest sample of the impact over the largest before it
+
+/// The impact on the accelerometer: where it first leaves what was there before. Nothing unless it stands
+/// far above the 2 ms before, as the blow of a core does.
+Measured impact_time(const Record& record, const Measured& seat) {
+  Signal s = to_signal(record, Channel::aux);
+  const std::size_t i0 = s.index_at(seat.value - impact_search - 2e-3),
+                    i1 = s.index_at(seat.value - impact_search), i2 = s.index_at(seat.value + impact_search);
+  if (i1 < i0 + 50 || i2 < i1 + 20) return {};
+  const double zero = median(std::span(s.value).subspan(i0, i1 - i0));
+  double before = 0, top = 0;
+  for (std::size_t i = i0; i < i2; ++i) {
+    double& largest = i < i1 ? before : top;
+    largest = std::max(largest, std::abs(s.value[i] - zero));
+  }
+  if (!(top > impact_clear * before)) return {};
+  const double level = std::max(0.03 * top, 2 * before);
+  std::size_t i = i1;
+  const auto above = [&](std::size_t k) { return k < i2 && std::abs(s.value[k] - zero) >= level; };
+  while (i < i2 && !(above(i) && (above(i + 1) || above(i + 2)))) ++i;
+  if (i == i1 || i == i2 || s.mask_within(s.time(i1), s.time(i)) != mask_none) return {};
+  // The converter's sample is a mean over its interval: the blow fell inside it.
+  return {s.time(i), s.dt / std::sqrt(12.0)};
+}
+
 }  // namespace
 
 CoreEvents core_events(const Record& record, const ExtractOptions& o) {
@@ -167,8 +193,12 @@ CoreEvents core_events(const Record& record, const ExtractOptions& o) {
     const Kink again = fit_kink(s, d.at, 0.7 * o.seat_window, 0.7 * o.seat_window, noise);
     if (again.found && again.velocity.value - again.velocity_after > least) e.settled = again.at;
   }
-  if (e.settled.value > e.seat.value)
-    e.bounce_time = {e.settled.value - e.seat.value, std::hypot(e.settled.u, e.seat.u)};
+  const bool bounced = e.settled.value > e.seat.value;
+  if (const Measured impact = impact_time(record, e.seat); impact.known()) {
+    e.seat = impact;
+    if (!bounced) e.settled = impact;
+  }
+  if (bounced) e.bounce_time = {e.settled.value - e.seat.value, std::hypot(e.settled.u, e.seat.u)};
   const std::uint8_t mask = s.mask_within(e.seat.value - o.seat_window, e.seat.value + o.seat_window);
   if (mask & mask_gap) e.flags |= flag_gap;
   if (mask & mask_clipped) e.flags |= flag_clipped;

@@ -12,6 +12,9 @@ namespace powbench::dsp {
 /// searched for the least residual. The travel after the seat may go on, because the static core yields with the base;
 /// no plateau is assumed. The velocity is the one in the laboratory just before t_s. Later drops of more than
 /// `seat_share` of the first count as core bounces.
+///
+/// Where the auxiliary channel is an accelerometer on the base, its first sample clear of what was there before, within 0.3 ms of
+/// the laser's seat, dates the impact to a sample; the laser then only says which impact it was.
 CoreEvents core_events(const Record&, const ExtractOptions&);
 
 }  // namespace powbench::dsp

@@ -8,6 +8,7 @@
 #include "dsp/contact_voltage.h"
 #include "dsp/core_seat.h"
 #include "dsp/force.h"
+#include "dsp/pole.h"
 
 namespace powbench::dsp {
 
@@ -16,7 +17,7 @@ namespace {
 constexpr double angle_tolerance = radians(1.0);
 
 ContactTrain film_train(const Record& record, Channel c, const ExtractOptions& o, std::optional<double> hertz,
-                        std::optional<double> seat) {
+                        const Measured& seat) {
   const Force f = restore_force(record, c, o, hertz);
   if (!f.present) return {};
   return analyse_force(f, closing_end(record, f.signal), seat, o).train;
@@ -33,9 +34,8 @@ Events extract_events(const Record& record, const ExtractOptions& o) {
   const std::optional<double> hertz = supply ? std::optional(supply->hertz) : std::nullopt;
   e.coil = coil_events(record, supply, o);
   e.core = core_events(record, o);
-  const std::optional<double> seat = e.core.seat.known() ? std::optional(e.core.seat.value) : std::nullopt;
-  e.pvdf_a = film_train(record, Channel::pvdf_a, o, hertz, seat);
-  e.pvdf_b = film_train(record, Channel::pvdf_b, o, hertz, seat);
+  e.pvdf_a = film_train(record, Channel::pvdf_a, o, hertz, e.core.seat);
+  e.pvdf_b = film_train(record, Channel::pvdf_b, o, hertz, e.core.seat);
   e.contact_voltage = contact_voltage_train(record, o);
 
   const double commanded = record.conditions.closing_angle + (record.conditions.polarity < 0 ? pi : 0.0);
@@ -44,7 +44,14 @@ Events extract_events(const Record& record, const ExtractOptions& o) {
     e.coil.flags |= flag_angle_off;
   const double t_end = record.samples() ? record.time(record.samples() - 1) : 0.0;
   const double hold = record.conditions.hold_time;
-  cross_check(e.contact_voltage, e.pvdf_a, e.pvdf_b, hold > 0 ? std::min(hold, t_end) : t_end);
+  const double closing = hold > 0 ? std::min(hold, t_end) : t_end;
+  cross_check(e.contact_voltage, e.pvdf_a, e.pvdf_b, closing);
+  e.pole.by_force = pole_by_force(e.pvdf_a, e.pvdf_b, o.merge_openings);
+  const Disagreement d = disagreement(e.pole.by_force, e.contact_voltage, closing);
+  e.pole.disagreement = d.total;
+  e.pole.longest_disagreement = d.longest;
+  for (ContactTrain* t : {&e.pvdf_a, &e.pvdf_b, &e.contact_voltage, &e.pole.by_force})
+    split_trains(*t, e.core.seat);
   if (record.calibration.empty()) e.flags |= flag_no_calibration;
   for (const std::uint32_t f :
        {e.pvdf_a.flags, e.pvdf_b.flags, e.contact_voltage.flags, e.core.flags, e.coil.flags})

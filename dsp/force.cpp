@@ -79,6 +79,34 @@ bool looks_inverted(const Signal& s, double noise, double settled, double t_star
   return low > 10 * noise && low > 2 * high;
 }
 
+constexpr double pickup_from = 1e-3,
+                 pickup_to = 5e-3;  ///< s after switch-on: the coil is on, nothing has touched yet
+
+/// What the film shows of the coil's voltage through stray capacitance: proportional to it, fitted where nothing can have
+/// touched yet, subtracted everywhere when it stands out of the noise by 5 standard uncertainties.
+void remove_pickup(Signal& s, double noise, const Record& record) {
+  const Signal coil = to_signal(record, Channel::coil_voltage);
+  if (coil.size() < 20) return;
+  const double zero = median(before(coil, 0.0));
+  const auto volts = [&](double t) {
+    const double where = (t - coil.t0) / coil.dt;
+    if (where < 0 || where >= static_cast<double>(coil.size() - 1)) return 0.0;
+    const auto i = static_cast<std::size_t>(where);
+    const double share = where - static_cast<double>(i);
+    return coil.value[i] * (1 - share) + coil.value[i + 1] * share - zero;
+  };
+  double n = 0, sv = 0, sx = 0, svv = 0, svx = 0, sxx = 0;
+  for (std::size_t i = s.index_at(pickup_from); i < s.index_at(pickup_to); ++i) {
+    if (s.masked[i]) continue;
+    const double v = volts(s.time(i)), x = s.value[i];
+    n += 1, sv += v, sx += x, svv += v * v, svx += v * x, sxx += x * x;
+  }
+  if (n < 100 || !(svv > 0)) return;
+  const double gain = svx / svv, left = sxx - gain * svx;
+  if (left > 2 * n * noise * noise || gain * gain * svv < 25 * noise * noise) return;
+  for (std::size_t i = s.index_at(0.0); i < s.size(); ++i) s.value[i] -= gain * volts(s.time(i));
+}
+
 }  // namespace
 
 void undo_droop(std::span<double> y, double corner_hertz, double dt) {
@@ -132,6 +160,7 @@ Force restore_alone(const Record& record, Channel channel, const ExtractOptions&
     f.noise = noise_of(d, count);
   }
   undo_droop(s.value, c.corner_hertz, s.dt);
+  remove_pickup(s, f.noise, record);
 
   const double t_end = closing_end(record, s);
   f.settled = tail_median(s, t_end, o.settled_window);

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "core/units.h"
+#include "dsp/fft.h"
 #include "dsp/statistics.h"
 
 namespace powbench::dsp {
@@ -251,7 +252,7 @@ std::vector<Pole> tail_poles(const RingInput& in, const ExtractOptions& o) {
                     o.ring_low_hertz, high);
 }
 
-Ring fit_ring(const RingInput& in, std::vector<Pole> poles, const ExtractOptions& o) {
+Ring fit_ring(const RingInput& in, std::vector<Pole> poles, const ExtractOptions& o, double* reduced) {
   Ring ring;
   ring.onset = ring.reference = in.from;
   const Rows r = only_good(rows_of(in.residual, &in.usable, in.from, in.to));
@@ -291,6 +292,7 @@ Ring fit_ring(const RingInput& in, std::vector<Pole> poles, const ExtractOptions
       if (!(z >= lowest)) lowest = z, weakest = j;
     }
     if (weakest == poles.size()) {
+      if (reduced) *reduced = s.chi2 / (noise * noise * static_cast<double>(r.t.size()));
       for (std::size_t j = 0; j < poles.size(); ++j)
         ring.modes.push_back(
             {poles[j], s.linear[static_cast<Index>(2 * j)], s.linear[static_cast<Index>(2 * j + 1)]});
@@ -318,9 +320,40 @@ double explained(const Rows& r, const std::vector<double>& x, const Pole& p) {
   return (ss * cx * cx - 2 * cs * cx * sx + cc * sx * sx) / det;
 }
 
+/// Largest |sum x exp(-s t)|^2 / sum exp(-2 decay t) over a grid of three decays and all frequencies: one transform each.
+Pole coarse_pole(const Rows& r, const std::vector<double>& x, double low, double high) {
+  const std::size_t n = good_length(std::max<std::size_t>(2 * x.size(), 512));
+  RealFft fft(n);
+  const double bin = 1.0 / (static_cast<double>(n) * r.dt);
+  Pole at;
+  double best = 0;
+  for (const double decay : {100.0, 400.0, 1600.0}) {
+    const double turn = std::exp(-decay * r.dt);
+    double weight = 1, energy = 0;
+    const auto time = fft.time();
+    std::fill(time.begin(), time.end(), 0.0);
+    for (std::size_t i = 0; i < x.size(); ++i, weight *= turn) {
+      if (!r.good[i]) continue;
+      time[i] = weight * x[i];
+      energy += weight * weight;
+    }
+    if (!(energy > 0)) continue;
+    fft.forward();
+    const auto spectrum = fft.spectrum();
+    for (std::size_t k = 1; k + 1 < spectrum.size(); ++k) {
+      const double hertz = static_cast<double>(k) * bin;
+      if (hertz < low || hertz > high || decay > 0.12 * 2 * pi * hertz) continue;
+      const double gain = std::norm(spectrum[k]) / energy;
+      if (gain > best) best = gain, at = {hertz, decay};
+    }
+  }
+  return at;
+}
+
 }  // namespace
 
-std::optional<Pole> strongest_pole(const RingInput& in, const Ring& ring, const ExtractOptions& o) {
+std::optional<Pole> strongest_pole(const RingInput& in, const Ring& ring, const ExtractOptions& o,
+                                   double* gain) {
   Rows r = rows_of(in.residual, &in.usable, in.from, in.to);
   const double noise = in.noise / std::sqrt(r.block);
   const auto good = static_cast<double>(std::count(r.good.begin(), r.good.end(), std::uint8_t{1}));
@@ -339,22 +372,27 @@ std::optional<Pole> strongest_pole(const RingInput& in, const Ring& ring, const 
   }
   const double high = std::min(o.ring_high_hertz, 0.45 / r.dt);
   double best = 0;
-  Pole at;
+  Pole at = coarse_pole(r, x, o.ring_low_hertz, high);
+  if (at.hertz == 0) return std::nullopt;
   const auto look = [&](double hertz, double damping) {
     const Pole p{hertz, damping * 2 * pi * hertz};
     if (const double g = explained(r, x, p); g > best) best = g, at = p;
   };
-  for (const double damping : {0.008, 0.025})
-    for (double hertz = o.ring_low_hertz; hertz <= high; hertz += std::max(40.0, 0.012 * hertz))
-      look(hertz, damping);
   const double centre = at.hertz, step = std::max(20.0, 0.006 * centre);
   for (const double damping : {0.005, 0.01, 0.015, 0.02, 0.03})
     for (int k = -2; k <= 2; ++k) look(centre + 0.5 * k * step, damping);
+  if (gain) *gain = best;
   // Of a few hundred trials on pure noise the largest gain is about 2 ln(trials) = 12; ask for clearly more.
   return best > 40 * noise * noise ? std::optional(at) : std::nullopt;
 }
 
 namespace {
+
+std::vector<Pole> poles_of(const Ring& ring) {
+  std::vector<Pole> p;
+  for (const RingMode& m : ring.modes) p.push_back(m.pole);
+  return p;
+}
 
 /// Modes that are larger than anything in the data cancel each other there: the fit says nothing elsewhere.
 bool plausible(const RingInput& in, const Ring& ring) {
@@ -368,26 +406,33 @@ bool plausible(const RingInput& in, const Ring& ring) {
 
 }  // namespace
 
-Ring grow_ring(const RingInput& in, std::vector<Pole> start, const ExtractOptions& o) {
-  Ring ring = fit_ring(in, start, o);
+Ring grow_ring(const RingInput& in, std::vector<Pole> start, const ExtractOptions& o, double* reduced) {
+  // Two close modes fitted by one look heavily damped, so that the limit is held only at the end.
+  ExtractOptions loose = o;
+  loose.ring_damping_max = std::max(o.ring_damping_max, 0.12);
+  Ring ring = fit_ring(in, start, loose, reduced);
   while (start.size() > 1 && !plausible(in, ring)) {  // without the most damped one
     const auto worst = std::max_element(start.begin(), start.end(), [](const Pole& a, const Pole& b) {
       return a.decay / a.hertz < b.decay / b.hertz;
     });
     start.erase(worst);
-    ring = fit_ring(in, start, o);
+    ring = fit_ring(in, start, loose, reduced);
   }
   while (static_cast<int>(ring.modes.size()) < o.ring_modes) {
     const auto more = strongest_pole(in, ring, o);
     if (!more) break;
-    std::vector<Pole> poles;
-    for (const RingMode& m : ring.modes) poles.push_back(m.pole);
+    std::vector<Pole> poles = poles_of(ring);
     poles.push_back(*more);
-    Ring next = fit_ring(in, std::move(poles), o);
+    double left = 0;
+    Ring next = fit_ring(in, std::move(poles), loose, &left);
     if (next.modes.size() <= ring.modes.size() || !plausible(in, next)) break;
     ring = std::move(next);
+    if (reduced) *reduced = left;
   }
-  return ring;
+  const bool strict = std::all_of(ring.modes.begin(), ring.modes.end(), [&](const RingMode& m) {
+    return m.pole.decay <= o.ring_damping_max * 2 * pi * m.pole.hertz;
+  });
+  return strict ? ring : fit_ring(in, poles_of(ring), o, reduced);
 }
 
 std::vector<std::uint8_t> zero_on_average(const Signal& force, double open_level, bool both_means) {
@@ -408,57 +453,6 @@ std::vector<std::uint8_t> zero_on_average(const Signal& force, double open_level
     }
   }
   return open;
-}
-
-namespace {
-
-OpenEnergy energy_at(const Signal& force, const std::vector<std::uint8_t>& open, const Ring& ring, double t1,
-                     double t2, double noise) {
-  OpenEnergy e;
-  Signal left = force;
-  ring.add_to(left, -1.0);
-  for (std::size_t i = force.index_at(t1); i < force.index_at(t2); ++i) {
-    if (!open[i] || force.masked[i]) continue;
-    e.chi2 += left.value[i] * left.value[i] / (noise * noise);
-    e.samples += 1;
-  }
-  return e;
-}
-
-}  // namespace
-
-OpenEnergy open_energy(const Signal& force, const Ring& ring, double t1, double t2, double noise,
-                       double open_level) {
-  return energy_at(force, zero_on_average(force, open_level, false), ring, t1, t2, noise);
-}
-
-bool lowers_energy(const Signal& force, const Ring& ring, double t2, double noise, double open_level) {
-  Signal stripped = force;
-  ring.add_to(stripped, -1.0);
-  auto open = zero_on_average(stripped, open_level, true);
-  const auto also = zero_on_average(force, open_level, true);
-  for (std::size_t i = 0; i < open.size(); ++i) open[i] |= also[i];
-  const OpenEnergy with = energy_at(force, open, {}, ring.onset, t2, noise);
-  if (with.samples < 40) return true;
-  const OpenEnergy less = energy_at(force, open, ring, ring.onset, t2, noise);
-  return less.chi2 < 0.1 * with.chi2 || (less.chi2 < 0.8 * with.chi2 && less.chi2 < 6 * less.samples);
-}
-
-Ring ring_from_open_time(const Signal& force, double t1, double t2, double to, double noise,
-                         double open_level, const ExtractOptions& o) {
-  const auto open = zero_on_average(force, open_level, false);
-  Ring best;
-  double least = energy_at(force, open, {}, t1, to, noise).chi2;
-  for (double from = t1; from < t2; from += 0.25e-3) {
-    const RingInput in{force, open, from, to, to, noise};
-    const auto pole = strongest_pole(in, {}, o);
-    if (!pole) continue;
-    Ring ring = fit_ring(in, {*pole}, o);
-    const double chi2 = energy_at(force, open, ring, t1, to, noise).chi2;
-    if (chi2 < least) least = chi2, best = std::move(ring);
-  }
-  if (best.empty()) return best;
-  return grow_ring({force, open, best.onset, to, to, noise}, {best.modes.front().pole}, o);
 }
 
 double find_onset(const Signal& signal, const std::vector<std::uint8_t>* usable, const Ring& ring, double t1,

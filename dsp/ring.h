@@ -54,38 +54,24 @@ struct RingInput {
 
 /// Amplitudes by linear least squares, poles by Gauss-Newton on top (variable projection). Modes that are not
 /// significant (amplitude below 5 standard uncertainties) are left out. The onset is `from`.
-Ring fit_ring(const RingInput&, std::vector<Pole> poles, const ExtractOptions&);
+Ring fit_ring(const RingInput&, std::vector<Pole> poles, const ExtractOptions&, double* reduced = nullptr);
 
 /// Poles seen in `from` .. `to` after the smooth settled force is taken out.
 std::vector<Pole> tail_poles(const RingInput&, const ExtractOptions&);
 
 /// The undamped-to-damped oscillation that explains most of what `ring` and the smooth settled force leave: a
 /// scan over frequency and damping. Nothing when the best one is not significant.
-std::optional<Pole> strongest_pole(const RingInput&, const Ring& ring, const ExtractOptions&);
+/// `gain`: sum of squares it takes out, N^2.
+std::optional<Pole> strongest_pole(const RingInput&, const Ring& ring, const ExtractOptions&,
+                                   double* gain = nullptr);
 
-/// fit_ring, then modes added one by one by strongest_pole while they are significant.
-Ring grow_ring(const RingInput&, std::vector<Pole> start, const ExtractOptions&);
+/// fit_ring, then modes added one by one by strongest_pole while they are significant. `reduced`: sum of squares left over
+/// variance and degree of freedom.
+Ring grow_ring(const RingInput&, std::vector<Pole> start, const ExtractOptions&, double* reduced = nullptr);
 
 /// 1 where the force averages to zero: open, whatever rings on top. Gaussian mean of 80 us, or with `both_means` of 200 us too
 /// (it also cancels slow modes), below `open_level`, 120 us clear of any other force.
 std::vector<std::uint8_t> zero_on_average(const Signal& force, double open_level, bool both_means);
-
-/// Sum of squares over noise^2 and number of samples between t1 and t2 where the force averages to zero
-/// (|mean over 0.2 ms| < `open_level`), after `ring` is taken out: 1 a sample when nothing but noise is left.
-struct OpenEnergy {
-  double chi2 = 0.0, samples = 0.0;
-};
-OpenEnergy open_energy(const Signal& force, const Ring&, double t1, double t2, double noise,
-                       double open_level);
-
-/// Does taking `ring` out leave little where the force is zero before or after (a tenth of the energy, or less than before
-/// and within 6 times the noise's)? True when there is too little open time to tell.
-bool lowers_energy(const Signal& force, const Ring& ring, double t2, double noise, double open_level);
-
-/// First guess when the tail does not show all of the ring: for starts every 0.25 ms in [t1, t2], the strongest pole in the
-/// samples up to `to` where the force averages to zero (|mean over 0.2 ms| < `open_level`). The ring starts where it explains most.
-Ring ring_from_open_time(const Signal& force, double t1, double t2, double to, double noise,
-                         double open_level, const ExtractOptions&);
 
 /// The time in [t1, t2] from which on taking the ring out leaves less behind. With `usable` the signal is a
 /// residual and compared as it is where usable; without, it is a force, and both are high-passed first.

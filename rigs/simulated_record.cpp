@@ -94,9 +94,9 @@ SimulatedClosing simulate_record(const sim::Specimen& specimen, const Conditions
   }
   record.crc32 = record_crc(record);
 
-  std::vector<sim::PlantEvent> events(plant.events().begin(), plant.events().end());
-  for (auto& e : events) e.time -= switch_on;
-  out.truth = sim::closing_truth(events, conditions.hold_time);
+  out.events.assign(plant.events().begin(), plant.events().end());
+  for (auto& e : out.events) e.time -= switch_on;
+  out.truth = sim::closing_truth(out.events, conditions.hold_time);
   out.evaluations = plant.evaluations();
   return out;
 }

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <vector>
+
 #include "core/record.h"
 #include "rigs/sim_rig_config.h"
 #include "sim/closing.h"
@@ -12,8 +14,9 @@ namespace powbench::rigs {
 /// has none.
 struct SimulatedClosing {
   Record record;
-  sim::ClosingTruth truth;       ///< located by the integrator, unaffected by sensors
-  std::int64_t evaluations = 0;  ///< of the right-hand side
+  sim::ClosingTruth truth;              ///< located by the integrator, unaffected by sensors
+  std::vector<sim::PlantEvent> events;  ///< the same source, every event; s after switch-on
+  std::int64_t evaluations = 0;         ///< of the right-hand side
 };
 
 SimulatedClosing simulate_record(const sim::Specimen&, const Conditions&, const SimRigConfig&);

@@ -1,0 +1,409 @@
+#include "dsp/joint_columns.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/units.h"
+
+namespace powbench::dsp {
+
+namespace {
+
+constexpr double exponent_middle = 1.25, exponent_sigma = 0.5, skew_sigma = 0.3;
+constexpr double pedestal_sigma = 0.2;  ///< N
+constexpr std::size_t rise_terms = 6;   ///< polynomial of the settled force
+constexpr double smooth_step = 2e-3;    ///< s: half period of the fastest cosine of a free settled force
+constexpr double free_rises[] = {1e-4, 2e-4, 4e-4};
+constexpr double gap_head = 60e-6;  ///< s around an unmodelled contact
+
+std::complex<double> pole_of(const Pole& p) {
+  return {-p.decay, 2 * pi * p.hertz};
+}
+
+std::complex<double> row_gain(const JointRows& r, const Pole& p) {
+  if (r.block == 1) return 1.0;
+  const std::complex<double> half = 0.5 * pole_of(p) * r.sample;
+  const auto m = static_cast<double>(r.block);
+  return std::sinh(m * half) / (m * std::sinh(half));
+}
+
+struct PulseValue {
+  double force = 0, touch = 0, release = 0, exponent = 0, log_skew = 0, unit = 0;
+  void operator+=(const PulseValue& o) {
+    force += o.force, touch += o.touch, release += o.release, exponent += o.exponent, log_skew += o.log_skew,
+        unit += o.unit;
+  }
+};
+
+/// Force and its derivatives. Where an exponent below 1 has no finite slope the slope is held.
+PulseValue pulse_value(const PulseShape& f, bool skewed, double t) {
+  const double width = f.release - f.touch, v = (t - f.touch) / width;
+  if (!(v > 0) || !(v < 1)) return {};
+  const double w = skewed ? std::pow(v, f.skew) : v;
+  const double base = std::max(std::sin(pi * w), 1e-4), logarithm = std::log(base);
+  const double power = std::exp(f.exponent * logarithm);
+  const double slope = f.peak * f.exponent * power / std::max(base, 1e-3) * pi * std::cos(pi * w);
+  const double by_v = skewed ? slope * f.skew * w / v : slope;
+  PulseValue p;
+  p.unit = power;
+  p.force = f.peak * power;
+  p.touch = by_v * (v - 1) / width;
+  p.release = -by_v * v / width;
+  p.exponent = p.force * logarithm;
+  if (skewed) p.log_skew = slope * w * std::log(v) * f.skew;
+  return p;
+}
+
+/// Mean over the samples of row i; one sample stands for all where the force has no kink.
+PulseValue pulse_row(const PulseShape& f, bool skewed, const JointRows& r, std::size_t i) {
+  const double t = r.t[i];
+  const bool kink = std::abs(t - f.touch) < 1.5 * r.dt || std::abs(t - f.release) < 1.5 * r.dt;
+  if (!kink || r.block == 1) return pulse_value(f, skewed, t);
+  PulseValue sum;
+  const auto m = static_cast<double>(r.block);
+  for (std::size_t k = 0; k < r.block; ++k)
+    sum += pulse_value(f, skewed, t + (static_cast<double>(k) - 0.5 * (m - 1)) * r.sample);
+  const double share = 1 / m;
+  for (double* v : {&sum.force, &sum.touch, &sum.release, &sum.exponent, &sum.log_skew, &sum.unit})
+    *v *= share;
+  return sum;
+}
+
+/// Share of row i after the onset.
+double after_onset(const JointRows& r, std::size_t i, double onset) {
+  const double m = static_cast<double>(r.block), first = r.t[i] - 0.5 * (m - 1) * r.sample;
+  return std::clamp(std::floor((first - onset) / r.sample + m + 1e-6), 0.0, m) / m;
+}
+
+std::size_t tail_columns(double span) {
+  return span > 0 ? 1 + static_cast<std::size_t>(span / smooth_step) + 3 : 0;
+}
+
+std::vector<JointBlock> blocks_of(const JointInput& in, const JointModel& m, const JointRows& r) {
+  std::vector<JointBlock> out;
+  std::size_t column = 0;
+  const auto add = [&](JointBlock b) {
+    b.column = column;
+    column += b.count;
+    out.push_back(b);
+  };
+  for (std::size_t k = 0; k < m.pulses.size(); ++k) {
+    const JointPulse& p = m.pulses[k];
+    if (!p.modelled) continue;
+    const std::size_t first = r.at(p.shape.touch - r.dt), last = r.at(p.shape.release + r.dt);
+    add({JointBlock::Kind::pulse, k, first, std::max(last, first), 0, p.skewed ? 5U : 4U});
+  }
+  if (m.rise) {
+    const bool good = m.rise->modelled;
+    const double from = m.rise->touch - r.dt;
+    add({good ? JointBlock::Kind::rise : JointBlock::Kind::tail, 0, r.at(from), r.size(), 0,
+         good ? 2 + rise_terms : tail_columns(joint_tail)});
+  }
+  if (!m.ring.modes.empty()) {
+    const std::size_t first = r.at(m.ring.onset - r.dt);
+    if (!in.ring_fixed) add({JointBlock::Kind::ring, 0, first, r.size(), 0, 4 * m.ring.modes.size()});
+    const std::size_t last = m.rise ? std::max(first, r.at(m.rise->touch)) : r.size();
+    if (in.pedestal) add({JointBlock::Kind::pedestal, 0, first, last, 0, 3});
+  }
+  return out;
+}
+
+/// One block's share: adds to the model, fills its columns (unweighted).
+struct Writer {
+  const JointRows& rows;
+  JointSystem& out;
+  std::vector<double>& model;
+  bool derivatives;
+  double* column(const JointBlock& b, std::size_t k) const {
+    return out.jacobian.data() + (b.column + k) * rows.size();
+  }
+
+  void pulse(const JointBlock& b, const JointPulse& p) const {
+    for (std::size_t i = b.first; i < b.last; ++i) {
+      const PulseValue v = pulse_row(p.shape, p.skewed, rows, i);
+      model[i] += v.force;
+      if (!derivatives) continue;
+      column(b, 0)[i] = v.touch, column(b, 1)[i] = v.release, column(b, 2)[i] = v.exponent;
+      column(b, 3)[i] = v.unit;
+      if (p.skewed) column(b, 4)[i] = v.log_skew;
+    }
+    if (!derivatives) return;
+    out.prior[b.column + 2] = 1 / (exponent_sigma * exponent_sigma);
+    out.pull[b.column + 2] = (p.shape.exponent - exponent_middle) * out.prior[b.column + 2];
+    if (!p.skewed) return;
+    out.prior[b.column + 4] = 1 / (skew_sigma * skew_sigma);
+    out.pull[b.column + 4] = std::log(p.shape.skew) * out.prior[b.column + 4];
+  }
+
+  void rise(const JointBlock& b, const JointRise& r) const {
+    for (std::size_t i = b.first; i < b.last; ++i) {
+      const double tau = rows.t[i] - r.touch;
+      if (tau <= 0) continue;
+      const double fall = std::exp(-tau / r.rise), up = 1 - fall, u = 2 * tau / joint_tail - 1;
+      double value = 0, slope = 0, before = 1, now = u;  // Chebyshev polynomials and their sum's slope
+      double slope_before = 0, slope_now = 1;
+      for (std::size_t k = 0; k < rise_terms; ++k) {
+        const double basis = k == 0 ? 1.0 : now, basis_slope = k == 0 ? 0.0 : slope_now;
+        value += r.linear[k] * basis;
+        slope += r.linear[k] * basis_slope;
+        if (derivatives) column(b, 2 + k)[i] = up * basis;
+        if (k == 0) continue;
+        const double next = 2 * u * now - before, slope_next = 2 * now + 2 * u * slope_now - slope_before;
+        before = now, now = next, slope_before = slope_now, slope_now = slope_next;
+      }
+      model[i] += up * value;
+      if (!derivatives) continue;
+      column(b, 0)[i] = -(fall / r.rise * value + up * slope * 2 / joint_tail);
+      column(b, 1)[i] = -fall * tau / r.rise * value;  // by ln rise
+    }
+  }
+
+  void tail(const JointBlock& b, const JointRise& r) const {
+    std::size_t first = b.first;
+    while (first < b.last && rows.t[first] <= r.touch) ++first;
+    if (first == b.last) return;
+    const std::size_t cosines = b.count - 3;
+    const double tau = rows.t[first] - r.touch;
+    // cos(k a) from the two before: Chebyshev's recurrence.
+    std::complex<double> e = std::polar(1.0, pi * tau / joint_tail);
+    const std::complex<double> turn = std::polar(1.0, pi * rows.dt / joint_tail);
+    double fall[3], step[3];
+    for (int k = 0; k < 3; ++k)
+      fall[k] = std::exp(-tau / free_rises[k]), step[k] = std::exp(-rows.dt / free_rises[k]);
+    for (std::size_t i = first; i < b.last; ++i, e *= turn) {
+      double before = 1, now = 1;
+      for (std::size_t k = 0; k < b.count; ++k) {
+        double basis = 1;
+        if (k >= cosines) {
+          basis = fall[k - cosines];
+          fall[k - cosines] *= step[k - cosines];
+        } else if (k > 0) {
+          basis = k == 1 ? e.real() : 2 * e.real() * now - before;
+          before = now, now = basis;
+        }
+        model[i] += r.linear[k] * basis;
+        if (derivatives) column(b, k)[i] = basis;
+      }
+    }
+  }
+
+  void pedestal(const JointBlock& b, const JointModel& m) const {
+    const double span = std::max(rows.dt, rows.dt * static_cast<double>(b.last - b.first));
+    for (std::size_t i = b.first; i < b.last; ++i) {
+      const double share = i < b.first + 3 ? after_onset(rows, i, m.ring.onset) : 1.0;
+      const double u = std::max(rows.t[i] - m.ring.onset, 0.0) / span;
+      const double basis[3] = {share, share * u, share * u * u};
+      for (std::size_t k = 0; k < 3; ++k) {
+        model[i] += m.pedestal[k] * basis[k];
+        if (derivatives) column(b, k)[i] = basis[k];
+      }
+    }
+    if (!derivatives) return;
+    for (std::size_t k = 0; k < 3; ++k) {
+      out.prior[b.column + k] = 1 / (pedestal_sigma * pedestal_sigma);
+      out.pull[b.column + k] = m.pedestal[k] * out.prior[b.column + k];
+    }
+  }
+
+  void ring(const JointBlock& b, const Ring& ring) const {
+    for (std::size_t j = 0; j < ring.modes.size(); ++j) {
+      const RingMode& mode = ring.modes[j];
+      const auto s = pole_of(mode.pole), turn = std::exp(s * rows.dt), gain = row_gain(rows, mode.pole);
+      std::complex<double> e = 0;
+      for (std::size_t i = b.first; i < b.last; ++i) {
+        const double tau = rows.t[i] - ring.reference;
+        e = (i - b.first) % 128 == 0 ? gain * std::exp(s * tau) : e * turn;
+        const double share = i < b.first + 3 ? after_onset(rows, i, ring.onset) : 1.0;
+        const double c = share * e.real(), d = share * e.imag(), x = mode.cosine, y = mode.sine;
+        model[i] += x * c + y * d;
+        if (!derivatives) continue;
+        column(b, 4 * j)[i] = tau * (y * c - x * d);       // by angular frequency
+        column(b, 4 * j + 1)[i] = -tau * (x * c + y * d);  // by decay
+        column(b, 4 * j + 2)[i] = c;
+        column(b, 4 * j + 3)[i] = d;
+      }
+    }
+  }
+};
+
+}  // namespace
+
+std::size_t JointRows::at(double time) const {
+  if (t.empty()) return 0;
+  const double i = std::ceil((time - t.front()) / dt - 1e-9);
+  if (!(i > 0)) return 0;
+  return i >= static_cast<double>(t.size()) ? t.size() : static_cast<std::size_t>(i);
+}
+
+JointRows joint_rows(const JointInput& in, const JointModel& m) {
+  JointRows r;
+  const Signal& s = in.force;
+  r.block = std::max<std::size_t>(1, static_cast<std::size_t>(std::floor(in.row / s.dt + 1e-6)));
+  r.sample = s.dt;
+  r.dt = static_cast<double>(r.block) * s.dt;
+  double from = in.onset_from, to = in.onset_to;
+  if (!m.pulses.empty()) {
+    from = std::min(from, m.pulses.front().shape.touch);
+    to = std::max(to, m.pulses.back().shape.release);
+  }
+  if (m.rise) from = std::min(from, m.rise->touch), to = std::max(to, m.rise->touch + joint_tail);
+  if (!m.ring.modes.empty()) from = std::min(from, m.ring.onset);
+  to = std::min(to + joint_margin_before, in.t_end);
+  const std::size_t last = s.index_at(to);
+  for (std::size_t i = s.index_at(std::max(from - joint_margin_before, in.from)); i + r.block <= last;
+       i += r.block) {
+    double sum = 0;
+    bool good = true;
+    for (std::size_t k = i; k < i + r.block; ++k) {
+      sum += s.value[k];
+      good = good && !s.masked[k];
+    }
+    r.t.push_back(s.time(i) + 0.5 * static_cast<double>(r.block - 1) * s.dt);
+    r.y.push_back(sum / static_cast<double>(r.block));
+    r.weight.push_back(good ? 1.0 : 0.0);
+  }
+  return r;
+}
+
+void weigh_rows(const JointInput& in, const JointModel& m, JointRows& r) {
+  const double noise = in.noise / std::sqrt(static_cast<double>(r.block));
+  const auto scale = [&](double t1, double t2, double factor) {
+    for (std::size_t i = r.at(t1), last = r.at(t2); i < last; ++i) r.weight[i] *= factor;
+  };
+  for (double& w : r.weight) w = w > 0 ? 1 / noise : 0.0;
+  if (in.blind_to > in.blind_from) scale(in.blind_from, in.blind_to, 0.0);
+  for (const JointPulse& p : m.pulses) {
+    if (!p.modelled)
+      scale(p.shape.touch - gap_head, p.shape.release + gap_head, 0.0);
+    else if (p.reduced_chi2 > 1.3)
+      scale(p.shape.touch, p.shape.release, 1 / std::sqrt(p.reduced_chi2));
+  }
+  if (!m.rise) return;
+  if (!m.rise->modelled)
+    scale(m.rise->touch - gap_head, m.rise->touch + joint_settling, 0.0);
+  else if (m.rise->reduced_chi2 > 1.3)
+    scale(m.rise->touch, m.rise->touch + joint_head, 1 / std::sqrt(m.rise->reduced_chi2));
+}
+
+void evaluate(const JointInput& in, const JointModel& m, const JointRows& r, JointSystem& out,
+              bool derivatives) {
+  const std::size_t n = r.size();
+  std::vector<double> model(n, 0.0);
+  out.blocks = blocks_of(in, m, r);
+  out.columns = out.blocks.empty() ? 0 : out.blocks.back().column + out.blocks.back().count;
+  if (derivatives) {
+    out.jacobian.assign(n * out.columns, 0.0);
+    out.prior.assign(out.columns, 0.0);
+    out.pull.assign(out.columns, 0.0);
+  }
+  const Writer write{r, out, model, derivatives};
+  out.cost = 0;
+  for (const JointBlock& b : out.blocks) {
+    if (b.kind == JointBlock::Kind::pulse) {
+      const JointPulse& p = m.pulses[b.which];
+      write.pulse(b, p);
+      out.cost += std::pow((p.shape.exponent - exponent_middle) / exponent_sigma, 2);
+      if (p.skewed) out.cost += std::pow(std::log(p.shape.skew) / skew_sigma, 2);
+    } else if (b.kind == JointBlock::Kind::rise) {
+      write.rise(b, *m.rise);
+    } else if (b.kind == JointBlock::Kind::tail) {
+      write.tail(b, *m.rise);
+    } else if (b.kind == JointBlock::Kind::pedestal) {
+      write.pedestal(b, m);
+      for (const double v : m.pedestal) out.cost += v * v / (pedestal_sigma * pedestal_sigma);
+    } else {
+      write.ring(b, m.ring);
+    }
+  }
+  if (in.ring_fixed && !m.ring.modes.empty()) {
+    const std::size_t first = r.at(m.ring.onset);
+    const auto ring = ring_rows(m.ring, r, first, n);
+    for (std::size_t i = first; i < n; ++i) model[i] += ring[i - first];
+  }
+  out.residual.resize(n);
+  for (std::size_t i = 0; i < n; ++i) {
+    out.residual[i] = (model[i] - r.y[i]) * r.weight[i];
+    out.cost += out.residual[i] * out.residual[i];
+  }
+  if (!derivatives) return;
+  for (const JointBlock& b : out.blocks)
+    for (std::size_t k = b.column; k < b.column + b.count; ++k)
+      for (std::size_t i = b.first; i < b.last; ++i) out.jacobian[k * n + i] *= r.weight[i];
+}
+
+namespace {
+
+void move_pulse(PulseShape& f, bool skewed, const double* d, const ExtractOptions& o) {
+  const double width = f.release - f.touch, reach = std::max(0.25 * width, 20e-6);
+  const double touch = f.touch + std::clamp(d[0], -reach, 0.25 * width);
+  const double release = f.release + std::clamp(d[1], -0.25 * width, reach);
+  f.touch = touch;
+  f.release = std::max(release, touch + 0.3 * width);
+  f.exponent = std::clamp(f.exponent + std::clamp(d[2], -0.5, 0.5), o.exponent_min, o.exponent_max);
+  f.peak = std::max(f.peak + d[3], 0.1 * f.peak);
+  if (skewed) f.skew = std::clamp(f.skew * std::exp(std::clamp(d[4], -0.3, 0.3)), 0.25, 4.0);
+}
+
+void move_mode(RingMode& m, const double* d) {
+  const double w = 2 * pi * m.pole.hertz;
+  m.pole.hertz = (w + std::clamp(d[0], -0.03 * w, 0.03 * w)) / (2 * pi);
+  m.pole.decay =
+      std::clamp(m.pole.decay + std::clamp(d[1], -0.5 * m.pole.decay, m.pole.decay), 0.001 * w, 0.15 * w);
+  m.cosine += d[2];
+  m.sine += d[3];
+}
+
+}  // namespace
+
+JointModel moved(const JointModel& m, const JointSystem& s, const double* step, const ExtractOptions& o) {
+  JointModel out = m;
+  for (const JointBlock& b : s.blocks) {
+    const double* d = step + b.column;
+    if (b.kind == JointBlock::Kind::pulse) {
+      move_pulse(out.pulses[b.which].shape, out.pulses[b.which].skewed, d, o);
+    } else if (b.kind == JointBlock::Kind::pedestal) {
+      for (std::size_t k = 0; k < 3; ++k) out.pedestal[k] += d[k];
+    } else if (b.kind == JointBlock::Kind::ring) {
+      for (std::size_t j = 0; j < out.ring.modes.size(); ++j) move_mode(out.ring.modes[j], d + 4 * j);
+    } else {
+      JointRise& r = *out.rise;
+      std::size_t used = 0;
+      if (b.kind == JointBlock::Kind::rise) {
+        r.touch += std::clamp(d[0], -100e-6, 100e-6);
+        r.rise = std::clamp(r.rise * std::exp(std::clamp(d[1], -0.7, 0.7)), 5e-6, 3e-3);
+        used = 2;
+      }
+      for (std::size_t k = used; k < b.count; ++k) r.linear[k - used] += d[k];
+    }
+  }
+  return out;
+}
+
+JointMisfit misfit(const JointRows& r, const JointSystem& s, double t1, double t2) {
+  JointMisfit m;
+  for (std::size_t i = r.at(t1), last = r.at(t2); i < last; ++i) {
+    if (r.weight[i] == 0) continue;
+    m.chi2 += s.residual[i] * s.residual[i];
+    m.rows += 1;
+  }
+  return m;
+}
+
+std::vector<double> ring_rows(const Ring& ring, const JointRows& r, std::size_t i1, std::size_t i2) {
+  std::vector<double> out(i2 - i1, 0.0);
+  for (const RingMode& m : ring.modes) {
+    const auto s = pole_of(m.pole), turn = std::exp(s * r.dt), gain = row_gain(r, m.pole);
+    std::complex<double> e = 0;
+    for (std::size_t i = i1; i < i2; ++i) {
+      e = (i - i1) % 128 == 0 ? gain * std::exp(s * (r.t[i] - ring.reference)) : e * turn;
+      out[i - i1] += m.cosine * e.real() + m.sine * e.imag();
+    }
+  }
+  return out;
+}
+
+std::size_t settled_terms(bool modelled) {
+  return modelled ? rise_terms : tail_columns(joint_tail);
+}
+
+}  // namespace powbench::dsp

@@ -1,0 +1,339 @@
+#include "dsp/separate.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "dsp/ring.h"
+
+namespace powbench::dsp {
+
+namespace {
+
+constexpr double most_reduced = 3.0;  ///< of the joint fit: with more left the ring is not believed
+constexpr double stage = 1.5e-3;      ///< s by which the window grows backwards
+constexpr double inside = 0.6e-3;  ///< s between the window's start and an onset that needs no earlier window
+
+double last_event(const Round& r) {
+  const Interval& c = r.intervals.back();
+  return c.open_ended() ? c.touch : c.release;
+}
+
+/// First identification, in the closed tail where only ring and a smooth force exist. A contact of metal goes on moving
+/// for up to a millisecond after its last touch; its tail begins later.
+Ring ring_from_tail(const Force& f, const Round& r, double t_end, const ExtractOptions& o) {
+  if (!r.intervals.back().open_ended()) return {};
+  const std::vector<std::uint8_t> usable(f.signal.size(), 1);
+  Ring best;
+  for (const double wait : {150e-6, 1.2e-3, 2.5e-3}) {
+    const double from = r.intervals.back().touch + wait, to = std::min(from + o.ring_tail, t_end);
+    const RingInput in{f.signal, usable, from, from, to, f.noise};
+    double reduced = 0;
+    best = grow_ring(in, tail_poles(in, o), o, &reduced);
+    if (!best.empty() && reduced < 1.5) break;
+  }
+  return best;
+}
+
+constexpr double longest = 15e-3;          ///< s before the last touch in which a ring is looked for
+constexpr std::size_t most_contacts = 25;  ///< more are no bounce train
+constexpr double landing =
+    0.3e-3;  ///< s after the first impact in which a core may strike again and change the ring
+
+/// Window in which the core may have landed.
+std::pair<double, double> onset_range(const Round& r, const Measured& seat, double t0, double t_end) {
+  if (seat.known()) {
+    const double at = std::clamp(seat.value, t0, t_end);
+    return {at, at};
+  }
+  const double last = last_event(r);
+  return {std::max({r.intervals.front().touch - 4e-3, last - longest, 0.5e-3, t0}), last + 150e-6};
+}
+
+/// Start of a joint fit: pulses as crossed, or as the fit before had them where they overlap.
+JointModel model_of(const Round& r, double settled, const JointModel& before) {
+  JointModel m;
+  m.ring = before.ring;
+  m.pedestal = before.pedestal;
+  for (const Interval& c : r.intervals) {
+    if (c.open_ended()) {
+      m.rise = before.rise && before.rise->modelled && std::abs(before.rise->touch - c.touch) < 200e-6
+                   ? *before.rise
+                   : JointRise{.touch = c.touch, .rise = 2e-4, .modelled = true, .linear = {settled}};
+      continue;
+    }
+    JointPulse p;
+    const auto same = std::find_if(before.pulses.begin(), before.pulses.end(), [&](const JointPulse& q) {
+      return std::abs(q.shape.touch - c.touch) + std::abs(q.shape.release - c.release) < 80e-6;
+    });
+    if (same != before.pulses.end() && same->modelled) {
+      p = *same;
+    } else {
+      const double top = r.smooth_peak(c.touch, c.release);
+      p.shape = {c.touch, c.release, std::max(top, r.levels.touch), 1.2, 1.0};
+    }
+    m.pulses.push_back(p);
+  }
+  return m;
+}
+
+/// Modes larger than any vibration can be cancel each other where they are seen and say nothing elsewhere.
+bool bounded(const Ring& ring, double limit) {
+  return std::all_of(ring.modes.begin(), ring.modes.end(), [&](const RingMode& m) {
+    return std::hypot(m.cosine, m.sine) * std::exp(-m.pole.decay * (ring.onset - ring.reference)) < limit;
+  });
+}
+
+/// One more mode while what is left of the model's own samples shows one that is worth its four parameters.
+void add_modes(const JointInput& in, JointModel& m, double limit) {
+  while (static_cast<int>(m.ring.modes.size()) < in.options.ring_modes) {
+    const JointResidual left = joint_residual(in, m);
+    const double to = left.signal.end();
+    const auto more =
+        strongest_pole({left.signal, left.usable, m.ring.onset, to, to, left.noise}, {}, in.options);
+    if (!more) return;
+    JointModel next = m;
+    next.ring.modes.push_back({*more, 0.0, 0.0});
+    next = fit_joint(in, std::move(next), 6);
+    if (!(next.chi2 < m.chi2 - 40 * std::max(1.0, m.reduced())) || !bounded(next.ring, limit)) return;
+    m = std::move(next);
+  }
+}
+
+/// A ring that is not known yet: the strongest oscillation in what the contacts leave, its start tried every 0.2 ms.
+void seed_ring(const JointInput& in, JointModel& m, double from, double to) {
+  const JointResidual left = joint_residual(in, m);
+  double best = 0;
+  for (double t = from; t < to; t += 0.2e-3) {
+    const double end = std::min(t + 2.5e-3, left.signal.end());
+    double gain = 0;
+    const auto pole =
+        strongest_pole({left.signal, left.usable, t, end, end, left.noise}, {}, in.options, &gain);
+    if (!pole || gain <= best) continue;
+    Ring ring = fit_ring({left.signal, left.usable, t, end, end, left.noise}, {*pole}, in.options);
+    if (ring.empty()) continue;
+    best = gain;
+    m.ring = std::move(ring);
+  }
+}
+
+/// Samples of [t1, t2].
+Signal cut(const Signal& s, double t1, double t2) {
+  const auto i1 = static_cast<std::ptrdiff_t>(s.index_at(t1)),
+             i2 = static_cast<std::ptrdiff_t>(s.index_at(t2));
+  Signal out;
+  out.dt = s.dt;
+  out.t0 = s.time(static_cast<std::size_t>(i1));
+  if (i2 <= i1) return out;
+  out.value.assign(s.value.begin() + i1, s.value.begin() + i2);
+  out.masked.assign(s.masked.begin() + i1, s.masked.begin() + i2);
+  return out;
+}
+
+/// A piece of ring before the onset looks like a contact, and the other way round: a pulse next to the onset goes when the fit
+/// without it, its time open to the onset, explains as much.
+void drop_stand_ins(const JointInput& in, JointModel& m) {
+  for (std::size_t k = 0; k < m.pulses.size(); ++k) {
+    const PulseShape f = m.pulses[k].shape;
+    const double t = m.ring.onset;
+    if (f.release - f.touch > 0.25e-3 || t < f.touch - 60e-6 || t > f.release + 150e-6) continue;
+    JointModel without = m;
+    without.pulses.erase(without.pulses.begin() + static_cast<std::ptrdiff_t>(k));
+    without.ring.onset = f.touch;
+    JointInput wide = in;
+    wide.onset_from = std::min(in.onset_from, f.touch - 100e-6);
+    wide.onset_to = std::max(in.onset_to, f.release + 100e-6);
+    without = fit_joint(wide, std::move(without), 8);
+    if (!(without.cost() < m.cost() + 10)) continue;
+    m = std::move(without);
+    --k;
+  }
+}
+
+struct Search {
+  const Force& force;
+  double t_end;
+  double last = 0;  ///< s: last event of the first detection
+  std::pair<double, double> range;
+  bool seat_known;
+  double seat_u;  ///< s
+  const ExtractOptions& options;
+
+  /// One round in the window from `from` on: detect on the stripped force, fit jointly, add modes.
+  bool round(Separated& s, double from, std::pair<double, double> onset, int iterations,
+             bool also_wide = true) const {
+    const double to = std::min(last + 2e-3, t_end);
+    const Signal raw = cut(force.signal, from - 0.5e-3, to);
+    Signal stripped = raw;
+    take_out(s.model, stripped);
+    Separated next = fitted(s, detect_round(stripped, force.noise, force.settled, to, options, false), from,
+                            onset, iterations);
+    const bool unexplained = next.model.left_out > 0 || next.model.reduced() > 1.15;
+    if (unexplained && also_wide && !seat_known) {
+      Separated wide =
+          fitted({}, detect_wide(raw, force.noise, force.settled, to, options), from, onset, iterations);
+      if (wide.found && wide.model.cost() < next.model.cost()) next = std::move(wide);
+    }
+    if (next.round.intervals.empty()) return false;
+    s = std::move(next);
+    return true;
+  }
+
+  Separated fitted(const Separated& s, Round r, double from, std::pair<double, double> onset,
+                   int iterations) const {
+    std::erase_if(r.intervals, [&](const Interval& c) {
+      if (c.touch > from + 40e-6) return false;
+      if (c.release > from && !c.open_ended()) from = c.release + 60e-6;
+      return c.touch <= from;
+    });
+    Separated out;
+    out.from = from;
+    out.round = std::move(r);
+    if (out.round.intervals.empty() || out.round.intervals.size() > most_contacts) return out;
+    const JointInput in{force.signal,
+                        force.noise,
+                        t_end,
+                        std::max(onset.first, from),
+                        onset.second,
+                        options,
+                        from,
+                        seat_known ? 10e-6 : 5e-6,
+                        seat_known,
+                        false,
+                        seat_known ? range.first - 3 * seat_u - 10e-6 : 0.0,
+                        seat_known ? range.first + landing : 0.0};
+    JointModel start = model_of(out.round, force.settled, s.model);
+    if (start.ring.empty()) {  // whatever rings is found in what the contacts leave
+      JointInput all = in;
+      all.keep_all = true;
+      start = fit_joint(all, std::move(start), iterations);
+      if (start.reduced() > 1.1) seed_ring(all, start, in.onset_from, in.onset_to);
+    }
+    out.model = fit_joint(in, start, iterations);
+    const double limit = 1.5 * std::max(force.settled, 20 * force.noise);
+    if (!bounded(out.model.ring, limit)) {  // better the ring that came in
+      start.ring = s.model.ring;
+      JointInput fixed = in;
+      fixed.ring_fixed = true;
+      out.model = fit_joint(fixed, std::move(start), iterations);
+      out.found = !out.model.ring.empty() && bounded(out.model.ring, limit);
+      if (!out.found) out.model.ring = {};
+      return out;
+    }
+    if (!out.model.ring.empty()) {
+      add_modes(in, out.model, limit);
+      if (!seat_known) drop_stand_ins(in, out.model);
+    }
+    out.found = !out.model.ring.empty();
+    return out;
+  }
+
+  /// A contact that nothing describes may hold the onset: starts all along it, the best is kept.
+  void rescue(Separated& s, double from) const {
+    const Separated before = s;
+    int trials = 0;
+    for (const JointPulse& p : before.model.pulses) {
+      if (p.modelled) continue;
+      for (double t = p.shape.touch - 0.4e-3; t < p.shape.release + 0.15e-3 && trials < 40;
+           t += 0.1e-3, ++trials) {
+        Separated trial = before;
+        trial.model.ring.onset = t;
+        if (!round(trial, from, {std::max(t - 80e-6, range.first), std::min(t + 80e-6, range.second)}, 8,
+                   false))
+          continue;
+        if (trial.found && trial.model.cost() < s.model.cost()) s = std::move(trial);
+      }
+    }
+  }
+
+  /// Rounds in the whole window until nothing changes.
+  void settle(Separated& s, double from, std::pair<double, double> onset) const {
+    const int rounds = seat_known ? 1 : options.ring_rounds;
+    for (int k = 0; k < rounds; ++k) {
+      const Separated before = s;
+      if (!round(s, from, onset, k == 0 ? 8 : 5) || !s.found) return;
+      if (before.model.pulses.size() == s.model.pulses.size() &&
+          std::abs(before.model.ring.onset - s.model.ring.onset) < 3e-6 &&
+          before.model.ring.modes.size() == s.model.ring.modes.size())
+        return;
+    }
+  }
+};
+
+}  // namespace
+
+bool worth_stripping(const Separated& s, double noise) {
+  if (!s.found) return false;
+  if (s.model.reduced() < most_reduced) return true;
+  // Much is left, but far less than the ring that goes.
+  return !s.whole &&
+         std::sqrt(s.model.reduced()) * noise < 0.2 * s.model.ring.amplitude_at(s.model.ring.onset);
+}
+
+bool convincing(const Separated& s) {
+  if (!s.found || !s.whole || !(s.model.reduced() < 1.12) || s.model.left_out > 0 || !s.model.rise)
+    return false;
+  double before = -1e300;
+  for (const JointPulse& p : s.model.pulses) {
+    if (!(p.shape.touch > before) || !std::isfinite(p.u_touch + p.u_release)) return false;
+    before = p.shape.release;
+  }
+  return s.model.rise->touch > before && std::isfinite(s.model.rise->u_touch);
+}
+
+Separated separate_ring(const Force& f, const Round& unaided, const Measured& core_seat, double t_end,
+                        const ExtractOptions& given) {
+  Separated s;
+  if (unaided.intervals.empty() || unaided.intervals.size() > most_contacts) return s;
+  ExtractOptions o = given;
+  Round first = unaided;
+  if (core_seat.known()) {
+    // The frame carries a share of the core's static force from the seat on: higher levels, the fit finds the edges.
+    o.touch_share = std::max(o.touch_share, 0.2);
+    o.release_share = std::max(o.release_share, 0.12);
+    first = detect_round(f.signal, f.noise, f.settled, t_end, o, false);
+    if (first.intervals.empty()) return s;
+  }
+  const Search search{f,
+                      t_end,
+                      last_event(first),
+                      onset_range(first, core_seat, f.signal.t0, t_end),
+                      core_seat.known(),
+                      core_seat.known() && std::isfinite(core_seat.u) ? std::min(core_seat.u, 30e-6) : 0.0,
+                      o};
+  const auto [t1, t2] = search.range;
+  s.model.ring = ring_from_tail(f, first, t_end, o);
+  const double begin = std::min(t1, first.intervals.front().touch - joint_margin_before);
+  const bool seat_known = core_seat.known();
+  const double lowest = t1, step = seat_known ? 1.5 * stage : stage;
+  for (double low = last_event(first); low > lowest;) {
+    const double before = low;
+    low = std::max(lowest, low - step);
+    if (seat_known)
+      s.model.ring.onset = t1;
+    else if (!s.model.ring.empty() && (!s.found || s.model.ring.onset < s.from + inside))
+      s.model.ring.onset =
+          find_onset(f.signal, nullptr, s.model.ring, low, std::min(std::max(before, s.from) + inside, t2));
+    if (!search.round(s, low, seat_known ? search.range : std::pair(low, t2), 6)) continue;
+    if (s.found && s.model.ring.onset > s.from + inside && s.model.reduced() < 1.15) break;
+  }
+  // What is smaller than this is the shape of a contact or of the settled force, not vibration.
+  const auto believable = [&] {
+    return s.found &&
+           s.model.ring.amplitude_at(s.model.ring.onset) > std::max(4 * f.noise, 0.015 * f.settled);
+  };
+  if (!believable()) return {};
+  if (seat_known) return s;  // what came before the core landed knows nothing of the ring
+  const double onset = s.model.ring.onset;
+  search.settle(s, begin, {std::max(onset - 0.5e-3, t1), std::min(onset + 0.5e-3, t2)});
+  if (!believable()) return {};
+  if (s.model.left_out > 0) {
+    search.rescue(s, begin);
+    const double at = s.model.ring.onset;
+    search.settle(s, begin, {std::max(at - 0.2e-3, t1), std::min(at + 0.2e-3, t2)});
+  }
+  s.whole = s.found;
+  return s;
+}
+
+}  // namespace powbench::dsp
