@@ -47,9 +47,18 @@ TEST_CASE("a processor fault while energised: off, a note, a new start, and a la
     const Run run = run_check_image(mode);
     INFO(mode << ": " << run.output);
     CHECK(run.exit_code == 0);
-    CHECK(run.output.find("start 2: fault crash_reset pc ") != std::string::npos);
+    CHECK(run.output.find("start 2: fault crash_reset cause 1 pc ") != std::string::npos);
     CHECK(run.output.find("pc 00000000") == std::string::npos);
   }
+}
+
+TEST_CASE("a stack that overflows while energised runs into nothing and is a fault like the others",
+          "[pil][fault]") {
+  if (!test::emulator_wanted()) return;
+  const Run run = run_check_image("overflow");
+  INFO(run.output);
+  CHECK(run.exit_code == 0);
+  CHECK(run.output.find("start 2: fault crash_reset cause 7") != std::string::npos);
 }
 
 TEST_CASE("a main loop that hangs while energised is ended by the watchdog", "[pil][fault]") {

@@ -32,11 +32,14 @@ void background_handler();
 
 [[noreturn]] void processor_fault(const std::uint32_t* frame);
 
-/// `frame`: what the processor has stacked.
+/// `frame`: what the processor has stacked. The stack may be what is broken: a fresh one.
 [[gnu::naked]] void fault_handler() {
   asm volatile(
       "mov r0, sp\n\t"
-      "b processor_fault");
+      "ldr r1, =image_stack_end\n\t"
+      "mov sp, r1\n\t"
+      "b processor_fault\n\t"
+      ".ltorg");
 }
 
 using Vector = void (*)();

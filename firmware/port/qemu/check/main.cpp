@@ -14,6 +14,7 @@
 /// Reference: Arm, "Cortex-M System Design Kit Technical Reference Manual" (watchdog, UART, timer).
 
 extern "C" {
+extern std::uint32_t image_stack_begin[], image_stack_end[];
 void sample_block_handler();
 void background_handler();
 [[noreturn]] void processor_fault(const std::uint32_t* frame);
@@ -134,6 +135,12 @@ int talk(Bench& bench) {
   }
 }
 
+/// Deeper than any stack.
+[[gnu::noinline]] std::uint32_t descend(std::uint32_t depth) {
+  volatile std::uint32_t frame[64] = {depth};
+  return depth == 0 ? frame[0] : descend(depth - 1) + frame[0];
+}
+
 /// Energised; then what the mode says. It returns only if no reset comes of it.
 int die(World& world, FireControl& fire, std::string_view mode) {
   fire.arm();
@@ -143,6 +150,7 @@ int die(World& world, FireControl& fire, std::string_view mode) {
   if (gate_pin == 0) return no_shot;
   if (mode == "undefined") asm volatile("udf #1");
   if (mode == "bus") (void)*reinterpret_cast<volatile std::uint32_t*>(0x60000000);
+  if (mode == "overflow") gate_pin = gate_pin + (descend(1'000'000) & 1U);
   if (mode == "watchdog") {
     kept.watched = 1;
     watchdog().load = watchdog_ticks;
@@ -184,7 +192,11 @@ void processor_fault(const std::uint32_t* frame) {
     for (;;) {
     }
   }
-  survivor.record_crash(CrashCause::hard_fault, frame[6], frame[5]);
+  const bool stacked = frame >= image_stack_begin && frame + 8 <= image_stack_end;
+  if (stacked)
+    survivor.record_crash(CrashCause::hard_fault, frame[6], frame[5]);
+  else
+    survivor.record_crash(CrashCause::stack_overflow, 0, 0);
   asm volatile("dsb");
   reset_request = 0x05FA0004;
   for (;;) {
@@ -215,7 +227,8 @@ int run_bench() {
   if (kept.boots == 1) return die(world, fire, mode);
   const Text found = [&] {
     Text text;
-    text.put("start ").put_unsigned(kept.boots).put(": fault ").put(info(fire.fault()).name).put(" pc ");
+    text.put("start ").put_unsigned(kept.boots).put(": fault ").put(info(fire.fault()).name);
+    text.put(" cause ").put_unsigned(survivor.cause).put(" pc ");
     return text.put_hex32(survivor.program_counter).put("\n");
   }();
   std::array<char, 128> line{};
