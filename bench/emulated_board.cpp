@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cstring>
+#include <ctime>
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <string>
@@ -24,6 +25,11 @@ using namespace powbench;
 
 double wall() {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
+
+/// Of this process, s.
+double processor() {
+  return static_cast<double>(std::clock()) / CLOCKS_PER_SEC;
 }
 
 struct Row {
@@ -61,6 +67,30 @@ Row exchange_rate(bool count_instructions, std::size_t batch) {
                  board.step(blocks, edges);
                }
                return 1e-3 * static_cast<double>(done) / (wall() - start);
+             });
+}
+
+/// The same in samples a second of processor time, of both sides together: what one core to itself would do.
+Row exchange_cost(bool count_instructions) {
+  firmware::ControllerConfig config;
+  rigs::QemuBoard board(count_instructions, config, {"bench", "model", "serial", "0", "specimen"});
+  board.adopt_thread();
+  std::vector<std::int16_t> scans(10 * channel_count);
+  std::vector<firmware::GateEdge> edges;
+  std::int64_t sample = 0;
+  return row(fmt::format("lock-step, a second of processor time{}", count_instructions ? ", -icount" : ""),
+             "kS/s", 5, [&](int) {
+               const double start = processor() + board.processor_seconds();
+               const std::int64_t first = sample;
+               do {
+                 for (int i = 0; i < 1000; ++i) {
+                   const firmware::Block block{.first_sample = sample, .scans = scans};
+                   sample += 10;
+                   board.step({&block, 1}, edges);
+                 }
+               } while (processor() + board.processor_seconds() - start < 0.5);
+               return 1e-3 * static_cast<double>(sample - first) /
+                      (processor() + board.processor_seconds() - start);
              });
 }
 
@@ -104,7 +134,7 @@ int main(int argc, char** argv) {
     }
     fmt::print("{:<52} {:>10} {:>10} {:>10}\n", "", "median", "quartile", "quartile");
     for (const Row& r : {exchange_rate(false, 1), exchange_rate(false, 20), exchange_rate(true, 1),
-                         shot_time("sim:"), shot_time("qemu:")}) {
+                         exchange_cost(false), exchange_cost(true), shot_time("sim:"), shot_time("qemu:")}) {
       fmt::print("{:<52} {:>10.4g} {:>10.4g} {:>10.4g}  {}\n", r.name, r.median, r.low, r.high, r.unit);
       list.push_back(
           {{"what", r.name}, {"unit", r.unit}, {"median", r.median}, {"low", r.low}, {"high", r.high}});

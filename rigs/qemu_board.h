@@ -32,6 +32,8 @@ class QemuBoard final : public Board {
   firmware::lockstep::Refused send_raw(std::span<const std::uint8_t> bytes);
   /// Sequence number of the next frame.
   std::uint32_t sequence() const { return sequence_; }
+  /// Time the emulator has had on a processor so far, s.
+  double processor_seconds() const { return process_.processor_seconds(); }
   /// Closes the line; the emulator's exit code.
   int finish() { return process_.finish(); }
 

@@ -14,6 +14,7 @@
 #include <cstdlib>
 #include <cstring>
 #include <filesystem>
+#include <fstream>
 #include <thread>
 
 #include "rigs/rig.h"
@@ -135,6 +136,15 @@ QemuProcess::QemuProcess(const std::string& image, bool count_instructions) : co
 
 QemuProcess::~QemuProcess() {
   finish();
+}
+
+double QemuProcess::processor_seconds() const {
+  std::ifstream stat("/proc/" + std::to_string(pid_) + "/stat");
+  std::string word;
+  for (int field = 1; field < 14; ++field) stat >> word;  // the program's name holds no blank
+  double user = 0, system = 0;
+  stat >> user >> system;
+  return (user + system) / static_cast<double>(sysconf(_SC_CLK_TCK));
 }
 
 int QemuProcess::finish() {

@@ -30,6 +30,9 @@ class QemuProcess {
   /// costs several times the work in between.
   void share_core() const;
 
+  /// Time the emulator has had on a processor so far, s (Linux; resolution 10 ms).
+  double processor_seconds() const;
+
   /// Ends the line; the exit code of the emulator, or -1 when it had to be killed.
   int finish();
 

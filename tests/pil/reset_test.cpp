@@ -20,13 +20,13 @@ struct Run {
 };
 
 /// `input`: what the serial port receives.
-Run run_check_image(const std::string& mode, const std::string& input = {}) {
+Run run_check_image(const std::string& mode, const std::string& input = {}, const std::string& options = {}) {
   const std::string in = "check_image_" + mode + ".in";
   std::ofstream(in, std::ios::binary) << input;
   const std::string command =
       "timeout 60 qemu-system-arm -M mps2-an386 -display none -monitor none -serial stdio "
       "-kernel " POWBENCH_QEMU_CHECK_IMAGE " -semihosting-config enable=on,target=native,arg=" +
-      mode + " <" + in + " 2>&1";
+      mode + options + " <" + in + " 2>&1";
   Run run{-1, {}};
   FILE* pipe = popen(command.c_str(), "r");
   REQUIRE(pipe != nullptr);
@@ -40,6 +40,14 @@ Run run_check_image(const std::string& mode, const std::string& input = {}) {
 
 }  // namespace
 
+TEST_CASE("the control step may interrupt the background anywhere", "[pil]") {
+  if (!test::emulator_wanted()) return;
+  // time by instructions, so that every run interrupts at the same places
+  const Run run = run_check_image("preempt", {}, " -icount shift=6,align=off,sleep=off");
+  INFO(run.output);
+  CHECK(run.exit_code == 0);
+}
+
 TEST_CASE("a processor fault while energised: off, a note, a new start, and a latched fault",
           "[pil][fault]") {
   if (!test::emulator_wanted()) return;
@@ -47,9 +55,18 @@ TEST_CASE("a processor fault while energised: off, a note, a new start, and a la
     const Run run = run_check_image(mode);
     INFO(mode << ": " << run.output);
     CHECK(run.exit_code == 0);
-    CHECK(run.output.find("start 2: fault crash_reset pc ") != std::string::npos);
+    CHECK(run.output.find("start 2: fault crash_reset cause 1 pc ") != std::string::npos);
     CHECK(run.output.find("pc 00000000") == std::string::npos);
   }
+}
+
+TEST_CASE("a stack that overflows while energised runs into nothing and is a fault like the others",
+          "[pil][fault]") {
+  if (!test::emulator_wanted()) return;
+  const Run run = run_check_image("overflow");
+  INFO(run.output);
+  CHECK(run.exit_code == 0);
+  CHECK(run.output.find("start 2: fault crash_reset cause 7") != std::string::npos);
 }
 
 TEST_CASE("a main loop that hangs while energised is ended by the watchdog", "[pil][fault]") {

@@ -71,22 +71,73 @@ TEST_CASE("no two starts of a simulated rig have the same boot_id", "[rig]") {
 
 namespace {
 
+/// One channel of the last record at one scan, counts.
+std::int32_t recorded(SimWorld& world, std::int64_t scan, Channel channel) {
+  std::uint8_t bytes[2 * channel_count];
+  const auto& recorder = world.board().native()->controller().recorder();
+  recorder.copy(static_cast<std::uint64_t>(scan), 1, (1U << channel_count) - 1, bytes);
+  const std::size_t at = 2 * index(channel);
+  return static_cast<std::int16_t>(bytes[at] | bytes[at + 1] << 8);
+}
+
+void ask(SimWorld& world, const std::string& request) {
+  world.board().feed(0, {reinterpret_cast<const std::uint8_t*>(request.data()), request.size()});
+  world.notice_commands();
+}
+
+void shoot(SimWorld& world, int centi_degrees) {
+  const std::string angle = std::to_string(centi_degrees);
+  ask(world, "WRITE iio:device1 arm 1\r\n1");
+  ask(world, "WRITE iio:device1 OUTPUT phase0 raw " + std::to_string(angle.size()) + "\r\n" + angle);
+  ask(world, "WRITE iio:device1 fire 1\r\n1");
+  while (world.busy()) world.run(0.010);
+  REQUIRE(world.board().native()->controller().recorder().complete());
+}
+
 /// Longest time without coil current in the last record while the gate was on, samples.
 int longest_silence(SimWorld& world, std::int32_t no_current) {
-  const auto& recorder = world.board().native()->controller().recorder();
+  const std::int64_t on = world.board().native()->controller().recorder().fire_sample();
   int run = 0, longest = 0;
-  for (std::int64_t i = recorder.fire_sample(); i < recorder.fire_sample() + 9900; ++i) {
-    std::uint8_t scan[2 * channel_count];
-    recorder.copy(static_cast<std::uint64_t>(i), 1, (1U << channel_count) - 1, scan);
-    const std::size_t at = 2 * index(Channel::coil_current);
-    const auto value = static_cast<std::int16_t>(scan[at] | scan[at + 1] << 8);
-    run = std::abs(value) > no_current ? 0 : run + 1;
+  for (std::int64_t i = on; i < on + 9900; ++i) {
+    run = std::abs(recorded(world, i, Channel::coil_current)) > no_current ? 0 : run + 1;
     longest = std::max(longest, run);
   }
   return longest;
 }
 
 }  // namespace
+
+TEST_CASE("the contact can be asked to touch at an angle of the mains", "[rig][fire]") {
+  for (const int switched : {10, 75, 130, 200, 290}) {
+    // a shot whose coil is switched at an angle tells the closing time that belongs to it ...
+    SimWorld world({}, {});
+    world.board().publish({.seed = 5}, {});
+    shoot(world, 100 * switched);
+    const std::int64_t closing_ns = world.truth().touch_ns;
+    REQUIRE(closing_ns != firmware::PlantTruth::none);
+    // ... with which the contact is asked to touch where it then did, and the coil finds its own angle
+    const std::string delay = std::to_string(closing_ns / 1000);
+    ask(world, "WRITE iio:device1 touch_delay_us " + std::to_string(delay.size()) + "\r\n" + delay);
+    const int wanted = static_cast<int>((100 * switched + closing_ns * 18 / 10'000) % 36'000);  // 50 Hz
+    world.board().publish({.seed = 5}, {});
+    shoot(world, wanted);
+    REQUIRE(world.truth().touch_ns != firmware::PlantTruth::none);
+    // the mains as recorded: the last rising zero crossing ahead of the touch
+    const auto& recorder = world.board().native()->controller().recorder();
+    const firmware::Tick edge = recorder.edge();
+    const double touch = static_cast<double>(edge.sample - recorder.first_sample()) +
+                         edge.fraction / 65536.0 + static_cast<double>(world.truth().touch_ns) * 1e-9 * 100e3;
+    auto scan = static_cast<std::int64_t>(touch);
+    const auto mains = [&](std::int64_t i) { return recorded(world, i, Channel::mains_voltage); };
+    while (!(mains(scan) < 0 && mains(scan + 1) >= 0)) --scan;
+    const double crossing =
+        static_cast<double>(scan) - mains(scan) / static_cast<double>(mains(scan + 1) - mains(scan));
+    const double error = std::remainder(360.0 * (touch - crossing) / 2000.0 - wanted / 100.0, 360.0);
+    INFO("asked for " << wanted / 100.0 << " deg, " << delay << " us after the edge: error " << error
+                      << " deg");
+    CHECK(std::fabs(error) < 1.0);
+  }
+}
 
 TEST_CASE("the coil's current is never away for a fifth of the time that makes a fault", "[rig][fault]") {
   const SimRigConfig config;
@@ -97,19 +148,10 @@ TEST_CASE("the coil's current is never away for a fifth of the time that makes a
   for (const std::int64_t volts : {195, 253})
     for (const std::int64_t hertz : {50, 60}) {
       SimWorld world(config, {});
-      const auto ask = [&](const std::string& request) {
-        world.board().feed(0, {reinterpret_cast<const std::uint8_t*>(request.data()), request.size()});
-        world.notice_commands();
-      };
       for (int degrees = 0; degrees < 360; degrees += 30) {
         world.board().publish(
             {.supply_millivolts = 1000 * volts, .mains_millihertz = 1000 * hertz, .seed = degrees + 1}, {});
-        const std::string angle = std::to_string(100 * degrees);
-        ask("WRITE iio:device1 arm 1\r\n1");
-        ask("WRITE iio:device1 OUTPUT phase0 raw " + std::to_string(angle.size()) + "\r\n" + angle);
-        ask("WRITE iio:device1 fire 1\r\n1");
-        while (world.busy()) world.run(0.010);
-        REQUIRE(world.board().native()->controller().recorder().complete());
+        shoot(world, 100 * degrees);
         longest = std::max(longest, longest_silence(world, no_current));
       }
     }

@@ -32,11 +32,19 @@ void background_handler();
 
 [[noreturn]] void processor_fault(const std::uint32_t* frame);
 
-/// `frame`: what the processor has stacked.
+/// `frame`: what the processor has stacked. The stack may be what is broken: a fresh one.
 [[gnu::naked]] void fault_handler() {
   asm volatile(
       "mov r0, sp\n\t"
-      "b processor_fault");
+      "ldr r1, =image_stack_end\n\t"
+      "mov sp, r1\n\t"
+      "b processor_fault\n\t"
+      ".ltorg");
+}
+
+/// The image that is reset on purpose has one of its own.
+[[gnu::weak]] void tick_handler() {
+  fault_handler();
 }
 
 using Vector = void (*)();
@@ -57,7 +65,7 @@ extern const Vector vector_table[];
     fault_handler,  // DebugMonitor
     nullptr,
     fault_handler,         // PendSV
-    fault_handler,         // SysTick
+    tick_handler,          // SysTick
     sample_block_handler,  // interrupt 0: a block of samples is there
     background_handler,    // interrupt 1: and what may take longer
 };

@@ -44,13 +44,15 @@ void pvd_handler();
   postmortem.fault_status = scb().cfsr.read();
   postmortem.bus_address = scb().bfar.read();
   postmortem.program_counter = postmortem.link_register = 0;
-  if (frame >= low && frame + 32 <= high && frame % 4 == 0) {
-    const auto* stacked = reinterpret_cast<const std::uint32_t*>(static_cast<std::uintptr_t>(frame));
-    postmortem.link_register = stacked[5];
-    postmortem.program_counter = stacked[6];
+  const bool stacked = frame >= low && frame + 32 <= high && frame % 4 == 0;
+  if (stacked) {
+    const auto* words = reinterpret_cast<const std::uint32_t*>(static_cast<std::uintptr_t>(frame));
+    postmortem.link_register = words[5];
+    postmortem.program_counter = words[6];
   }
-  survivor.record_crash(crash_cause(postmortem.exception), postmortem.program_counter,
-                        postmortem.link_register);
+  survivor.record_crash(
+      stacked ? crash_cause(postmortem.exception) : powbench::firmware::CrashCause::stack_overflow,
+      postmortem.program_counter, postmortem.link_register);
   asm volatile("dsb");
   scb().aircr.write(Scb::aircr_reset);
   for (;;) {
