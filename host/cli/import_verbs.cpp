@@ -10,6 +10,7 @@
 #include "host/cli/scene.h"
 #include "host/cli/show.h"
 #include "host/cli/verbs.h"
+#include "host/cli/vibration.h"
 #include "host/export/events_json.h"
 #include "host/import/waveform.h"
 #include "host/store/hash.h"
@@ -125,6 +126,7 @@ Exit show_file_events(const EventsArgs& args) {
   }
   fmt::print("{}, method {}\n", args.shot, events.method);
   print_events(events);
+  for (const std::string& line : band_lines(in.record, events, in.options)) fmt::print("  {}\n", line);
   return Exit::pass;
 }
 

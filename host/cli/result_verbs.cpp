@@ -11,6 +11,7 @@
 #include "host/cli/scene.h"
 #include "host/cli/show.h"
 #include "host/cli/verbs.h"
+#include "host/cli/vibration.h"
 #include "host/export/csv.h"
 #include "host/import/calibration.h"
 #include "host/store/json.h"
@@ -122,7 +123,9 @@ Exit show_events(const EventsArgs& args) {
   const StoredShot shot = store.shot(id);
   const CampaignInfo campaign = store.campaign(shot.campaign);
   const RunOptions options = run_options(parse_plan(campaign.plan, "stored plan"));
-  const Events events = extract_checked(store.load_record(id), options);
+  Record record = store.load_record(id);
+  record.conditions = shot.conditions;
+  const Events events = extract_checked(record, options);
   if (args.json) {
     fmt::print("{}\n", to_json(events, 2));
     return Exit::pass;
@@ -130,6 +133,7 @@ Exit show_events(const EventsArgs& args) {
   fmt::print("shot {}, {}, commanded {:.2f} deg, method {}\n", shot.id, name(shot.kind), shot.angle_deg,
              events.method);
   print_events(events);
+  for (const std::string& line : band_lines(record, events, options.extract)) fmt::print("  {}\n", line);
   return Exit::pass;
 }
 
