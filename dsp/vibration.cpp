@@ -98,6 +98,7 @@ FilmVibration film_vibration(const Record& record, Channel film, const Events& e
   const double t_end = closing_end(record, f.signal);
   ForceAnalysis a = analyse_force(f, t_end, seat, o);
   v.force = f.signal;
+  v.settled = f.settled;
   v.stripped = std::move(a.stripped);
   v.ring = std::move(a.ring);
   const ContactTrain& train = train_of(events, film);

@@ -28,6 +28,7 @@ struct FilmVibration {
   Ring ring;                           ///< those modes; may be empty
   std::optional<Cancelled> cancelled;  ///< by a reference channel, when there is one; refused says why not
   std::string reference;               ///< its name
+  double settled = 0.0;                ///< N, at the end; 0 when not closed
   double shortest = 1e-3;              ///< s: shortest contact seen: its force must survive a filter
 };
 

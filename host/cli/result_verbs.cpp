@@ -122,10 +122,13 @@ Exit show_events(const EventsArgs& args) {
   const Store store(args.database, Store::Mode::read_only);
   const StoredShot shot = store.shot(id);
   const CampaignInfo campaign = store.campaign(shot.campaign);
-  const RunOptions options = run_options(parse_plan(campaign.plan, "stored plan"));
+  RunOptions options = run_options(parse_plan(campaign.plan, "stored plan"));
+  const LabRule rule{args.force_percent, args.voltage_percent, args.min_opening_us};
+  set_rule(options.extract, rule);
   Record record = store.load_record(id);
   record.conditions = shot.conditions;
-  const Events events = extract_checked(record, options);
+  Events events = extract_checked(record, options);
+  apply_rule(events, record, options.extract, rule);
   if (args.json) {
     fmt::print("{}\n", to_json(events, 2));
     return Exit::pass;

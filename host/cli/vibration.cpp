@@ -5,7 +5,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "dsp/force.h"
 #include "dsp/spectrum.h"
+#include "dsp/threshold.h"
 #include "host/compare/compare.h"
 
 namespace powbench::host {
@@ -141,6 +143,29 @@ std::optional<VibrationView> VibrationFinder::finish() {
   view.impact_ms = best->impact * 1e3;
   draw(view, *best);
   return view;
+}
+
+void set_rule(dsp::ExtractOptions& o, const LabRule& rule) {
+  if (rule.voltage_percent) o.open_share = *rule.voltage_percent / 100;
+  if (rule.min_opening_us) {
+    o.merge_openings = *rule.min_opening_us * 1e-6;
+    o.min_open_voltage = std::max(o.min_open_voltage, o.merge_openings);
+  }
+}
+
+void apply_rule(Events& e, const Record& record, const dsp::ExtractOptions& options, const LabRule& rule) {
+  if (!rule.force_percent) return;
+  dsp::ThresholdRule r;
+  r.share = *rule.force_percent / 100;
+  if (rule.min_opening_us) r.min_open = *rule.min_opening_us * 1e-6;
+  for (const auto& [film, train] : {std::pair{Channel::pvdf_a, &e.pvdf_a}, {Channel::pvdf_b, &e.pvdf_b}}) {
+    if (!train->present) continue;
+    const dsp::FilmVibration v = dsp::film_vibration(record, film, e, options);
+    const ContactTrain fitted = *train;
+    *train = dsp::threshold_train(v.stripped, v.settled, fitted.noise, dsp::closing_end(record, v.force), r);
+    train->flags |= fitted.flags;
+  }
+  e.method = fmt::format("crossing of {:g} % of the settled force", *rule.force_percent);
 }
 
 std::vector<std::string> band_lines(const Record& record, const Events& events,

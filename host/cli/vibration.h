@@ -37,6 +37,18 @@ class VibrationFinder {
   double angle_ = 0;
 };
 
+/// A laboratory's rule in place of powbench's own definitions; what is not given stays as it is.
+struct LabRule {
+  std::optional<double> force_percent, voltage_percent, min_opening_us;
+  bool any() const { return force_percent || voltage_percent || min_opening_us; }
+};
+
+/// Sets the options that the extraction itself has for the rule.
+void set_rule(dsp::ExtractOptions&, const LabRule&);
+
+/// Replaces the films' trains by crossings of a level where a share of the settled force is given.
+void apply_rule(Events&, const Record&, const dsp::ExtractOptions&, const LabRule&);
+
 /// Bands of one closing alone, one line a film, for the terminal.
 std::vector<std::string> band_lines(const Record&, const Events&, const dsp::ExtractOptions&);
 
