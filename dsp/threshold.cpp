@@ -11,7 +11,18 @@ namespace powbench::dsp {
 
 namespace {
 
-constexpr double smoothing = 12e-6;  // s
+constexpr double most_smoothing = 12e-6;  // s
+
+double smoothed_noise(double noise, double width, double dt) {
+  return width > 0 ? noise * gaussian_noise_gain(width / dt) : noise;
+}
+
+/// Smoothing moves a low crossing on a hard pulse outwards: no more of it than the noise asks for.
+double least_width(double level, double noise, double dt) {
+  for (double width = 0; width<most_smoothing; width = width> 0 ? 1.5 * width : 1e-6)
+    if (8 * smoothed_noise(noise, width, dt) <= level) return width;
+  return most_smoothing;
+}
 
 void check(const ThresholdRule& r) {
   if (!(r.share > 0 && r.share < 1))
@@ -94,10 +105,10 @@ ContactTrain threshold_train(const Signal& force, double settled, double noise, 
   if (force.empty()) return t;
   t.present = true;
   t.noise = noise;
-  const double width = smoothing / force.dt;
-  const auto smooth = gaussian_smooth(force.value, width);
-  const Level l{force, smooth, rule.share * settled, noise * gaussian_noise_gain(width)};
-  t.resolution = std::max({rule.min_open, 4 * smoothing, 3 * force.dt});
+  const double height = rule.share * settled, width = least_width(height, noise, force.dt);
+  const auto smooth = width > 0 ? gaussian_smooth(force.value, width / force.dt) : force.value;
+  const Level l{force, smooth, height, smoothed_noise(noise, width, force.dt)};
+  t.resolution = std::max({rule.min_open, 4 * width, 3 * force.dt});
   if (!(l.level > 3 * l.noise)) {
     t.flags |= flag_poor_fit;
     return t;

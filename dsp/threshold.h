@@ -13,7 +13,7 @@ struct ThresholdRule {
   double min_closed = 0.0;  ///< s: shorter closings count as open
 };
 
-/// Crossings of share x settled by `force` (N, vibration taken out; smoothed by a Gaussian of 12 us), interpolated linearly,
+/// Crossings of share x settled by `force` (N, vibration taken out; smoothed by a Gaussian of up to 12 us where the level is below eight times the noise), interpolated linearly,
 /// with a hysteresis of four times the smoothed noise, at most half the level. Uncertainty: noise over slope and a tenth of the
 /// sample interval; the level's own distance from zero force is part of the rule, not of it. `noise`: N, one sample.
 /// Without a settled force, or with a level below three times the smoothed noise, the train has no contacts and
