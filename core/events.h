@@ -32,6 +32,8 @@ enum Flag : std::uint32_t {
   flag_no_calibration = 1U << 8,  ///< the calibration is missing or expired
   flag_angle_off =
       1U << 9,  ///< closing angle reached differs from the commanded one by more than the tolerance
+  flag_gain =
+      1U << 10,  ///< a settled force no contact has, or one film's far from the other's: a gain may be wrong
 };
 
 /// One closed interval of one contact.

@@ -51,6 +51,21 @@ void admit(ContactTrain& t, const Span& span) {
   if (t.contacts.size() != before) t.bounce_count = std::max<int>(0, static_cast<int>(t.contacts.size()) - 1);
 }
 
+constexpr double least_settled = 0.05, most_settled = 200;  // N, of one break of a contactor
+constexpr double unlike = 5;                                // ratio of the two breaks' settled forces
+
+/// A gain wrong by ten shows in the settled force, which springs fix within a factor of a few.
+void check_gains(ContactTrain& a, ContactTrain& b) {
+  for (ContactTrain* t : {&a, &b}) {
+    const double f = t->settled_force.value;
+    if (t->present && t->settled_force.known() && f != 0 && !(f >= least_settled && f <= most_settled))
+      t->flags |= flag_gain;
+  }
+  const double fa = a.settled_force.value, fb = b.settled_force.value;
+  if (!a.present || !b.present || !(fa > 0) || !(fb > 0)) return;
+  if (std::max(fa, fb) > unlike * std::min(fa, fb)) a.flags |= flag_gain, b.flags |= flag_gain;
+}
+
 }  // namespace
 
 void admit_doubt(Events& e, const Record& record) {
@@ -63,6 +78,8 @@ void admit_doubt(Events& e, const Record& record) {
     admit(*t, span);
     e.flags |= t->flags;
   }
+  check_gains(e.pvdf_a, e.pvdf_b);
+  e.flags |= (e.pvdf_a.flags | e.pvdf_b.flags) & flag_gain;
   for (Measured* m : {&e.core.seat, &e.core.settled, &e.core.bounce_time, &e.core.impact_velocity,
                       &e.core.travel, &e.coil.closing_angle, &e.coil.switch_on, &e.coil.mains_hertz,
                       &e.coil.supply_volts, &e.coil.peak_current})

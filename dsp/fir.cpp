@@ -77,9 +77,9 @@ std::vector<double> design_fir(FilterKind kind, double low_hertz, double high_he
   return h;
 }
 
-OverlapSave::OverlapSave(std::vector<double> taps, FftEffort effort)
+OverlapSave::OverlapSave(std::vector<double> taps, FftEffort effort, bool pairs)
     : taps_(checked_taps(std::move(taps))), length_(block_length(taps_.size())) {
-  if (PairConvolver::available()) {
+  if (pairs && PairConvolver::available()) {
     pair_.emplace(length_, taps_);
     edge_.resize(4 * length_);
     return;

@@ -28,7 +28,9 @@ std::vector<double> design_fir(FilterKind, double low_hertz, double high_hertz, 
 class OverlapSave {
  public:
   /// An odd number M of taps. Throws std::invalid_argument otherwise, or when one is not finite.
-  explicit OverlapSave(std::vector<double> taps, FftEffort = FftEffort::quick);
+  /// `pairs`: two blocks in one transform; only where the processor can.
+  explicit OverlapSave(std::vector<double> taps, FftEffort = FftEffort::quick,
+                       bool pairs = PairConvolver::available());
 
   std::size_t taps() const { return taps_.size(); }
   std::size_t edge() const { return (taps_.size() - 1) / 2; }  ///< samples at either end that saw the outside

@@ -7,6 +7,7 @@
 #include "core/version.h"
 #include "dsp/prepare.h"
 #include "host/cli/scene.h"
+#include "host/cli/vibration.h"
 
 namespace powbench::host {
 
@@ -97,10 +98,16 @@ ReportInput gather_report(const Store& store, const CampaignInfo& c, const std::
   input.limits = options.limits;
   input.published = published_rows();
   input.extraction_parameters = dsp::to_text(options.extract);
+  VibrationFinder vibration(options.extract);
   for (const StoredShot& s : shots) {
     const auto events = store.load_events(s.id);
     std::vector<Waveform> waves;
-    if (!s.record_hash.empty()) waves = waveforms(store.load_record(s.id), options.extract);
+    if (!s.record_hash.empty()) {
+      Record record = store.load_record(s.id);
+      record.conditions = s.conditions;
+      waves = waveforms(record, options.extract);
+      if (events && s.kind == ShotKind::measured) vibration.add(s.number + 1, record, *events);
+    }
     if (s.kind == ShotKind::measured)
       input.shots.push_back({.index = s.number + 1,
                              .conditions = s.conditions,
@@ -113,6 +120,7 @@ ReportInput gather_report(const Store& store, const CampaignInfo& c, const std::
       input.simulated.push_back(
           {.closing_angle = radians(s.angle_deg), .events = *events, .waveforms = std::move(waves)});
   }
+  input.vibration = vibration.finish();
   input.comparison = compare_stored(store, c);
   return input;
 }

@@ -10,6 +10,7 @@
 #include "host/cli/scene.h"
 #include "host/cli/show.h"
 #include "host/cli/verbs.h"
+#include "host/cli/vibration.h"
 #include "host/export/events_json.h"
 #include "host/import/waveform.h"
 #include "host/store/hash.h"
@@ -117,7 +118,10 @@ Exit import_waveform_file(const ImportArgs& args) {
 
 Exit show_file_events(const EventsArgs& args) {
   Imported in = read(args.shot, args.calibration);
-  const Events events = extract_imported(in, in.options);
+  const LabRule rule{args.force_percent, args.voltage_percent, args.min_opening_us};
+  set_rule(in.options, rule);
+  Events events = extract_imported(in, in.options);
+  apply_rule(events, in.record, in.options, rule);
   for (const std::string& note : in.notes) fmt::print(stderr, "{}: {}\n", args.shot, note);
   if (args.json) {
     fmt::print("{}\n", to_events_json(events, in.record));
@@ -125,6 +129,7 @@ Exit show_file_events(const EventsArgs& args) {
   }
   fmt::print("{}, method {}\n", args.shot, events.method);
   print_events(events);
+  for (const std::string& line : band_lines(in.record, events, in.options)) fmt::print("  {}\n", line);
   return Exit::pass;
 }
 

@@ -158,6 +158,15 @@ void add_result_verbs(CLI::App& app) {
           "import --help`")
       ->required();
   show->add_option("--calibration", events->calibration, "calibration file of a CSV file");
+  show->add_option(
+          "--force-percent", events->force_percent,
+          "lab rule: closed above this share of the settled force, instead of where the force leaves zero")
+      ->check(CLI::Range(0.1, 99.0));
+  show->add_option("--voltage-percent", events->voltage_percent,
+                   "lab rule: open above this share of the open-circuit contact voltage (50)")
+      ->check(CLI::Range(1.0, 99.0));
+  show->add_option("--min-opening-us", events->min_opening_us, "lab rule: shorter openings count as closed")
+      ->check(CLI::Range(0.0, 1e5));
   add_result_options(show, *events);
   auto comparison = std::make_shared<ResultArgs>();
   add_result_options(

@@ -11,6 +11,7 @@
 #include "host/cli/scene.h"
 #include "host/cli/show.h"
 #include "host/cli/verbs.h"
+#include "host/cli/vibration.h"
 #include "host/export/csv.h"
 #include "host/import/calibration.h"
 #include "host/store/json.h"
@@ -121,8 +122,13 @@ Exit show_events(const EventsArgs& args) {
   const Store store(args.database, Store::Mode::read_only);
   const StoredShot shot = store.shot(id);
   const CampaignInfo campaign = store.campaign(shot.campaign);
-  const RunOptions options = run_options(parse_plan(campaign.plan, "stored plan"));
-  const Events events = extract_checked(store.load_record(id), options);
+  RunOptions options = run_options(parse_plan(campaign.plan, "stored plan"));
+  const LabRule rule{args.force_percent, args.voltage_percent, args.min_opening_us};
+  set_rule(options.extract, rule);
+  Record record = store.load_record(id);
+  record.conditions = shot.conditions;
+  Events events = extract_checked(record, options);
+  apply_rule(events, record, options.extract, rule);
   if (args.json) {
     fmt::print("{}\n", to_json(events, 2));
     return Exit::pass;
@@ -130,6 +136,7 @@ Exit show_events(const EventsArgs& args) {
   fmt::print("shot {}, {}, commanded {:.2f} deg, method {}\n", shot.id, name(shot.kind), shot.angle_deg,
              events.method);
   print_events(events);
+  for (const std::string& line : band_lines(record, events, options.extract)) fmt::print("  {}\n", line);
   return Exit::pass;
 }
 

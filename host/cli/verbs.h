@@ -74,8 +74,11 @@ Exit list_campaigns(const ResultArgs&);
 Exit compare_campaign(const ResultArgs&);
 
 struct EventsArgs : ResultArgs {
-  std::string shot;         ///< id of a stored shot, or a waveform file
-  std::string calibration;  ///< of a waveform file; "" = the one beside it
+  std::string shot;                       ///< id of a stored shot, or a waveform file
+  std::string calibration;                ///< of a waveform file; "" = the one beside it
+  std::optional<double> force_percent;    ///< lab rule: closed above this share of the settled force
+  std::optional<double> voltage_percent;  ///< of the open-circuit voltage: open above it
+  std::optional<double> min_opening_us;   ///< shorter openings count as closed
 };
 Exit show_events(const EventsArgs&);
 Exit show_file_events(const EventsArgs&);

@@ -69,7 +69,7 @@ std::string short_hash(const std::string& hash) {
 }
 
 std::string flags_text(std::uint32_t flags) {
-  static constexpr std::array<std::pair<std::uint32_t, std::string_view>, 10> words{
+  static constexpr std::array<std::pair<std::uint32_t, std::string_view>, 11> words{
       {{flag_clipped, "clipped"},
        {flag_gap, "lost samples"},
        {flag_edge, "filter edge"},
@@ -79,7 +79,8 @@ std::string flags_text(std::uint32_t flags) {
        {flag_contradiction, "force and contact voltage disagree"},
        {flag_ring_overlap, "core vibration overlaps"},
        {flag_no_calibration, "no valid calibration"},
-       {flag_angle_off, "angle off"}}};
+       {flag_angle_off, "angle off"},
+       {flag_gain, "gain implausible"}}};
   std::string text;
   for (const auto& [flag, word] : words) {
     if ((flags & flag) == 0) continue;

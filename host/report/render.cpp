@@ -50,6 +50,7 @@ std::string render_html(const ReportInput& input) {
     out.embed(chart_section(input));
     for (const auto& view : angles) out.embed(angle_section(input, view, window));
   }
+  if (input.vibration) out.embed(vibration_section(*input.vibration));
   out.embed(shot_section(input));
   out.embed(definitions_section(input));
   out.open("footer");

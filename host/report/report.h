@@ -12,6 +12,7 @@
 #include "core/outcome.h"
 #include "host/compare/limits.h"
 #include "host/paper/published.h"
+#include "host/report/vibration.h"
 
 /// What a campaign's report is made of, and the two texts made from it. Nothing is read or written here.
 
@@ -72,7 +73,8 @@ struct ReportInput {
   Comparison comparison;                ///< from `compare`
   std::vector<PublishedRow> published;  ///< rows shown beside the measurement; empty = none
   std::vector<Limit> limits;
-  std::string extraction_parameters;  ///< one `name=value` a line
+  std::optional<VibrationView> vibration;  ///< of the core on the films; absent without a film
+  std::string extraction_parameters;       ///< one `name=value` a line
 };
 
 /// Shots by outcome.

@@ -18,6 +18,7 @@ Markup header_section(const ReportInput&);
 Markup summary_section(const ReportInput&);
 Markup chart_section(const ReportInput&);
 Markup angle_section(const ReportInput&, const AngleView&, const Range& window_ms);
+Markup vibration_section(const VibrationView&);
 Markup shot_section(const ReportInput&);
 Markup definitions_section(const ReportInput&);
 

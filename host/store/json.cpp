@@ -13,7 +13,7 @@ namespace {
 using nlohmann::json;
 using Ordered = nlohmann::ordered_json;
 
-constexpr std::array<std::pair<std::uint32_t, const char*>, 10> flag_table{
+constexpr std::array<std::pair<std::uint32_t, const char*>, 11> flag_table{
     {{flag_clipped, "clipped"},
      {flag_gap, "gap"},
      {flag_edge, "edge"},
@@ -23,7 +23,8 @@ constexpr std::array<std::pair<std::uint32_t, const char*>, 10> flag_table{
      {flag_contradiction, "contradiction"},
      {flag_ring_overlap, "ring_overlap"},
      {flag_no_calibration, "no_calibration"},
-     {flag_angle_off, "angle_off"}}};
+     {flag_angle_off, "angle_off"},
+     {flag_gain, "gain"}}};
 
 Ordered flags_json(std::uint32_t flags) {
   Ordered list = Ordered::array();

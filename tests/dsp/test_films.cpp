@@ -5,6 +5,7 @@
 #include "dsp/doubt.h"
 #include "dsp/extract.h"
 #include "dsp/force.h"
+#include "dsp/threshold.h"
 
 using namespace powbench;
 using namespace powbench::dsp;
@@ -152,4 +153,46 @@ TEST_CASE("what a fit could not tell is admitted") {
   CHECK(e.pvdf_a.contacts[1].peak.value == 4);
   CHECK(e.pvdf_a.bounce_count == 1);
   CHECK_FALSE(e.core.seat.known());
+}
+
+TEST_CASE("a gain wrong by ten is suspected from the settled forces") {
+  for (const double gain : {0.1, 1.0, 10.0}) {
+    Record r = films(0, 0);
+    r.channels[0].scale *= gain;
+    Events e = extract_events(r);
+    admit_doubt(e, r);
+    CHECK(((e.flags & flag_gain) != 0) == (gain != 1.0));
+  }
+  Record milli = films(0, 0);
+  milli.channels.pop_back();
+  milli.channels[0].scale *= 1e-3;  // alone, but no contact settles at 4 mN
+  Events e = extract_events(milli);
+  admit_doubt(e, milli);
+  CHECK((e.pvdf_a.flags & flag_gain) != 0);
+}
+
+TEST_CASE("a laboratory's level: times where the force crosses a share of the settled force") {
+  const Record r = films(0, 0, false, 0.005);
+  const Force a = restore_force(r, Channel::pvdf_a, {}, std::nullopt);
+  for (const double share : {0.1, 0.5}) {
+    const ContactTrain t = threshold_train(a.signal, a.settled, a.noise, 0.05, {share, 0, 0});
+    REQUIRE(t.contacts.size() == 2);
+    const double level = share * 4,
+                 across = std::asin(level / 10) / pi * 1e-3;  // into a half sine of 1 ms and 10 N
+    CHECK(std::abs(t.contacts[0].touch.value - 12e-3 - across) < 2 * us);
+    CHECK(std::abs(t.contacts[0].release.value - 13e-3 + across) < 2 * us);
+    CHECK(std::abs(t.contacts[1].touch.value - 15e-3 + 0.3e-3 * std::log(1 - share)) < 3 * us);
+    CHECK_FALSE(t.contacts[1].release.known());
+    CHECK(t.bounce_count == 1);
+    CHECK(t.contacts[0].peak.value == Approx(10).margin(0.05));
+    CHECK(t.contacts[0].impulse.value == Approx(10e-3 * 2 / pi * std::cos(pi * across / 1e-3)).epsilon(0.01));
+  }
+  CHECK(threshold_train(a.signal, a.settled, a.noise, 0.05, {0.1, 2.5e-3, 0}).contacts.size() == 1);
+  CHECK(threshold_train(a.signal, a.settled, a.noise, 0.05, {0.1, 0, 1.5e-3}).contacts.size() == 1);
+  const ContactTrain none = threshold_train(a.signal, 0.0, a.noise, 0.05, {});
+  CHECK(none.contacts.empty());
+  CHECK((none.flags & flag_poor_fit) != 0);
+  CHECK_FALSE(threshold_train({}, 4, 0.1, 0.05, {}).present);
+  CHECK_THROWS_AS(threshold_train(a.signal, 4, 0.1, 0.05, {1.0, 0, 0}), std::invalid_argument);
+  CHECK_THROWS_AS(threshold_train(a.signal, 4, 0.1, 0.05, {0.1, -1, 0}), std::invalid_argument);
 }

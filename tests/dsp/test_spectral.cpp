@@ -95,9 +95,10 @@ TEST_CASE("two blocks in one transform are two circular convolutions") {
   CHECK_THROWS_AS(PairConvolver(256, noise(257, 1)), std::invalid_argument);
 }
 
-TEST_CASE("overlap-save is the direct convolution, for every length of record") {
+TEST_CASE("overlap-save is the direct convolution, for every length of record, in pairs and block by block") {
+  const bool pairs = GENERATE(true, false);
   for (const std::size_t taps : {3, 63, 501}) {
-    OverlapSave filter(design_fir(FilterKind::band, 2e3, 9e3, 100e3, taps));
+    OverlapSave filter(design_fir(FilterKind::band, 2e3, 9e3, 100e3, taps), FftEffort::quick, pairs);
     const auto h = design_fir(FilterKind::band, 2e3, 9e3, 100e3, taps);
     for (const std::size_t n : {1UL, 2UL, taps, filter.block(), 3 * filter.block() + 17}) {
       const auto x = noise(n, n);

@@ -233,3 +233,40 @@ TEST_CASE("measured, simulated and published stand side by side", "[report]") {
   CHECK(contains(html, "<td class=\"pub\">16.82 \xE2\x80\xA0</td>"));  // excluded row at 90 deg
   CHECK(contains(html, "0 of 0 shots measured"));
 }
+
+TEST_CASE("core vibration: bands, refusal and pictures, whatever the numbers are", "[report]") {
+  ReportInput in;
+  VibrationView v;
+  v.shot = 3;
+  v.angle = radians(60);
+  v.impact_ms = 14.2;
+  v.film = "film A";
+  v.films.push_back({"film A",
+                     "coherence with aux over 20 closings",
+                     {{2900, 3200}, {7e3, 7.2e3}},
+                     3220,
+                     -0.7,
+                     -28.4,
+                     true,
+                     "refused",
+                     "aux explains 91 %"});
+  v.films.push_back(
+      {"film B", "1 <mode> & more", {}, 1500, -INFINITY, -INFINITY, false, "low-pass 1.50 kHz", ""});
+  for (const char* label : {"before switch-on", "at the impact", "less the fitted modes"})
+    v.spectra.push_back({label, {0, 1e3, 2e3, 30e3}, {-80, -20, -40, NAN}});
+  v.maps.push_back({"before / kHz", 4, 0.5, 400, 20, 60, std::vector<float>(1200, -30.0F)});
+  v.maps.push_back({"after / kHz", 4, 0.5, 400, 20, 60, std::vector<float>(1200, -300.0F)});
+  in.vibration = v;
+  check_page(in);
+  const std::string html = render_html(in);
+  CHECK(contains(html, "Core vibration on the films"));
+  CHECK(contains(html, ">refused<"));
+  CHECK(contains(html,
+                 "2.90\xE2\x80\x93"
+                 "3.20"));
+  CHECK(contains(html, "1 &lt;mode&gt; &amp; more"));
+  in.vibration->spectra.clear();
+  in.vibration->maps.clear();
+  in.vibration->films.clear();
+  check_page(in);
+}

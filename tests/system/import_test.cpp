@@ -38,6 +38,22 @@ TEST_CASE("a shot of the simulated rig: export, import, events: the same times",
         0.1e-6);
   CHECK(after["closing_angle_deg"].get<double>() == Approx(60).margin(0.5));
 
+  const Finished people = run(folder, {"events", csv});
+  CHECK_THAT(people.out, Contains("film A: ") && Contains("re-openings"));
+  CHECK((people.out.find("core vibrates at") != std::string::npos ||
+         people.out.find("no core vibration stands out") != std::string::npos));
+  double before_level = 0;
+  for (const char* percent : {"10", "50", "90"}) {
+    const Finished lab =
+        run(folder, {"events", csv, "--force-percent", percent, "--min-opening-us", "20", "--json"});
+    REQUIRE(lab.status == 0);
+    const json crossings = json::parse(lab.out)["channels"]["pvdf_a"]["contacts"];
+    REQUIRE_FALSE(crossings.empty());
+    CHECK(crossings[0]["touch_s"].get<double>() > before_level);  // a higher level is crossed later
+    before_level = crossings[0]["touch_s"].get<double>();
+  }
+  CHECK(run(folder, {"events", csv, "--force-percent", "120"}).status == 2);
+
   const Finished first = run(folder, {"import", csv, "--db", db}),
                  again = run(folder, {"import", csv, "--db", db});
   CHECK(first.status == 0);
