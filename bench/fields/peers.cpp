@@ -182,10 +182,10 @@ std::string freefem_input(double ampere_turns, int most) {
          "    : (hk + (sqrt(square) - bk) * invmu) / sqrt(max(square, 1e-9)));\n"
          "  extra = (steel < 0.5) ? 0 : ((square < bk * bk) ? 36 * exp(1.8 * min(square, bk * bk))\n"
          "    : (invmu - rel) / max(square, 1e-9));\n"
-         "  real[int] load = right(0, Linear, tgv = -1);\n"
-         "  rest = load.l2; if (n == 0) first = rest; if (rest < 1e-8 * first) break;\n"
+         "  real[int] rhs = right(0, Linear, tgv = -1);\n"
+         "  rest = rhs.l2; if (n == 0) first = rest; if (rest < 1e-8 * first) break;\n"
          "  matrix Newton = left(Linear, Linear, tgv = -1); set(Newton, solver = sparsesolver);\n"
-         "  real[int] step = Newton^-1 * load; u[] += step;\n"
+         "  real[int] step = Newton^-1 * rhs; u[] += step;\n"
          "}\n"
          "real linkage = int2d(Grid, 3)(2 * 0.015 / 126. * 1e-3 * u);\n"
          "ofstream file(\"linkage_ff.txt\"); file.precision(12); file << n << \" \" << linkage << endl;\n";
