@@ -3,6 +3,7 @@
 #include <string>
 
 #include "core/units.h"
+#include "sim/fields/magnet_shape.h"
 
 /// One contactor, as the simulator sees it. SI. The defaults are the reference contactor of
 /// `scenes/reference.specimen.toml`. Symbols are those of docs/notation.md.
@@ -77,6 +78,7 @@ struct Specimen {
   Core core;
   Bridges bridges;
   Base base;
+  MagnetShape shape;  ///< read by the field rungs alone; the lumped circuit has its own lengths in `magnet`
 };
 
 }  // namespace powbench::sim

@@ -55,7 +55,25 @@ namespace {
   X(base, core_mass, "core_mass_g", 1e-3, 0, 1e6,                                                            \
     "M_s, static core on buffer springs; 0 = part of the base")                                              \
   X(base, core_hertz, "core_mode_Hz", 1, 0.1, 1e5, "f_s, mode of the static core on its buffer")             \
-  X(base, core_damping, "core_damping", 1, 0, 2, "z_s, damping ratio of that mode")
+  X(base, core_damping, "core_damping", 1, 0, 2, "z_s, damping ratio of that mode")                          \
+  X(shape, centre_width, "centre_width_mm", 1e-3, 2, 200, "centre leg of the core")                          \
+  X(shape, outer_width, "outer_width_mm", 1e-3, 1, 100, "each outer leg")                                    \
+  X(shape, window_width, "window_width_mm", 1e-3, 1, 200, "between centre and outer leg")                    \
+  X(shape, fixed_window, "fixed_window_mm", 1e-3, 2, 300, "height of the window in the fixed half")          \
+  X(shape, moving_window, "moving_window_mm", 1e-3, 0, 300,                                                  \
+    "height of the window in the moving half; 0: flat armature")                                             \
+  X(shape, yoke, "yoke_mm", 1e-3, 1, 100, "height of both yokes")                                            \
+  X(shape, stack, "stack_mm", 1e-3, 1, 300, "depth of the lamination stack")                                 \
+  X(shape, stack_factor, "stack_factor", 1, 0.5, 1, "share of iron in the stack")                            \
+  X(shape, coil_width, "coil_width_mm", 1e-3, 0.5, 200, "section of the winding in one window")              \
+  X(shape, coil_height, "coil_height_mm", 1e-3, 0.5, 300, "section of the winding in one window")            \
+  X(shape, coil_offset, "coil_offset_mm", 1e-3, 0, 100,                                                      \
+    "from the bottom of the fixed window to the winding")                                                    \
+  X(shape, ring_share, "ring_share", 1, 0, 0.95, "of each outer leg inside the shading ring; 0: no ring")    \
+  X(shape, ring_depth, "ring_depth_mm", 1e-3, 0.2, 100, "depth of the ring's slot below the pole face")      \
+  X(shape, ring_slot, "ring_slot_mm", 1e-3, 0.2, 20, "width of the ring's slot")                             \
+  X(shape, centre_gap, "centre_gap_mm", 1e-3, 0, 2,                                                          \
+    "by which the fixed centre leg is shorter than the outer legs")
 
 constexpr std::array table{
 #define POWBENCH_X(part, member, key, unit, low, high, meaning)                                         \

@@ -11,7 +11,7 @@
 namespace powbench::sim {
 
 struct SpecimenField {
-  std::string_view section;              ///< coil, magnet, core, bridges, base
+  std::string_view section;              ///< coil, magnet, core, bridges, base, shape
   std::string_view key;                  ///< with the unit in its name, e.g. gap_mm
   double si_per_unit;                    ///< factor from the unit of the key to SI
   double low, high;                      ///< allowed, in the unit of the key

@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <stdexcept>
 
+#include "sim/fields/core_mesh.h"
 #include "sim/specimen_fields.h"
 
 namespace powbench::sim {
@@ -44,6 +45,8 @@ std::vector<SpecimenError> validate(const Specimen& s) {
                       text(f.low) + " .. " + text(f.high)});
   }
   check_gaps(s, errors);
+  if (errors.empty())
+    for (const auto& e : shape_errors(s.shape)) errors.push_back({e.key, e.value, e.range});
   return errors;
 }
 

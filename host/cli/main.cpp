@@ -206,6 +206,18 @@ void add_study_verbs(CLI::App& app) {
                    "specimen file (TOML); the reference contactor if left out");
   show->add_option("--fit", tables->fit_file, "fit file of `powbench fit`: its held-out predictions");
   show->add_flag("--json", tables->json, "JSON to stdout");
+  auto field_args = std::make_shared<FieldArgs>();
+  CLI::App* field = verb(app, "field", "The magnet's potential by finite elements: table and pictures",
+                         field_args, show_field);
+  field->add_option("specimen", field_args->specimen_file,
+                    "specimen file (TOML); the reference contactor if left out");
+  field->add_option("-o,--output", field_args->folder, "folder for table and pictures; made if missing")
+      ->capture_default_str();
+  field->add_option("--accuracy", field_args->accuracy, "relative error of current and pull")
+      ->capture_default_str();
+  field->add_option("--steel", field_args->steel, "built-in steel in place of the specimen's law");
+  field->add_flag("--ring", field_args->ring, "the shading ring as a third variable");
+  field->add_flag("--json", field_args->json, "JSON to stdout");
   auto args = std::make_shared<DemoArgs>();
   CLI::App* all =
       verb(app, "demo", "The whole path on the simulated rig: run, simulate, compare, report", args, demo);

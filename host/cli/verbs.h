@@ -110,6 +110,16 @@ struct TablesArgs {
 };
 Exit show_tables(const TablesArgs&);
 
+struct FieldArgs {
+  std::string specimen_file;  ///< "" = the reference contactor
+  std::string folder = "field";
+  std::string accuracy = "0.5%";
+  std::string steel;  ///< built-in steel; "" = the specimen's law
+  bool ring = false;  ///< the shading ring as a third variable
+  bool json = false;
+};
+Exit show_field(const FieldArgs&);
+
 struct DemoArgs {
   std::string folder = "powbench-demo";
   std::string rig = "sim:";

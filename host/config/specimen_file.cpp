@@ -15,6 +15,7 @@ std::string meaning_of(std::string_view section) {
   if (section == "bridges")
     return "contact bridges with overtravel springs; forces, rates and masses of one bridge";
   if (section == "base") return "static core and fixed contacts as one floating mass on the mounting";
+  if (section == "shape") return "the laminated core seen from the side, for the field rungs";
   return std::string(section);
 }
 

@@ -14,7 +14,7 @@ double dot(const std::vector<double>& a, const std::vector<double>& b) {
   return sum;
 }
 
-FieldSetup setup_of(const MagnetDesign& d, const FieldOptions& o) {
+FieldSetup setup_of(const MagnetDesign& d, const FieldOptions& o, double iron_conductivity) {
   FieldSetup f;
   f.order = o.order;
   f.depth = 2 * d.shape.stack;
@@ -24,6 +24,10 @@ FieldSetup setup_of(const MagnetDesign& d, const FieldOptions& o) {
   f.windings = {{{{CoreRegion::coil, d.turns}}}};
   if (d.shape.ring_share > 0)
     f.windings.push_back({{{CoreRegion::ring_inner, 1.0}, {CoreRegion::ring_outer, -1.0}}});
+  if (iron_conductivity > 0) {
+    f.conductivity.assign(CoreRegion::count, 0);
+    f.conductivity[CoreRegion::fixed_iron] = f.conductivity[CoreRegion::moving_iron] = iron_conductivity;
+  }
   f.strip_region = CoreRegion::strip;
   f.strip_height = strip_height;
   return f;
@@ -54,18 +58,23 @@ CoreMeshSizes sizes_for(double accuracy) {
     throw std::invalid_argument("accuracy = " + std::to_string(accuracy * 100) + " %, allowed 0.02 .. 5 %");
   CoreMeshSizes z;
   const double coarser = accuracy / 1e-3;  // the error grows about with the size at the corners
-  if (coarser <= 1) return z.scaled(coarser);
+  if (coarser <= 1) return z.scaled(std::pow(coarser, 0.62));
   z.corner = std::min(0.12e-3 * std::pow(coarser, 0.85), 0.8e-3);
   z.other = std::min(1.5e-3 * std::sqrt(coarser), 4e-3);
   z.iron = std::min(3e-3 * std::sqrt(coarser), 6e-3);
   return z;
 }
 
+FieldProblem magnet_problem(const MagnetDesign& design, const FieldOptions& options,
+                            double iron_conductivity) {
+  check(design);
+  return FieldProblem(core_mesh(design.shape, options.sizes, options.largest_gap),
+                      setup_of(design, options, iron_conductivity));
+}
+
 MagnetField::MagnetField(const MagnetDesign& design, const FieldOptions& options)
     : design_(design), options_(options) {
-  check(design);
-  problem_ = std::make_unique<FieldProblem>(core_mesh(design.shape, options.sizes, options.largest_gap),
-                                            setup_of(design, options));
+  problem_ = std::make_unique<FieldProblem>(magnet_problem(design, options));
   newton_ = std::make_unique<Newton>(*problem_);
   layer_ = middle_layer(options, problem_->space().mesh);
 }

@@ -3,6 +3,7 @@
 #include <stdexcept>
 
 #include "sim/fields/core_mesh.h"
+#include "sim/specimen_fields.h"
 
 namespace powbench::sim {
 namespace {
@@ -13,66 +14,53 @@ std::string text(double value) {
   return buffer;
 }
 
-struct Length {
-  const char* key;
-  double MagnetShape::*field;
-  double low, high;  ///< mm
-};
-
-constexpr Length lengths[] = {
-    {"magnet.centre_width_mm", &MagnetShape::centre_width, 2, 200},
-    {"magnet.outer_width_mm", &MagnetShape::outer_width, 1, 100},
-    {"magnet.window_width_mm", &MagnetShape::window_width, 1, 200},
-    {"magnet.fixed_window_mm", &MagnetShape::fixed_window, 2, 300},
-    {"magnet.moving_window_mm", &MagnetShape::moving_window, 0, 300},
-    {"magnet.yoke_mm", &MagnetShape::yoke, 1, 100},
-    {"magnet.stack_mm", &MagnetShape::stack, 1, 300},
-    {"magnet.coil_width_mm", &MagnetShape::coil_width, 0.5, 200},
-    {"magnet.coil_height_mm", &MagnetShape::coil_height, 0.5, 300},
-    {"magnet.coil_offset_mm", &MagnetShape::coil_offset, 0, 100},
-    {"magnet.centre_gap_mm", &MagnetShape::centre_gap, 0, 2},
-};
-
-struct Checker {
+/// What single ranges cannot say: parts that overlap.
+struct Fit {
   const MagnetShape& s;
   std::vector<ShapeError> errors;
 
-  void length(const char* key, double value, double low, double high) {
-    const double shown = value * 1e3;
-    if (!(shown >= low * (1 - 1e-12) && shown <= high * (1 + 1e-12)))
-      errors.push_back({key, text(shown), text(low) + " .. " + text(high)});
+  /// `key` must not exceed `most`, m.
+  void within(const char* key, double value, double most, const std::string& because) {
+    constexpr double round_off = 1e-9;
+    if (value > most + round_off)
+      errors.push_back(
+          {key, text(value * 1e3), "up to " + text(std::fmax(0, most * 1e3)) + " (" + because + ")"});
   }
 
-  void ring() {
-    if (!(s.ring_share >= 0 && s.ring_share < 1))
-      errors.push_back({"magnet.ring_share", text(s.ring_share), "0 (no ring) .. below 1"});
+  void check() {
+    within("shape.coil_width_mm", s.coil_width, s.window_width, "shape.window_width_mm");
+    within("shape.coil_height_mm", s.coil_height, s.fixed_window - s.coil_offset,
+           "fixed window less coil offset");
+    within("shape.centre_gap_mm", s.centre_gap, 0.1 * s.fixed_window, "a tenth of shape.fixed_window_mm");
     if (!(s.ring_share > 0)) return;
-    const double outer = s.outer_width * 1e3;
-    const double room = 0.5 * outer;
-    length("magnet.ring_slot_mm", s.ring_slot, 0.2, room);
-    length("magnet.ring_depth_mm", s.ring_depth, 0.2, 0.5e3 * s.fixed_window);
-    const double clear = (s.window_width - s.coil_width) / 2;
-    const double coil_top = s.fixed_window - s.coil_offset - s.coil_height;
-    if (clear < 0.2e-3 && coil_top < s.ring_depth)
-      errors.push_back(
-          {"magnet.ring_depth_mm", text(s.ring_depth * 1e3),
-           "up to " + text(std::fmax(0, coil_top * 1e3)) + ": the coil leaves no room beside the leg"});
+    within("shape.ring_slot_mm", s.ring_slot, 0.5 * s.outer_width,
+           "half of shape.outer_width_mm: the pole around the ring");
+    within("shape.ring_depth_mm", s.ring_depth, 0.5 * s.fixed_window, "half of shape.fixed_window_mm");
+    constexpr double least_side = 0.2e-3;  // of the ring between coil and leg
+    if ((s.window_width - s.coil_width) / 2 < least_side)
+      within("shape.ring_depth_mm", s.ring_depth, s.fixed_window - s.coil_offset - s.coil_height,
+             "the coil leaves no room beside the leg");
   }
 };
 
 }  // namespace
 
-std::vector<ShapeError> shape_errors(const MagnetShape& s) {
-  Checker c{s, {}};
-  for (const auto& l : lengths) c.length(l.key, s.*l.field, l.low, l.high);
-  if (!(s.stack_factor >= 0.5 && s.stack_factor <= 1))
-    c.errors.push_back({"magnet.stack_factor", text(s.stack_factor), "0.5 .. 1"});
-  if (!c.errors.empty()) return c.errors;  // the fits below would only repeat them
-  c.length("magnet.coil_width_mm", s.coil_width, 0.5, s.window_width * 1e3);
-  c.length("magnet.coil_height_mm", s.coil_height, 0.5, (s.fixed_window - s.coil_offset) * 1e3);
-  c.length("magnet.centre_gap_mm", s.centre_gap, 0, 0.1e3 * s.fixed_window);
-  c.ring();
-  return c.errors;
+std::vector<ShapeError> shape_errors(const MagnetShape& shape) {
+  std::vector<ShapeError> errors;
+  Specimen specimen;
+  specimen.shape = shape;
+  for (const auto& f : specimen_fields()) {
+    if (f.section != "shape") continue;
+    constexpr double round_off = 1e-12;
+    const double shown = f.get(specimen) / f.si_per_unit;
+    if (shown >= f.low - round_off * std::fabs(f.low) && shown <= f.high + round_off * std::fabs(f.high))
+      continue;
+    errors.push_back({"shape." + std::string(f.key), text(shown), text(f.low) + " .. " + text(f.high)});
+  }
+  if (!errors.empty()) return errors;
+  Fit fit{shape, {}};
+  fit.check();
+  return fit.errors;
 }
 
 void check_shape(const MagnetShape& s) {

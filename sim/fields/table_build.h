@@ -41,8 +41,8 @@ TablePlan plan_table(const MagnetDesign&, const TableOptions&);
 /// Hash of everything the table depends on.
 std::uint64_t table_hash(const MagnetDesign&, const TableOptions&);
 
-/// Fills in `current_error` and `pull_error` from the table itself: each inner node is predicted from its neighbours
-/// along every axis; a cell has 1/16 (values) and 1/8 (slopes) of what its corners miss, the orders of the interpolation.
+/// Fills in `current_error` and `pull_error` from the table itself: each inner node is predicted from its neighbours along
+/// every axis, over a double cell; in a cell values err by 1/16 of what that misses, slopes by 0.2 of it over the width.
 void estimate_errors(PotentialTable&);
 
 }  // namespace powbench::sim

@@ -1,11 +1,11 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
-#include "tests/sim/fields/contactor.h"
+#include "bench/fields/contactor.h"
 
 using namespace powbench::sim;
-using powbench::testing::reference_contactor;
-using powbench::testing::reference_rows;
+using powbench::bench::reference_contactor;
+using powbench::bench::reference_rows;
 
 namespace {
 
@@ -153,13 +153,13 @@ TEST_CASE("impossible shapes are told with key, value and range") {
     return errors.empty() ? std::string("none") : errors.front().key + " = " + errors.front().value;
   };
   CHECK(message([](MagnetShape&) {}) == "none");
-  CHECK(message([](MagnetShape& s) { s.centre_width = 15.2; }) == "magnet.centre_width_mm = 15200");
-  CHECK(message([](MagnetShape& s) { s.coil_width = 10e-3; }) == "magnet.coil_width_mm = 10");
-  CHECK(message([](MagnetShape& s) { s.coil_height = 17e-3; }) == "magnet.coil_height_mm = 17");
-  CHECK(message([](MagnetShape& s) { s.centre_gap = -1e-3; }) == "magnet.centre_gap_mm = -1");
-  CHECK(message([](MagnetShape& s) { s.ring_slot = 8e-3; }) == "magnet.ring_slot_mm = 8");
-  CHECK(message([](MagnetShape& s) { s.ring_share = 1.2; }) == "magnet.ring_share = 1.2");
-  CHECK(message([](MagnetShape& s) { s.stack_factor = 0; }) == "magnet.stack_factor = 0");
+  CHECK(message([](MagnetShape& s) { s.centre_width = 15.2; }) == "shape.centre_width_mm = 15200");
+  CHECK(message([](MagnetShape& s) { s.coil_width = 10e-3; }) == "shape.coil_width_mm = 10");
+  CHECK(message([](MagnetShape& s) { s.coil_height = 17e-3; }) == "shape.coil_height_mm = 17");
+  CHECK(message([](MagnetShape& s) { s.centre_gap = -1e-3; }) == "shape.centre_gap_mm = -1");
+  CHECK(message([](MagnetShape& s) { s.ring_slot = 8e-3; }) == "shape.ring_slot_mm = 8");
+  CHECK(message([](MagnetShape& s) { s.ring_share = 1.2; }) == "shape.ring_share = 1.2");
+  CHECK(message([](MagnetShape& s) { s.stack_factor = 0; }) == "shape.stack_factor = 0");
   MagnetField field(reference_contactor(), coarse());
   CHECK_THROWS_WITH(field.set_gap(-1e-6), Contains("gap_mm"));
 }

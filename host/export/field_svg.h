@@ -1,0 +1,20 @@
+#pragma once
+
+#include <string>
+
+#include "sim/fields/magnet_field.h"
+#include "sim/fields/potential_table.h"
+
+/// Pictures of fields and of tables, as SVG.
+
+namespace powbench::host {
+
+/// The whole core from the side: |B| as colour, 24 lines of equal flux, the outlines of iron, winding and ring. The gap is
+/// the one last set on the field. The picture shows the core and a margin around it.
+std::string field_svg(const sim::MagnetField&, const sim::FieldPoint&, const std::string& title);
+
+/// Coil current and pull over flux linkage and gap, two surfaces side by side. With a ring, its flux grows in step with the
+/// coil's.
+std::string table_svg(const sim::TablePotential&, const std::string& title);
+
+}  // namespace powbench::host

@@ -1,0 +1,36 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <string_view>
+
+#include "sim/fields/table_build.h"
+
+/// Tables of the magnetic potential on disk: a text header with version, units and sizes, the numbers as little-endian
+/// doubles, a CRC-32 at the end. Named after the hash of everything they depend on.
+
+namespace powbench::host {
+
+std::string field_table_bytes(const sim::PotentialTable&);
+
+/// Throws StoreError with one sentence (named `where`) for another format or version, a length that does not fit, a
+/// checksum that does not match, or a table that `check_table` refuses.
+sim::PotentialTable parse_field_table(std::string_view bytes, const std::string& where);
+
+/// Writes beside the target and renames: a reader sees the old file or the new one. Throws StoreError.
+void save_field_table(const std::filesystem::path&, const sim::PotentialTable&);
+sim::PotentialTable load_field_table(const std::filesystem::path&);
+
+struct FieldTableChoice {
+  sim::PotentialTable table;
+  std::filesystem::path file;
+  bool reused = false;
+  sim::TableReport report;  ///< of the build; zeros where reused
+};
+
+/// The table of this design from `folder` if it is there and whole, else built and stored there. A damaged file is an
+/// error, not rebuilt in silence.
+FieldTableChoice obtain_field_table(const std::filesystem::path& folder, const sim::MagnetDesign&,
+                                    const sim::TableOptions&, sim::Team&);
+
+}  // namespace powbench::host

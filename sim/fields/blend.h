@@ -1,0 +1,31 @@
+#pragma once
+
+#include <memory>
+
+#include "sim/fields/potential.h"
+
+/// Two rungs as one potential: one for small gaps, one for large ones, without a step in energy, current or pull:
+///
+///   W = s(g) W_large + (1 - s(g)) W_small,   s from 0 to 1 over [from, to], quintic (C2)
+///   F = s F_large + (1 - s) F_small + s' (W_large - W_small)
+///
+/// The last term is what switching between two tables leaves out, and why that creates energy. Published models take finite
+/// elements above 1.5 mm and a magnetic circuit with shading ring below.
+
+namespace powbench::sim {
+
+class BlendedPotential final : public MagneticPotential {
+ public:
+  /// Both rungs must agree on whether there is a ring; 0 <= from < to, m. Throws std::invalid_argument otherwise.
+  BlendedPotential(std::shared_ptr<const MagneticPotential> small_gaps,
+                   std::shared_ptr<const MagneticPotential> large_gaps, double from, double to);
+
+  bool has_ring() const override { return small_->has_ring(); }
+  MagneticResponse at(const MagneticState&) const override;
+
+ private:
+  std::shared_ptr<const MagneticPotential> small_, large_;
+  double from_, to_;
+};
+
+}  // namespace powbench::sim
