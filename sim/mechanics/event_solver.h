@@ -478,7 +478,10 @@ class EventSolver {
 template <class R>
 struct NoRoots {
   using Real = R;
-  int choose_root(const Real*, const Real*, Real, Real&) const { return -1; }
+  template <class AnyGuards>
+  int choose_root(const AnyGuards&, const Real*, Real, Real&) const {
+    return -1;
+  }
   void follow_root(int) {}
   void set_root(Real) {}
   Real depth_rate(const Real*) const { return 0; }

@@ -118,7 +118,7 @@ class RigidContactor {
   Real current(const Real* y) const;
   Real mains(Real t) const;
   EnergyLedger energies(const Real* y) const;
-  /// |stored + lost - supplied - stored at equilibrium| over the largest of stored, lost and supplied.
+  /// |stored + lost - supplied - stored at equilibrium| over the largest of them and of F_r0 times the travel.
   double energy_residual(const Real* y) const;
   /// To be called once at the start: what the ledger compares with.
   void mark_energy(const Real* y) { start_energy_ = energies(y).stored(); }
@@ -164,6 +164,7 @@ class RigidContactor {
   Coil coil_ = Coil::open;
   Real current_sign_ = 1;
   double start_energy_ = 0;
+  double least_energy_ = 1;  ///< J, return preload over the travel
   std::vector<RigidEvent> events_;
 };
 

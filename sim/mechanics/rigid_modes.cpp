@@ -17,6 +17,7 @@ RigidContactor<R>::RigidContactor(const RigidParts& parts, const CoilDrive& driv
   lanes_.modes = static_cast<int>(parts.modes.size());
   lanes_.dof = 3 + lanes_.modes + 2 * lanes_.bridges;
   travel_ = static_cast<Real>(parts.travel);
+  least_energy_ = parts.return_preload * parts.travel;
   laws_[0] = laws_[1] = parts.pad;
   laws_[2] = laws_[3] = parts.seat;
   laws_[4] = parts.pole;
