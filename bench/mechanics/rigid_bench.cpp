@@ -17,8 +17,8 @@
 namespace {
 
 namespace sim = powbench::sim;
-using powbench::bench::ClosingRun;
 using powbench::bench::closing_end;
+using powbench::bench::ClosingRun;
 using Json = nlohmann::ordered_json;
 
 struct Row {
@@ -28,17 +28,22 @@ struct Row {
 
 void print(const Row& r) {
   std::printf("%-24s %7.0e %7ld %8ld %9.3f  %4d/%-4d %9.2e %9.2e %s\n", r.run.method.c_str(), r.run.tolerance,
-              r.run.steps, r.run.evaluations, r.run.cpu_ms, r.error.matched, r.error.reference, r.error.largest_dt,
-              r.error.distance, r.run.finished ? "" : "gave up");
+              r.run.steps, r.run.evaluations, r.run.cpu_ms, r.error.matched, r.error.reference,
+              r.error.largest_dt, r.error.distance, r.run.finished ? "" : "gave up");
   std::fflush(stdout);
 }
 
 Json as_json(const Row& r) {
-  return {{"method", r.run.method},        {"tolerance", r.run.tolerance},
-          {"steps", r.run.steps},          {"rhs_evaluations", r.run.evaluations},
-          {"cpu_ms", r.run.cpu_ms},        {"matched", r.error.matched},
-          {"events", r.error.reference},   {"largest_dt_s", r.error.largest_dt},
-          {"state_distance_s", r.error.distance}, {"finished", r.run.finished}};
+  return {{"method", r.run.method},
+          {"tolerance", r.run.tolerance},
+          {"steps", r.run.steps},
+          {"rhs_evaluations", r.run.evaluations},
+          {"cpu_ms", r.run.cpu_ms},
+          {"matched", r.error.matched},
+          {"events", r.error.reference},
+          {"largest_dt_s", r.error.largest_dt},
+          {"state_distance_s", r.error.distance},
+          {"finished", r.run.finished}};
 }
 
 /// Cheapest run that has every event within `error` s; nullptr if there is none.
@@ -62,7 +67,8 @@ double calls_at(const std::vector<Row>& rows, const std::string& method, double 
       const double share =
           std::log(above->error.largest_dt / error) / std::log(above->error.largest_dt / r.error.largest_dt);
       return static_cast<double>(above->run.evaluations) *
-             std::pow(static_cast<double>(r.run.evaluations) / static_cast<double>(above->run.evaluations), share);
+             std::pow(static_cast<double>(r.run.evaluations) / static_cast<double>(above->run.evaluations),
+                      share);
     }
     above = &r;
   }
@@ -120,7 +126,8 @@ double worst_frame(const sim::RigidParts& parts, double tolerance, int repeats) 
 }
 
 Json twins() {
-  std::printf("\nHow far the bounces can be believed: twin runs with the core's mass changed by a relative eps\n");
+  std::printf(
+      "\nHow far the bounces can be believed: twin runs with the core's mass changed by a relative eps\n");
   std::printf("  stiffness x   events   eps     condition s per unit   diverged at ms\n");
   Json list = Json::array();
   for (const double stiffness : {1.0, 100.0}) {
@@ -133,11 +140,11 @@ Json twins() {
       const auto c = sim::bounce_condition(twin.events, base.events, eps, closing_end);
       const auto count = std::count_if(base.events.begin(), base.events.end(), sim::is_bounce);
       if (c.diverged)
-        std::printf("  %11.0f %8ld  %.0e  %20.3g   %10.3f\n", stiffness, static_cast<long>(count), eps, c.per_input,
-                    c.horizon * 1e3);
+        std::printf("  %11.0f %8ld  %.0e  %20.3g   %10.3f\n", stiffness, static_cast<long>(count), eps,
+                    c.per_input, c.horizon * 1e3);
       else
-        std::printf("  %11.0f %8ld  %.0e  %20.3g            never\n", stiffness, static_cast<long>(count), eps,
-                    c.per_input);
+        std::printf("  %11.0f %8ld  %.0e  %20.3g            never\n", stiffness, static_cast<long>(count),
+                    eps, c.per_input);
       list.push_back({{"stiffness", stiffness},
                       {"events", count},
                       {"eps", eps},
@@ -151,7 +158,9 @@ Json twins() {
 
 Json ensemble() {
   constexpr int runs = 64;
-  std::printf("\nEnsemble of %d runs at stiffness x 100 (masses and gaps +- 1e-6): mean, 5 %%, 50 %%, 95 %%, ms\n", runs);
+  std::printf(
+      "\nEnsemble of %d runs at stiffness x 100 (masses and gaps +- 1e-6): mean, 5 %%, 50 %%, 95 %%, ms\n",
+      runs);
   powbench::Random random(20);
   std::vector<double> first, open, last;
   for (int k = 0; k < runs; ++k) {
@@ -171,7 +180,8 @@ Json ensemble() {
   Json result;
   const auto line = [&](const char* name, const std::vector<double>& values) {
     const auto s = sim::spread(values);
-    std::printf("  %-22s %9.4f %9.4f %9.4f %9.4f\n", name, s.mean * 1e3, s.low * 1e3, s.median * 1e3, s.high * 1e3);
+    std::printf("  %-22s %9.4f %9.4f %9.4f %9.4f\n", name, s.mean * 1e3, s.low * 1e3, s.median * 1e3,
+                s.high * 1e3);
     result[name] = {{"mean_s", s.mean}, {"q05_s", s.low}, {"q50_s", s.median}, {"q95_s", s.high}};
   };
   line("first touch of pad 1", first);
@@ -180,7 +190,8 @@ Json ensemble() {
   return result;
 }
 
-Json bars(const std::vector<Row>& own, const std::vector<Row>& peers, const sim::RigidParts& parts, int repeats) {
+Json bars(const std::vector<Row>& own, const std::vector<Row>& peers, const sim::RigidParts& parts,
+          int repeats) {
   Json list = Json::array();
   std::printf("\n%-58s %12s %12s\n", "bar", "must", "measured");
   const auto bar = [&](const char* what, const char* must, double value, const char* unit) {
@@ -223,10 +234,13 @@ int main(int argc, char** argv) {
   const auto judge = [&](const ClosingRun& r) {
     return Row{r, sim::bounce_error(r.events, exact.events, closing_end)};
   };
-  std::printf("60 ms closing, 17 degrees of freedom, 24 contacts. Reference: long double at tolerance 1e-13; at 3e-13 it\n"
-              "differs by %.1e s. Peer: %s\n", judge(looser).error.largest_dt,
-              powbench::bench::have_sundials() ? "SUNDIALS, same process, same right-hand side"
-                                               : "SUNDIALS was not installed when this was built");
+  std::printf(
+      "60 ms closing, 17 degrees of freedom, 24 contacts. Reference: long double at tolerance 1e-13; at "
+      "3e-13 it\n"
+      "differs by %.1e s. Peer: %s\n",
+      judge(looser).error.largest_dt,
+      powbench::bench::have_sundials() ? "SUNDIALS, same process, same right-hand side"
+                                       : "SUNDIALS was not installed when this was built");
   std::printf("method                       tol   steps      rhs    CPU ms  matched   max dt s  states s\n");
   Json list = Json::array();
   std::vector<Row> own;

@@ -184,12 +184,14 @@ bool have_sundials() {
   return true;
 }
 std::vector<std::string> sundials_methods() {
-  return {"CVODE Adams", "CVODE Adams, restarted",  "CVODE BDF",
+  return {"CVODE Adams",          "CVODE Adams, restarted",  "CVODE BDF",
           "CVODE BDF, restarted", "ARKODE Dormand-Prince 5", "ARKODE Fehlberg 8"};
 }
-ClosingRun sundials_run(const std::string& method, const sim::RigidParts& parts, double tolerance, int repeats) {
+ClosingRun sundials_run(const std::string& method, const sim::RigidParts& parts, double tolerance,
+                        int repeats) {
   ClosingRun best = once(method, parts, tolerance);
-  for (int i = 1; i < repeats; ++i) best.cpu_ms = std::min(best.cpu_ms, once(method, parts, tolerance).cpu_ms);
+  for (int i = 1; i < repeats; ++i)
+    best.cpu_ms = std::min(best.cpu_ms, once(method, parts, tolerance).cpu_ms);
   return best;
 }
 

@@ -12,10 +12,12 @@ namespace powbench::sim {
 /// mu(v) = mu_d + (mu_s - mu_d) exp(-c |v|). At rest it is mu_s; a plus sign in the bracket, as once printed, gives
 /// mu_s + 2 mu_d there.
 struct FrictionLaw {
-  double at_rest = 0;   ///< mu_s
-  double sliding = 0;   ///< mu_d
-  double decay = 0;     ///< c, s/m
-  double coefficient(double speed) const { return sliding + (at_rest - sliding) * std::exp(-decay * std::fabs(speed)); }
+  double at_rest = 0;  ///< mu_s
+  double sliding = 0;  ///< mu_d
+  double decay = 0;    ///< c, s/m
+  double coefficient(double speed) const {
+    return sliding + (at_rest - sliding) * std::exp(-decay * std::fabs(speed));
+  }
 };
 
 enum class FrictionMode : std::uint8_t { stick, forward, backward };

@@ -235,6 +235,7 @@ R RigidContactor<R>::root_step(int guard, const Real* y) const {
 template <class R>
 int RigidContactor<R>::choose_root(const GuardSet& g, const Real*, Real step, Real& root) const {
   if (lanes_.automatic) return -1;
+  constexpr Real slowest = Real(1e-9L);  // m/s: below this a touch stays a matter of picometres
   Real soonest = 3 * step;
   Real deep = 0;
   int best = -1;
@@ -242,7 +243,7 @@ int RigidContactor<R>::choose_root(const GuardSet& g, const Real*, Real step, Re
     const int c = __builtin_ctzll(bits);
     const Real depth = std::max(g.value[c], Real(0));
     const Real rate = std::fabs(g.rate[c]);
-    if (depth >= soonest * rate) continue;
+    if (depth >= soonest * rate || rate < slowest) continue;
     soonest = depth / rate;
     best = c;
     deep = depth;

@@ -12,7 +12,8 @@ namespace {
 constexpr std::array<std::string_view, 6> stage_names = {"energising", "travel",  "touching",
                                                          "overtravel", "seating", "closed"};
 
-std::string describe(const RigidContactor<double>& c, const double* y, double t, double residual, const char* why) {
+std::string describe(const RigidContactor<double>& c, const double* y, double t, double residual,
+                     const char* why) {
   char text[256];
   const auto e = c.energies(y);
   std::snprintf(text, sizeof text,
@@ -52,7 +53,8 @@ std::string_view stage_name(ClosingStage s) {
   return stage_names[static_cast<std::size_t>(s)];
 }
 
-std::vector<StageTime> closing_stages(std::span<const RigidEvent> events, int bridges, double end, double calm) {
+std::vector<StageTime> closing_stages(std::span<const RigidEvent> events, int bridges, double end,
+                                      double calm) {
   double moves = -1, touches = -1, all = -1, seats = -1, last = 0;
   std::uint64_t touched = 0;
   int ends = 0;

@@ -29,7 +29,8 @@ struct StageTime {
 
 /// The stages reached, from the events of a closing of `bridges` bridges up to `end` s; `closed` only where the last
 /// bounce is at least `calm` s before the end.
-std::vector<StageTime> closing_stages(std::span<const RigidEvent>, int bridges, double end, double calm = 2e-3);
+std::vector<StageTime> closing_stages(std::span<const RigidEvent>, int bridges, double end,
+                                      double calm = 2e-3);
 
 struct RigidOptions {
   double tolerance = 1e-8;     ///< per state scale, 1e-13 .. 1e-3

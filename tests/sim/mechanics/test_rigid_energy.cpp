@@ -83,8 +83,8 @@ TEST_CASE("coil and magnetics in the same state vector: the ledger closes over s
   o.tolerance = 1e-9;
   const auto run = run_rigid(reference_closing(), drive, o);
   REQUIRE(run.completed);
-  std::printf("  with a coil: supplied %.4f J, residual %.1e, %zu events\n", run.energies.supplied, run.energy_residual,
-              run.events.size());
+  std::printf("  with a coil: supplied %.4f J, residual %.1e, %zu events\n", run.energies.supplied,
+              run.energy_residual, run.events.size());
   CHECK(run.energies.supplied > 0.1);
   CHECK(run.energies.magnetic > 0);
   CHECK(run.stages.size() >= 5);
@@ -92,13 +92,11 @@ TEST_CASE("coil and magnetics in the same state vector: the ledger closes over s
 }
 
 TEST_CASE("every contact law closes its ledger", "[mechanics]") {
-  const ContactLaw laws[] = {{1e8, 1.5, DampingForm::none, 0, 0},
-                             {1e8, 1.5, DampingForm::lankarani_nikravesh, 0.7, 0},
-                             {1e8, 1.5, DampingForm::flores, 0.7, 0},
-                             {1e8, 1.5, DampingForm::ramped, 50, 2e-5},
-                             {1e8, 1.5, DampingForm::linear, 50, 0},
-                             {5e5, 1, DampingForm::linear, 20, 0},
-                             {1e10, 2, DampingForm::hunt_crossley, 0.6, 0}};
+  const ContactLaw laws[] = {
+      {1e8, 1.5, DampingForm::none, 0, 0},          {1e8, 1.5, DampingForm::lankarani_nikravesh, 0.7, 0},
+      {1e8, 1.5, DampingForm::flores, 0.7, 0},      {1e8, 1.5, DampingForm::ramped, 50, 2e-5},
+      {1e8, 1.5, DampingForm::linear, 50, 0},       {5e5, 1, DampingForm::linear, 20, 0},
+      {1e10, 2, DampingForm::hunt_crossley, 0.6, 0}};
   for (const auto& law : laws) {
     auto parts = reference_closing();
     parts.pad = law;
