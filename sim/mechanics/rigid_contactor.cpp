@@ -81,6 +81,7 @@ MagneticResponse RigidContactor<R>::field(const Real* y) const {
   const auto at = [&](int i) { return static_cast<double>(y[electric_ + i]); };
   const double ring = drive_.potential->has_ring() ? at(1) : 0.0;
   const auto s = static_cast<double>(separation(y));
+  if (drive_.pressed_gap) return drive_.potential->at({at(0), ring, s});
   auto m = drive_.potential->at({at(0), ring, touching_ ? 0.0 : std::max(s, 0.0)});
   if (!touching_) return m;
   m.energy += s * m.pull;

@@ -97,7 +97,7 @@ POWBENCH_INLINE void rigid_forces(const RigidLanes<Real>& p, Lanes<Real>* d, con
     if (p.viscous) {
       for (int i = 0; i < lane_count; ++i) {
         const Real share = d[g][i] / p.ramp[g][i];
-        const Real u = share > 1 ? Real(1) : share > 0 ? share : Real(0);
+        const Real u = p.ramp[g][i] == 0 || share > 1 ? Real(1) : share > 0 ? share : Real(0);  // 0: no ramp
         force[g][i] += p.c[g][i] * rate[g][i] * (u * u * (3 - 2 * u));
       }
     }

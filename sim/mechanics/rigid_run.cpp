@@ -95,8 +95,23 @@ RigidRun run_rigid(const RigidParts& parts, const CoilDrive& drive, const RigidO
   solver.restart(0, y, 1e-6);
   RigidRun run;
   run.completed = true;
+  double next_sample = options.sample > 0 ? options.sample : 1e300;
+  long samples = 0;
+  bool on = true;
+  alignas(64) double at[Solver::capacity] = {};
   while (solver.end() < options.end) {
     const bool moved = solver.extend();
+    if (on && solver.end() >= options.off) {  // what lies beyond is not used
+      solver.state(options.off, at);
+      contactor.set_coil(options.off, at, false);
+      solver.restart(options.off, at, 1e-6);
+      on = false;
+    }
+    while (next_sample <= std::min(solver.end(), options.end)) {
+      solver.state(next_sample, at);
+      options.each(next_sample, contactor, at);
+      next_sample = options.sample * static_cast<double>(++samples + 1);
+    }
     const double residual = options.ledger ? contactor.energy_residual(solver.end_state()) : 0.0;
     run.energy_residual = std::max(run.energy_residual, residual);
     const char* why = !moved ? "the step became too small" : "the energy ledger does not close";

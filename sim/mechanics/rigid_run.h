@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -38,6 +39,10 @@ struct RigidOptions {
   double largest_step = 1e-3;  ///< s
   bool ledger = true;
   double energy_bound = 1e-4;  ///< largest allowed residual of the ledger
+  double off = 1e300;  ///< s, the coil's switch is told to open: it does at the next zero of the current
+  double sample = 0;   ///< s between samples, 0: none
+  /// Called at k * sample, k = 1, 2, ..., with the contactor and its states.
+  std::function<void(double, const RigidContactor<double>&, const double*)> each;
 };
 
 struct RigidRun {
