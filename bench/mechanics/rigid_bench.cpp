@@ -133,7 +133,7 @@ Json twins() {
   for (const double stiffness : {1.0, 100.0}) {
     const auto parts = sim::reference_closing(stiffness);
     const auto base = powbench::bench::own_run(parts, 1e-12, 1);
-    for (const double eps : {1e-8, 1e-6}) {
+    for (const double eps : {1e-10, 1e-8, 1e-6}) {
       auto changed = parts;
       changed.core_mass *= 1 + eps;
       const auto twin = powbench::bench::own_run(changed, 1e-12, 1);

@@ -275,7 +275,7 @@ R RigidContactor<R>::pressing_margin(int contact, const Real* y, Real rate) cons
   if (law.form == DampingForm::linear)
     return (d > 0 ? elastic_force(law, d) : -elastic_force(law, -d)) * stretch + lanes_.c[g][i] * rate;
   if (d <= 0) return 1;
-  return stretch + lanes_.c[g][i] * rate * depth_ramp(d, lanes_.ramp[g][i]) / elastic_force(law, d);
+  return stretch + lanes_.c[g][i] * rate * depth_ramp(d, static_cast<Real>(law.ramp)) / elastic_force(law, d);
 }
 
 template <class R>

@@ -49,7 +49,8 @@ void RigidContactor<R>::set_contact(int group, int lane, const ContactLaw& law, 
   p.square[group][lane] = law.exponent == 2 ? 1 : 0;
   p.lambda[group][lane] = law.form == DampingForm::hunt_crossley ? static_cast<Real>(law.damping) : Real(0);
   p.c[group][lane] = static_cast<Real>(law.viscous());
-  p.ramp[group][lane] = law.form == DampingForm::ramped ? static_cast<Real>(law.ramp) : Real(0);
+  p.inverse_ramp[group][lane] = law.form == DampingForm::ramped ? 1 / static_cast<Real>(law.ramp) : Real(0);
+  p.flat[group][lane] = law.form == DampingForm::linear ? Real(1) : Real(0);
   if (law.viscous() != 0) p.viscous = true;
   if (law.exponent == 1.5 && law.viscous() == 0) rooted_ |= std::uint64_t{1} << (group * rigid_lanes + lane);
   masses_[group][lane] = 1 / inverse_mass;
@@ -74,10 +75,7 @@ void RigidContactor<R>::set_core(const RigidParts& parts) {
   bodies_[0] = real(parts.core_mass);
   bodies_[1] = real(parts.core_inertia);
   bodies_[2] = real(parts.static_mass);
-  for (int i = 0; i < lane_count; ++i) {
-    for (auto& group : p.ramp) group[i] = 1;
-    p.offset[i] = -1;
-  }
+  for (int i = 0; i < lane_count; ++i) p.offset[i] = -1;
   const Real arm = real(parts.pole_arm);
   for (int side = 0; side < 2; ++side) {
     const Real s = side == 0 ? Real(-1) : Real(1);
