@@ -4,7 +4,10 @@
 #include <array>
 #include <cmath>
 #include <cstdio>
+#include <memory>
 #include <stdexcept>
+
+#include "sim/mechanics/stiff_solver.h"
 
 namespace powbench::sim {
 namespace {
@@ -82,52 +85,109 @@ std::vector<StageTime> closing_stages(std::span<const RigidEvent> events, int br
   return stages;
 }
 
-RigidRun run_rigid(const RigidParts& parts, const CoilDrive& drive, const RigidOptions& options) {
+namespace {
+
+/// One closing under way.
+class Closing {
+ public:
+  Closing(const RigidParts& parts, const CoilDrive& drive, const RigidOptions& options)
+      : options_(options),
+        contactor_(parts, drive, options.ledger),
+        solver_(contactor_, options.tolerance, options.largest_step),
+        stiff_(contactor_, options.tolerance),
+        next_sample_(options.sample > 0 ? options.sample : 1e300) {
+    contactor_.equilibrium(y_);
+    contactor_.mark_energy(y_);
+    contactor_.set_coil(0, y_, true);
+    solver_.restart(0, y_, 1e-6);
+  }
+
+  RigidRun run() {
+    run_.completed = true;
+    while (solver_.end() < options_.end && run_.completed) {
+      if (options_.stiff_fallback && solver_.stiff() && --patience_ < 0 && settle()) continue;
+      const bool moved = solver_.extend();
+      switch_off();
+      sample();
+      judge(moved);
+    }
+    run_.reached = std::min(solver_.end(), options_.end);
+    run_.events = contactor_.events();
+    std::erase_if(run_.events, [&](const RigidEvent& e) { return e.time > run_.reached; });
+    run_.stages = closing_stages(run_.events, contactor_.bridges(), run_.reached);
+    run_.energies = contactor_.energies(solver_.end_state());
+    run_.evaluations = solver_.evaluations() + stiff_.evaluations();
+    run_.steps = solver_.steps() + run_.stiff_steps;
+    return std::move(run_);
+  }
+
+ private:
   using Contactor = RigidContactor<double>;
   using Solver = EventSolver<Contactor>;
-  check(options);
-  Contactor contactor(parts, drive, options.ledger);
-  alignas(64) double y[Solver::capacity] = {};
-  contactor.equilibrium(y);
-  contactor.mark_energy(y);
-  contactor.set_coil(0, y, true);
-  Solver solver(contactor, options.tolerance, options.largest_step);
-  solver.restart(0, y, 1e-6);
-  RigidRun run;
-  run.completed = true;
-  double next_sample = options.sample > 0 ? options.sample : 1e300;
-  long samples = 0;
-  bool on = true;
-  alignas(64) double at[Solver::capacity] = {};
-  while (solver.end() < options.end) {
-    const bool moved = solver.extend();
-    if (on && solver.end() >= options.off) {  // what lies beyond is not used
-      solver.state(options.off, at);
-      contactor.set_coil(options.off, at, false);
-      solver.restart(options.off, at, 1e-6);
-      on = false;
-    }
-    while (next_sample <= std::min(solver.end(), options.end)) {
-      solver.state(next_sample, at);
-      options.each(next_sample, contactor, at);
-      next_sample = options.sample * static_cast<double>(++samples + 1);
-    }
-    const double residual = options.ledger ? contactor.energy_residual(solver.end_state()) : 0.0;
-    run.energy_residual = std::max(run.energy_residual, residual);
-    const char* why = !moved ? "the step became too small" : "the energy ledger does not close";
-    if (moved && residual <= options.energy_bound) continue;
-    run.completed = false;
-    run.dump = describe(contactor, solver.end_state(), solver.end(), residual, why);
-    break;
+
+  void switch_off() {
+    if (!on_ || solver_.end() < options_.off) return;
+    solver_.state(options_.off, y_);  // what lies beyond is not used
+    contactor_.set_coil(options_.off, y_, false);
+    solver_.restart(options_.off, y_, 1e-6);
+    on_ = false;
   }
-  run.reached = std::min(solver.end(), options.end);
-  run.events = contactor.events();
-  std::erase_if(run.events, [&](const RigidEvent& e) { return e.time > run.reached; });
-  run.stages = closing_stages(run.events, contactor.bridges(), run.reached);
-  run.energies = contactor.energies(solver.end_state());
-  run.evaluations = solver.evaluations();
-  run.steps = solver.steps();
-  return run;
+
+  void sample() {
+    while (next_sample_ <= std::min(solver_.end(), options_.end)) {
+      solver_.state(next_sample_, y_);
+      options_.each(next_sample_, contactor_, y_);
+      next_sample_ = options_.sample * static_cast<double>(++samples_ + 1);
+    }
+  }
+
+  void judge(bool moved) {
+    const double residual = options_.ledger ? contactor_.energy_residual(solver_.end_state()) : 0.0;
+    run_.energy_residual = std::max(run_.energy_residual, residual);
+    if (moved && residual <= options_.energy_bound) return;
+    const char* why = !moved ? "the step became too small" : "the energy ledger does not close";
+    run_.completed = false;
+    run_.dump = describe(contactor_, solver_.end_state(), solver_.end(), residual, why);
+  }
+
+  /// Leaves a stiff settled phase to the fall-back, up to the next event, sample or switch. False: it gained nothing.
+  bool settle() {
+    constexpr double worth =
+        20;  // a step of the fall-back costs about as much as so many of the explicit one
+    const double least = worth * solver_.last_step();
+    const double goal = std::min({options_.end, next_sample_, on_ ? options_.off : 1e300});
+    double t = solver_.end();
+    double h = 2 * least;
+    std::copy_n(solver_.end_state(), Solver::capacity, y_);
+    long taken = 0;
+    while (t < goal && stiff_.step(t, y_, h, std::min(options_.largest_step, goal - t), least)) ++taken;
+    patience_ = taken < 3 ? 200 : 0;
+    if (taken == 0) return false;
+    run_.stiff_steps += taken;
+    solver_.restart(t, y_, least / worth);
+    switch_off();
+    sample();
+    judge(true);
+    return true;
+  }
+
+  RigidOptions options_;
+  Contactor contactor_;
+  Solver solver_;
+  StiffSolver<Contactor> stiff_;
+  RigidRun run_;
+  alignas(64) double y_[Solver::capacity] = {};
+  double next_sample_;
+  long samples_ = 0;
+  int patience_ = 0;
+  bool on_ = true;
+};
+
+}  // namespace
+
+RigidRun run_rigid(const RigidParts& parts, const CoilDrive& drive, const RigidOptions& options) {
+  check(options);
+  return std::make_unique<Closing>(parts, drive, options)->run();
 }
 
 }  // namespace powbench::sim

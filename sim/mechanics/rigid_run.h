@@ -38,6 +38,7 @@ struct RigidOptions {
   double end = 0.06;           ///< s
   double largest_step = 1e-3;  ///< s
   bool ledger = true;
+  bool stiff_fallback = true;  ///< settled phases that are stiff go to the Rosenbrock method
   double energy_bound = 1e-4;  ///< largest allowed residual of the ledger
   double off = 1e300;  ///< s, the coil's switch is told to open: it does at the next zero of the current
   double sample = 0;   ///< s between samples, 0: none
@@ -52,7 +53,8 @@ struct RigidRun {
   double energy_residual = 0;  ///< largest seen
   std::int64_t evaluations = 0;
   std::int64_t steps = 0;
-  double reached = 0;  ///< s
+  std::int64_t stiff_steps = 0;  ///< of them by the fall-back
+  double reached = 0;            ///< s
   bool completed = false;
   std::string dump;  ///< why and where it stopped, with states and ledger; empty when completed
 };
