@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <type_traits>
 
+#include "sim/mechanics/chatter_lock.h"
 #include "sim/mechanics/crossing.h"
 #include "sim/mechanics/dop853.h"
 
@@ -35,7 +36,7 @@ namespace powbench::sim {
 /// A step may overshoot: modes are locked while it lasts. The earliest crossing is bracketed on the quintic of
 /// each guard, refined on the dense output, and the state there is the start of the next step. Everything that
 /// crosses within `simultaneous` switches together, so the order of the guards does not matter. A guard that
-/// switches more than `lock_count` times within `lock_window` is ignored for a while that doubles.
+/// keeps switching is ignored for a while that doubles (`ChatterLock`).
 template <class System>
 class EventSolver {
  public:
@@ -45,9 +46,6 @@ class EventSolver {
 
   static constexpr Real smallest_step = Real(1e-13L);  ///< s, below: give up
   static constexpr Real simultaneous = Real(1e-13L);   ///< s
-  static constexpr Real lock_window = Real(1e-9L);     ///< s
-  static constexpr Real longest_lock = Real(1e-4L);    ///< s
-  static constexpr int lock_count = 6;
 
   /// Everything a run remembers between two steps: copying it is a restart that continues bit for bit.
   struct Memory {
@@ -61,11 +59,9 @@ class EventSolver {
     Real error_time = 0;  ///< s
     int root = -1;
     bool slope_known = false;
+    int stiff_steps = 0;  ///< in a row
     std::uint64_t pending = 0;
-    int flips[System::guard_capacity] = {};
-    Real last_flip[System::guard_capacity];
-    Real locked_until[System::guard_capacity];
-    Real lock_length[System::guard_capacity];
+    ChatterLock<Real, System::guard_capacity> lock;
     std::int64_t evaluations = 0;
     std::int64_t steps = 0;
     std::int64_t rejected = 0;
@@ -73,11 +69,7 @@ class EventSolver {
   };
 
   EventSolver(System& system, Real tolerance, Real largest_step)
-      : system_(&system), tolerance_(tolerance), largest_step_(largest_step) {
-    std::fill_n(m_.last_flip, System::guard_capacity, Real(-1e300L));
-    std::fill_n(m_.locked_until, System::guard_capacity, Real(-1e300L));
-    std::fill_n(m_.lock_length, System::guard_capacity, lock_window);
-  }
+      : system_(&system), tolerance_(tolerance), largest_step_(largest_step) {}
 
   /// Starts anew at (t, y). The first step is tried with `step` s.
   void restart(Real t, const Real* y, Real step) {
@@ -90,6 +82,7 @@ class EventSolver {
     m_.root = -1;
     m_.slope_known = false;
     m_.pending = 0;
+    m_.stiff_steps = 0;
     dense_ready_ = guards_known_ = false;
     length_ = 0;
     std::fill_n(inverse_, capacity, Real(0));
@@ -111,6 +104,8 @@ class EventSolver {
   std::int64_t steps() const { return m_.steps; }
   std::int64_t rejected() const { return m_.rejected; }
   std::int64_t events() const { return m_.events; }
+  /// Steps have been kept short by stability, not by accuracy, for a while, and no event ended the last one.
+  bool stiff() const { return m_.stiff_steps >= 15 && m_.pending == 0; }
   Real last_step() const { return m_.time - begin_; }
 
   /// State at `t` in [begin, end]; writes padded(size() + 2) values.
@@ -127,7 +122,7 @@ class EventSolver {
   /// enough.
   bool extend() {
     if (m_.pending != 0) {
-      note_flips();
+      m_.lock.note(m_.time, m_.pending);
       m_.events += 1;
       system_->flip(m_.time, m_.y, m_.pending);
       m_.pending = 0;
@@ -187,6 +182,7 @@ class EventSolver {
   void stage(int row, Real h) {
     Real* y = work_;
     dop853::argument(row, rows_, h, start_, k_, capacity, y);
+    if (row == dop853::stages - 1) std::copy_n(y, rows_, near_end_);
     Real* out = k_ + row * capacity;
     if (!followed()) {
       derivative(begin_ + static_cast<Real>(dop853::c[row]) * h, y, out);
@@ -260,7 +256,21 @@ class EventSolver {
       fresh_ = false;
     } else {
       m_.step = std::min(h * factor, largest_step_);
+      watch_stiffness(h);
     }
+  }
+
+  /// h |lambda| from two slopes at the end of the step, at slightly different states; 6.1 is the bound of stability.
+  void watch_stiffness(Real h) {
+    Real slopes = 0;
+    Real states = 0;
+    for (int i = 0; i < n_; ++i) {
+      const Real f = (m_.slope[i] - k_[11 * capacity + i]) * inverse_[i];
+      const Real y = (m_.y[i] - near_end_[i]) * inverse_[i];
+      slopes += f * f;
+      states += y * y;
+    }
+    m_.stiff_steps = h * h * slopes > Real(2.5L) * Real(2.5L) * states ? m_.stiff_steps + 1 : 0;
   }
   Real first_root_step() const { return system_->root_step(m_.root, start_) * m_.root_share; }
 
@@ -289,7 +299,7 @@ class EventSolver {
              length_ * k_[12 * capacity + n_ + 1] * length_};
   }
 
-  bool locked(int k) const { return begin_ < m_.locked_until[k]; }
+  bool locked(int k) const { return m_.lock.holds(k, begin_); }
 
   /// Ends the step at the earliest crossing, if there is one.
   void land() {
@@ -438,19 +448,6 @@ class EventSolver {
     return high;
   }
 
-  void note_flips() {
-    for (int k = 0; k < system_->guard_count(); ++k) {
-      if ((m_.pending >> k & 1U) == 0) continue;
-      m_.flips[k] = m_.time - m_.last_flip[k] < lock_window ? m_.flips[k] + 1 : 0;
-      m_.last_flip[k] = m_.time;
-      if (m_.flips[k] <= lock_count) continue;
-      const bool again = m_.time - m_.locked_until[k] < 100 * m_.lock_length[k];
-      m_.lock_length[k] = again ? std::min(2 * m_.lock_length[k], longest_lock) : lock_window;
-      m_.locked_until[k] = m_.time + m_.lock_length[k];
-      m_.flips[k] = 0;
-    }
-  }
-
   System* system_;
   Real tolerance_;
   Real largest_step_;
@@ -461,9 +458,10 @@ class EventSolver {
   alignas(dop853::alignment) Real inverse_[capacity] = {};
   alignas(dop853::alignment) Real k_[dop853::slopes * capacity] = {};
   alignas(dop853::alignment) Real dense_[7 * capacity] = {};
-  alignas(
-      dop853::alignment) Real work_[capacity] = {};  ///< beyond rows_ it stays zero: systems may read there
-  GuardSet sets_[2]{};                               ///< of the begin and of the end of the step
+  alignas(dop853::alignment) Real near_end_[capacity] = {};  ///< argument of slope 11
+  /// Argument of the current slope. Beyond rows_ it stays zero: systems may read there.
+  alignas(dop853::alignment) Real work_[capacity] = {};
+  GuardSet sets_[2]{};  ///< of the begin and of the end of the step
   int now_ = 0;
   bool guards_known_ = false;
   StepEnds<Real> ends_{};
@@ -472,17 +470,6 @@ class EventSolver {
   Real length_ = 0;  ///< of the step in its own variable
   bool dense_ready_ = false;
   bool fresh_ = false;
-};
-
-/// For systems without followed contacts.
-template <class R>
-struct NoRoots {
-  using Real = R;
-  int choose_root(const Real*, const Real*, Real, Real&) const { return -1; }
-  void follow_root(int) {}
-  void set_root(Real) {}
-  Real depth_rate(const Real*) const { return 0; }
-  Real root_step(int, const Real*) const { return 0; }
 };
 
 }  // namespace powbench::sim

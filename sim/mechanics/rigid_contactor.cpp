@@ -59,7 +59,7 @@ ContactPlace contact_place(int contact) {
 template <class R>
 R RigidContactor<R>::scale(int i) const {
   const int n = lanes_.dof;
-  if (i >= 2 * n) return i >= ledger_ && ledger_ >= 0 ? Real(1) : Real(0.1L);
+  if (i >= 2 * n) return i >= ledger_ && ledger_ >= 0 ? Real(0.01L) : Real(0.1L);
   const int q = i % n;
   const bool rate = i >= n;
   Real s = Real(1e-3L);
@@ -74,11 +74,20 @@ R RigidContactor<R>::gap(const Real* y) const {
   return touching_ ? Real(0) : separation(y);
 }
 
+/// The rung's answer; where the pole faces are pressed together (gap s < 0) the energy goes on along its tangent,
+/// W(psi, 0) + s dW/ds, so that pull, currents and energy stay those of one potential.
 template <class R>
 MagneticResponse RigidContactor<R>::field(const Real* y) const {
   const auto at = [&](int i) { return static_cast<double>(y[electric_ + i]); };
   const double ring = drive_.potential->has_ring() ? at(1) : 0.0;
-  return drive_.potential->at({at(0), ring, static_cast<double>(std::max(gap(y), Real(0)))});
+  const auto s = static_cast<double>(separation(y));
+  if (drive_.pressed_gap) return drive_.potential->at({at(0), ring, s});
+  auto m = drive_.potential->at({at(0), ring, touching_ ? 0.0 : std::max(s, 0.0)});
+  if (!touching_) return m;
+  m.energy += s * m.pull;
+  m.current += s * m.current_gap;
+  m.ring_current += s * m.ring_gap;
+  return m;
 }
 
 template <class R>
@@ -129,7 +138,7 @@ void RigidContactor<R>::electric(Real t, const Real* y, const MagneticResponse& 
     dy[electric_] = mains(t) - static_cast<Real>(drive_.resistance) * static_cast<Real>(m.current);
     return;
   }
-  const Real gap_rate = touching_ ? Real(0) : y[lanes_.dof + 2] - y[lanes_.dof];
+  const Real gap_rate = y[lanes_.dof + 2] - y[lanes_.dof];
   dy[electric_] =
       -(static_cast<Real>(m.current_ring) * ring_rate + static_cast<Real>(m.current_gap) * gap_rate) /
       static_cast<Real>(m.current_psi);
@@ -227,6 +236,7 @@ R RigidContactor<R>::root_step(int guard, const Real* y) const {
 template <class R>
 int RigidContactor<R>::choose_root(const GuardSet& g, const Real*, Real step, Real& root) const {
   if (lanes_.automatic) return -1;
+  constexpr Real slowest = Real(1e-9L);  // m/s: below this a touch stays a matter of picometres
   Real soonest = 3 * step;
   Real deep = 0;
   int best = -1;
@@ -234,7 +244,7 @@ int RigidContactor<R>::choose_root(const GuardSet& g, const Real*, Real step, Re
     const int c = __builtin_ctzll(bits);
     const Real depth = std::max(g.value[c], Real(0));
     const Real rate = std::fabs(g.rate[c]);
-    if (depth >= soonest * rate) continue;
+    if (depth >= soonest * rate || rate < slowest) continue;
     soonest = depth / rate;
     best = c;
     deep = depth;
@@ -265,7 +275,7 @@ R RigidContactor<R>::pressing_margin(int contact, const Real* y, Real rate) cons
   if (law.form == DampingForm::linear)
     return (d > 0 ? elastic_force(law, d) : -elastic_force(law, -d)) * stretch + lanes_.c[g][i] * rate;
   if (d <= 0) return 1;
-  return stretch + lanes_.c[g][i] * rate * depth_ramp(d, lanes_.ramp[g][i]) / elastic_force(law, d);
+  return stretch + lanes_.c[g][i] * rate * depth_ramp(d, static_cast<Real>(law.ramp)) / elastic_force(law, d);
 }
 
 template <class R>
@@ -360,7 +370,7 @@ template <class R>
 double RigidContactor<R>::energy_residual(const Real* y) const {
   const auto e = energies(y);
   const double whole =
-      std::max({std::fabs(e.supplied), std::fabs(e.stored() - start_energy_), e.lost(), 1e-12});
+      std::max({std::fabs(e.supplied), std::fabs(e.stored() - start_energy_), e.lost(), least_energy_});
   return std::fabs(e.stored() - start_energy_ + e.lost() - e.supplied) / whole;
 }
 

@@ -31,6 +31,7 @@ struct ContactPlace {
   int end = 0;
 };
 
+/// A contact begins to press, or its force ends. With a law that leaves a dent the latter is before the depth is zero.
 struct RigidEvent {
   int contact = 0;  ///< index as in contact_place()
   bool closes = false;
@@ -47,7 +48,8 @@ struct CoilDrive {
   double ring_resistance = 0;                    ///< ohm, one turn
   double volts = 230;                            ///< V rms
   double hertz = 50;
-  double phase = 0;  ///< rad at t = 0
+  double phase = 0;          ///< rad at t = 0
+  bool pressed_gap = false;  ///< the potential is also defined for gap < 0, faces pressed together
 };
 
 /// Where the energy is, J. Losses and supplies are integrals since t = 0.
@@ -118,7 +120,7 @@ class RigidContactor {
   Real current(const Real* y) const;
   Real mains(Real t) const;
   EnergyLedger energies(const Real* y) const;
-  /// |stored + lost - supplied - stored at equilibrium| over the largest of stored, lost and supplied.
+  /// |stored + lost - supplied - stored at equilibrium| over the largest of them and of F_r0 times the travel.
   double energy_residual(const Real* y) const;
   /// To be called once at the start: what the ledger compares with.
   void mark_energy(const Real* y) { start_energy_ = energies(y).stored(); }
@@ -133,7 +135,7 @@ class RigidContactor {
   void set_core(const RigidParts&);
   void press(int contact, bool on);
   void flip_contact(Real t, const Real* y, int contact);
-  void flip_detached(const Real* y, bool release);
+  void flip_detached(Real t, const Real* y, bool release);
   void flip_friction(Real* y, Real t);
   Real pressing_margin(int contact, const Real* y, Real rate) const;
   void plain_guards(Real t, const Real* y, GuardSet&) const;
@@ -164,6 +166,7 @@ class RigidContactor {
   Coil coil_ = Coil::open;
   Real current_sign_ = 1;
   double start_energy_ = 0;
+  double least_energy_ = 1;  ///< J, return preload over the travel
   std::vector<RigidEvent> events_;
 };
 

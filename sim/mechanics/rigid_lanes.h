@@ -34,7 +34,8 @@ struct RigidLanes {
   V to_x{}, to_tilt{}, to_static{}, offset{};
   // contact laws and modes
   V k[rigid_groups]{}, linear[rigid_groups]{}, hertz[rigid_groups]{}, square[rigid_groups]{};
-  V lambda[rigid_groups]{}, c[rigid_groups]{}, ramp[rigid_groups]{};
+  V lambda[rigid_groups]{}, c[rigid_groups]{}, inverse_ramp[rigid_groups]{};
+  V flat[rigid_groups]{};      ///< 1 where the viscous part has no ramp
   V pressing[rigid_groups]{};  ///< 1 or 0
   unsigned active = 0;         ///< bit g: some contact of group g presses
   // bodies
@@ -95,11 +96,12 @@ POWBENCH_INLINE void rigid_forces(const RigidLanes<Real>& p, Lanes<Real>* d, con
     const V elastic = p.k[g] * (p.linear[g] * d[g] + clipped * (p.hertz[g] * root + p.square[g] * clipped));
     force[g] = elastic + elastic * p.lambda[g] * rate[g];
     if (p.viscous) {
-      for (int i = 0; i < lane_count; ++i) {
-        const Real share = d[g][i] / p.ramp[g][i];
-        const Real u = share > 1 ? Real(1) : share > 0 ? share : Real(0);
-        force[g][i] += p.c[g][i] * rate[g][i] * (u * u * (3 - 2 * u));
-      }
+      const V share = clipped * p.inverse_ramp[g];
+      const V beyond = Real(-1) * (Real(1) - share);
+      V u;
+      clip(beyond, u);
+      u = share - u;  // min(share, 1)
+      force[g] += p.c[g] * rate[g] * (p.flat[g] + u * u * (Real(3) - (u + u)));
     }
     if (p.automatic) {
       V pushes;

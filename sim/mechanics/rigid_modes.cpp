@@ -17,6 +17,7 @@ RigidContactor<R>::RigidContactor(const RigidParts& parts, const CoilDrive& driv
   lanes_.modes = static_cast<int>(parts.modes.size());
   lanes_.dof = 3 + lanes_.modes + 2 * lanes_.bridges;
   travel_ = static_cast<Real>(parts.travel);
+  least_energy_ = parts.return_preload * parts.travel;
   laws_[0] = laws_[1] = parts.pad;
   laws_[2] = laws_[3] = parts.seat;
   laws_[4] = parts.pole;
@@ -48,7 +49,8 @@ void RigidContactor<R>::set_contact(int group, int lane, const ContactLaw& law, 
   p.square[group][lane] = law.exponent == 2 ? 1 : 0;
   p.lambda[group][lane] = law.form == DampingForm::hunt_crossley ? static_cast<Real>(law.damping) : Real(0);
   p.c[group][lane] = static_cast<Real>(law.viscous());
-  p.ramp[group][lane] = law.form == DampingForm::ramped ? static_cast<Real>(law.ramp) : Real(1e-300L);
+  p.inverse_ramp[group][lane] = law.form == DampingForm::ramped ? 1 / static_cast<Real>(law.ramp) : Real(0);
+  p.flat[group][lane] = law.form == DampingForm::linear ? Real(1) : Real(0);
   if (law.viscous() != 0) p.viscous = true;
   if (law.exponent == 1.5 && law.viscous() == 0) rooted_ |= std::uint64_t{1} << (group * rigid_lanes + lane);
   masses_[group][lane] = 1 / inverse_mass;
@@ -73,10 +75,7 @@ void RigidContactor<R>::set_core(const RigidParts& parts) {
   bodies_[0] = real(parts.core_mass);
   bodies_[1] = real(parts.core_inertia);
   bodies_[2] = real(parts.static_mass);
-  for (int i = 0; i < lane_count; ++i) {
-    for (auto& group : p.ramp) group[i] = 1;
-    p.offset[i] = -1;
-  }
+  for (int i = 0; i < lane_count; ++i) p.offset[i] = -1;
   const Real arm = real(parts.pole_arm);
   for (int side = 0; side < 2; ++side) {
     const Real s = side == 0 ? Real(-1) : Real(1);
@@ -155,8 +154,10 @@ void RigidContactor<R>::flip_contact(Real t, const Real* y, int contact) {
   const Real rate = rate_of(contact, y);
   group[lane] = closes ? Real(1) : Real(-1);
   press(contact, closes);
+  const bool was_detached = detached_ >> contact & 1U;
   detached_ &= ~(std::uint64_t{1} << contact);
-  events_.push_back({contact, closes, static_cast<double>(t), std::fabs(static_cast<double>(rate))});
+  if (!was_detached)  // else the force had ended before
+    events_.push_back({contact, closes, static_cast<double>(t), std::fabs(static_cast<double>(rate))});
   if (!closes) return;
   const int g = contact / rigid_lanes;
   const int i = contact % rigid_lanes;
@@ -167,14 +168,16 @@ void RigidContactor<R>::flip_contact(Real t, const Real* y, int contact) {
 
 /// Ends the pressing of contacts that would pull, or resumes it.
 template <class R>
-void RigidContactor<R>::flip_detached(const Real* y, bool release) {
+void RigidContactor<R>::flip_detached(Real t, const Real* y, bool release) {
   constexpr Real round_off = Real(1e-9L);
   for (std::uint64_t bits = release ? pressing_ : detached_; bits != 0; bits &= bits - 1) {
     const int c = __builtin_ctzll(bits);
-    const Real margin = pressing_margin(c, y, rate_of(c, y));
+    const Real rate = rate_of(c, y);
+    const Real margin = pressing_margin(c, y, rate);
     if (release ? margin > round_off : margin < -round_off) continue;
     press(c, !release);
     detached_ ^= std::uint64_t{1} << c;
+    events_.push_back({c, !release, static_cast<double>(t), std::fabs(static_cast<double>(rate))});
   }
 }
 
@@ -196,8 +199,8 @@ template <class R>
 void RigidContactor<R>::flip(Real& t, Real* y, std::uint64_t which) {
   for (std::uint64_t bits = which & ((std::uint64_t{1} << rigid_contacts) - 1); bits != 0; bits &= bits - 1)
     flip_contact(t, y, __builtin_ctzll(bits));
-  if (which >> release_guard & 1U) flip_detached(y, true);
-  if (which >> regain_guard & 1U) flip_detached(y, false);
+  if (which >> release_guard & 1U) flip_detached(t, y, true);
+  if (which >> regain_guard & 1U) flip_detached(t, y, false);
   if (which >> gap_guard & 1U) touching_ = !touching_;
   if (which >> coil_guard & 1U) coil_ = Coil::open;
   if ((which >> friction_guard & 1U) || friction_ == Friction::stick) flip_friction(y, t);

@@ -91,8 +91,9 @@ class Chain {
     Real soonest = 3 * step;
     int best = -1;
     for (int c = 0; c < guard_count(); ++c) {
-      if (!pressing[at(c)] || std::max(g.value[c], Real(0)) >= soonest * std::fabs(g.rate[c])) continue;
-      soonest = std::max(g.value[c], Real(0)) / std::fabs(g.rate[c]);
+      const Real rate = std::fabs(g.rate[c]);
+      if (!pressing[at(c)] || rate < Real(1e-9L) || std::max(g.value[c], Real(0)) >= soonest * rate) continue;
+      soonest = std::max(g.value[c], Real(0)) / rate;
       root = std::sqrt(std::max(g.value[c], Real(0)));
       best = c;
     }

@@ -1,0 +1,42 @@
+#include "sim/mechanics/circuit_potential.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace powbench::sim {
+
+CircuitPotential::CircuitPotential(const Specimen& s)
+    : circuit_(s.magnet, s.core.travel), turns_(s.coil.turns), leakage_(s.coil.leakage) {}
+
+MagneticResponse CircuitPotential::at(const MagneticState& s) const {
+  const bool ring = circuit_.has_ring();
+  const double share = circuit_.shaded_share();
+  const double ratio = leakage_ / turns_;  // L i = ratio * mmf
+  double phi = s.psi / turns_;  // beyond the answer, where the curve is steep: Newton comes down from there
+  Field f;
+  double stiff = 0;  // d mmf / d phi with what follows phi
+  for (int pass = 0; pass < 100; ++pass) {
+    const double phi2 = ring ? s.ring : share * phi;
+    f = circuit_.field(phi, phi2, s.gap);
+    stiff = ring ? f.mmf_phi : f.mmf_phi + share * f.mmf_phi2;
+    const double change = (s.psi - turns_ * phi - ratio * f.mmf) / (turns_ + ratio * stiff);
+    phi += change;
+    if (std::fabs(change) <= 1e-15 * (std::fabs(phi) + 1e-12)) break;
+  }
+  const double phi2 = ring ? s.ring : share * phi;
+  f = circuit_.field(phi, phi2, s.gap);
+  const double slope = 1 / (turns_ + ratio * stiff);  // d phi / d psi
+  MagneticResponse r;
+  r.current = f.mmf / turns_;
+  r.energy = circuit_.energy(phi, phi2, s.gap) + 0.5 * leakage_ * r.current * r.current;
+  r.ring_current = ring ? f.ring_current : 0.0;
+  r.pull = f.pull;
+  r.current_psi = stiff * slope / turns_;
+  // at constant psi: N dphi + ratio dmmf = 0, dmmf = stiff dphi + mmf_x dx
+  const double keeps = 1 - ratio * stiff * slope;
+  r.current_gap = f.mmf_separation * keeps / turns_;
+  r.current_ring = ring ? f.mmf_phi2 * keeps / turns_ : 0.0;
+  return r;
+}
+
+}  // namespace powbench::sim

@@ -1,0 +1,26 @@
+#pragma once
+
+#include "sim/fields/potential.h"
+#include "sim/magnetic_circuit.h"
+
+/// The lumped circuit of `sim/magnetic_circuit.h` behind the one interface of magnetics: the states are the flux linkage
+/// of the coil with its leakage, psi = N phi + L i, and the flux through the shading ring. Also defined for a gap below
+/// zero, faces pressed together.
+
+namespace powbench::sim {
+
+class CircuitPotential : public MagneticPotential {
+ public:
+  explicit CircuitPotential(const Specimen&);
+
+  bool has_ring() const override { return circuit_.has_ring(); }
+  MagneticResponse at(const MagneticState&) const override;
+  double ring_resistance() const { return circuit_.ring_resistance(); }
+
+ private:
+  MagneticCircuit circuit_;
+  double turns_;
+  double leakage_;
+};
+
+}  // namespace powbench::sim

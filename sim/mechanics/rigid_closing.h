@@ -1,0 +1,19 @@
+#pragma once
+
+#include "sim/closing.h"
+#include "sim/mechanics/rigid_run.h"
+
+/// The rigid rung behind the specimen and the conditions that `simulate` takes: the second model of a closing.
+
+namespace powbench::sim {
+
+/// The specimen as rigid parts: linear contacts F = k d + c d' as the specimen gives them, two equal pole faces and
+/// stops, fixed contacts on the static core. What the specimen does not tell (the tilt of the bracket) is not excited.
+RigidParts rigid_parts(const Specimen&);
+
+/// Like `simulate`, by the rigid rung. `ledger`: with the energies as states, else the residual is 0. Throws
+/// std::invalid_argument for a bad specimen or bad conditions.
+Trajectory simulate_rigid(const Specimen&, const Conditions&, double duration, double sample_dt,
+                          double relative_tolerance = 1e-8, bool ledger = true);
+
+}  // namespace powbench::sim
