@@ -131,7 +131,7 @@ SphereImpact sphere_on_half_space(double finest, int workers) {
       leave = s.time();
     }
     r.force = std::max(r.force, force);
-    if (s.steps() % 20 == 0) r.depth = std::max(r.depth, -s.mean_displacement(ball).z);
+    if (s.steps() % 100 == 0) r.depth = std::max(r.depth, -s.mean_displacement(ball).z);
   }
   r.time = leave - touch;
   r.cells = static_cast<long>(mesh.cells.size());
@@ -242,7 +242,7 @@ SolidMesh taylor_mesh(int across, int along) {
   return mesh;
 }
 
-TaylorBar taylor_bar(int across, int along) {
+TaylorBar taylor_bar(int across, int along, bool held) {
   const SolidMesh mesh = taylor_mesh(across, along);
   SolidMaterial copper;
   copper.young = 110e9;
@@ -256,7 +256,15 @@ TaylorBar taylor_bar(int across, int along) {
   ExplicitSolid s(mesh, {copper}, options);
   fix_symmetry(s, mesh, 1e-12);
   s.set_velocity(0, {0, 0, -227});
-  s.add_plane(0, {0, 0, 0}, {0, 0, 1}, 0.65);
+  if (held) {
+    for (int n = 0; n < static_cast<int>(mesh.nodes.size()); ++n) {
+      const Vec3& p = mesh.nodes[static_cast<std::size_t>(n)];
+      s.fix(n, p.x < 1e-12, p.y < 1e-12, p.z < 1e-12);
+      if (p.z < 1e-12) s.set_node_velocity(n, {0, 0, 0});
+    }
+  } else {
+    s.add_plane(0, {0, 0, 0}, {0, 0, 1}, 0.65);
+  }
   TaylorBar r;
   while (s.time() < 80e-6) {
     s.step();

@@ -82,6 +82,7 @@ class ExplicitSolid {
   /// A plane for all nodes of a part; stiffness per area of the nodes' share of the surface facing it, `factor` in
   /// units of wave modulus / cell height.
   void add_plane(int part, const Vec3& point, const Vec3& normal, double factor = 1);
+  void add_plane(const SolidPlane& plane) { planes_.push_back(plane); }
   void set_contact(const ContactOptions&);
   /// All nodes of a part, with shares as their masses.
   NodeShares whole_part(int part) const;
