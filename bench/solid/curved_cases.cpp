@@ -99,15 +99,19 @@ SphereImpact sphere_on_half_space(double finest, int workers) {
   const auto side = graded(deep, finest, 1.25);
   add_grid(mesh, base, side, side, mirrored(side), all_cells);
   const int ball = mesh.add_part("sphere"), first = static_cast<int>(mesh.nodes.size());
-  const auto fine = graded(1, finest / radius / 0.72, 1.2);
-  auto high = graded(2, finest / radius, 1.2);
-  for (double& z : high) z -= 1;
+  // the ball's face and the ball's mass, in columns: a whole ball of hexahedra has slivers that cost a hundredfold
+  const double half = 0.65 * radius;
+  const auto fine = graded(half, finest, 1.2), high = graded(1, finest / (2.5 * radius), 1.2);
+  const auto face = [&](double x, double y) { return radius - std::sqrt(radius * radius - x * x - y * y); };
+  double below = 0;
+  constexpr int strips = 200;
+  for (int i = 0; i < strips; ++i)
+    for (int j = 0; j < strips; ++j) below += face((i + 0.5) * half / strips, (j + 0.5) * half / strips) / (strips * strips);
+  const double top = below + std::acos(-1.0) / 3 * radius * radius * radius / (half * half);
   add_grid(mesh, ball, fine, fine, high, all_cells);
-  map_nodes(mesh, first, [&](const Vec3& p) {  // the cube becomes a ball
-    const double x = p.x * p.x, y = p.y * p.y, z = p.z * p.z;
-    return Vec3{radius * p.x * std::sqrt(1 - y / 2 - z / 2 + y * z / 3),
-                radius * p.y * std::sqrt(1 - z / 2 - x / 2 + z * x / 3),
-                radius * p.z * std::sqrt(1 - x / 2 - y / 2 + x * y / 3) + radius};
+  map_nodes(mesh, first, [&](const Vec3& p) {
+    const double bottom = face(p.x, p.y);
+    return Vec3{p.x, p.y, bottom + p.z * (top - bottom)};
   });
   SolidOptions options;
   options.workers = workers;

@@ -36,7 +36,7 @@ struct SphereImpact {
   double depth = 0, force = 0, time = 0;  ///< m, N, s
   long cells = 0, steps = 0;
 };
-/// Steel sphere R = 10 mm on a steel half-space at 1 m/s, a quarter of it; `finest` cell at the pole, m.
+/// Steel body with the face and the mass of a ball R = 10 mm on a steel half-space at 1 m/s, a quarter of it; `finest` cell at the pole, m.
 SphereImpact sphere_on_half_space(double finest, int workers);
 
 struct CylinderContact {

@@ -100,6 +100,7 @@ class ExplicitSolid {
 
   double time() const { return time_; }
   double dt() const { return dt_; }
+  double step_limit() const { return limit_; }  ///< s, critical step; 0 before the first step
   long steps() const { return steps_; }
   Vec3 displacement(int node) const { return view().displacement(node); }
   Vec3 velocity(int node) const { return view().velocity(node); }
