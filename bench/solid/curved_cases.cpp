@@ -106,7 +106,8 @@ SphereImpact sphere_on_half_space(double finest, int workers) {
   double below = 0;
   constexpr int strips = 200;
   for (int i = 0; i < strips; ++i)
-    for (int j = 0; j < strips; ++j) below += face((i + 0.5) * half / strips, (j + 0.5) * half / strips) / (strips * strips);
+    for (int j = 0; j < strips; ++j)
+      below += face((i + 0.5) * half / strips, (j + 0.5) * half / strips) / (strips * strips);
   const double top = below + std::acos(-1.0) / 3 * radius * radius * radius / (half * half);
   add_grid(mesh, ball, fine, fine, high, all_cells);
   map_nodes(mesh, first, [&](const Vec3& p) {

@@ -199,7 +199,7 @@ void ContactPass::apply(const NodeView& view, double dt, double sign, bool start
     if (!anchor.touching) {
       const double area = slave_->area_along(slave, touch.normal, [&](int n) { return view.place(n); });
       const double came = start ? touch.depth : 1.5 * dt * std::max(0.0, -dot(relative, touch.normal));
-      anchor = {{}, std::max(area, 1e-3 * slave_->areas[slave]), std::max(0.0, touch.depth - came), true};
+      anchor = {{}, std::max(area, 1e-3 * slave_->areas[slave]), std::max(0.0, touch.depth - came), 0, true};
     }
     anchor.zero = std::min(anchor.zero, touch.depth);
     const double depth = touch.depth - anchor.zero;
@@ -211,7 +211,8 @@ void ContactPass::apply(const NodeView& view, double dt, double sign, bool start
       const double closing = -dot(relative, touch.normal);
       const double c = inverse > 0 ? 2 * pair_->damping * std::sqrt(stiff / inverse) : 0;
       const double damped = std::max(0.0, normal_force + c * closing);
-      sums.damping_lost += (damped - normal_force) * closing * dt;
+      sums.damping_lost += 0.5 * dt * closing * (anchor.damped + damped - normal_force);
+      anchor.damped = damped - normal_force;
       normal_force = damped;
     }
     Vec3 force = normal_force * touch.normal;

@@ -20,6 +20,8 @@ struct Anchor {
   Vec3 force;
   double area = 0;  ///< m2
   double zero = 0;  ///< m, depth that counts as none: a node that comes in from the side is not thrown out
+  double damped =
+      0;  ///< N, damping force of the step before: half of its work is booked with the speed after it
   bool touching = false;
 };
 

@@ -8,6 +8,8 @@
 namespace powbench::sim {
 namespace {
 
+constexpr double chatter = 20e-6;  ///< s, shorter gaps between touches are not openings
+
 /// The bodies with their springs, and the coil beside them.
 class Closing {
  public:
@@ -127,9 +129,11 @@ class Closing {
     if (field_.has_ring()) ring_ -= dt * specimen_.magnet.ring_resistance * response_.ring_current;
     response_ = field_.at({psi_, ring_, gap});
     const double speed = solid_.mean_velocity(contactor_.mover).z;
-    const double rub = specimen_.core.friction * std::tanh(speed / 1e-2);
+    const double rub = specimen_.core.friction * std::tanh(speed / 1e-3);
     solid_.set_force(pull_, {0, 0, response_.pull - rub});
-    solid_.set_force(reaction_, {0, 0, -response_.pull});
+    const double round = 2 * pi * specimen_.base.hertz;
+    const double drag = 2 * specimen_.base.damping * round * specimen_.base.mass;
+    solid_.set_force(reaction_, {0, 0, -response_.pull - drag * solid_.mean_velocity(contactor_.base).z});
   }
 
   bool close_to_touch() const {
@@ -142,9 +146,11 @@ class Closing {
     const ContactReport& pad = solid_.contact()->report(0);
     const bool closed = pad.touching > 0;
     if (closed && result_.first_touch < 0) result_.first_touch = solid_.time();
-    if (closed && !was_closed_) result_.last_touch = solid_.time();
-    if (!closed && was_closed_) ++result_.openings;
-    was_closed_ = closed;
+    if (closed && solid_.time() - closed_at_ > chatter) {  // nodes come and go within a touch
+      result_.last_touch = solid_.time();
+      if (closed_at_ > 0) ++result_.openings;
+    }
+    if (closed) closed_at_ = solid_.time();
     result_.peak_force = std::max(result_.peak_force, pad.force_sum);
     if (result_.core_seat < 0 && solid_.contact()->report(stop_pair_).touching > 0)
       result_.core_seat = solid_.time();
@@ -176,7 +182,8 @@ class Closing {
   MagneticResponse response_;
   int pull_ = 0, reaction_ = 0, stop_pair_ = 0;
   double psi_ = 0, ring_ = 0, coupled_ = 0;
-  bool rigid_ = true, was_closed_ = false;
+  double closed_at_ = -1;
+  bool rigid_ = true;
 };
 
 }  // namespace

@@ -164,22 +164,23 @@ std::vector<double> SolidContact::memory() const {
   std::vector<double> all{m.sums.stored, m.sums.friction_lost, m.sums.damping_lost, m.started ? 1.0 : 0.0};
   for (const auto& p : m.passes)
     for (const Anchor& a : p.anchors)
-      all.insert(all.end(), {a.force.x, a.force.y, a.force.z, a.area, a.zero, a.touching ? 1.0 : 0.0});
+      all.insert(all.end(),
+                 {a.force.x, a.force.y, a.force.z, a.area, a.zero, a.damped, a.touching ? 1.0 : 0.0});
   return all;
 }
 
 void SolidContact::restore_memory(const std::vector<double>& all) {
   Impl& m = *impl_;
   std::size_t size = 4;
-  for (const auto& p : m.passes) size += 6 * p.anchors.size();
+  for (const auto& p : m.passes) size += 7 * p.anchors.size();
   if (all.size() != size) throw std::invalid_argument("restart: the saved contact belongs to another mesh");
   m.sums = {all[0], all[1], all[2]};
   m.started = all[3] != 0;
   auto from = all.begin() + 4;
   for (auto& p : m.passes)
     for (Anchor& a : p.anchors) {
-      a = {{from[0], from[1], from[2]}, from[3], from[4], from[5] != 0};
-      from += 6;
+      a = {{from[0], from[1], from[2]}, from[3], from[4], from[5], from[6] != 0};
+      from += 7;
     }
   m.places.clear();  // candidates are found anew; which faces are looked at does not change which is nearest
   m.until_check = 0;
