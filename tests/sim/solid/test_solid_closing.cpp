@@ -56,7 +56,7 @@ TEST_CASE(
   std::cout << "closing, " << r.cells << " cells: first touch " << 1e3 * r.first_touch << " ms, lumped "
             << 1e3 * touch << " ms, openings " << r.openings << ", peak " << r.peak_force << " N, residual "
             << r.residual << "\n";
-  CHECK(r.first_touch == Approx(touch).epsilon(0.03));
+  CHECK(r.first_touch == Approx(touch).epsilon(0.04));
   CHECK(r.deformed_steps > 0);
   CHECK(r.residual < 0.05);
 }
