@@ -36,7 +36,7 @@ struct SphereImpact {
   double depth = 0, force = 0, time = 0;  ///< m, N, s
   long cells = 0, steps = 0;
 };
-/// Steel sphere R = 10 mm on a steel half-space at 1 m/s, a quarter of it; `finest` cell at the pole, m.
+/// Steel body with the face and the mass of a ball R = 10 mm on a steel half-space at 1 m/s, a quarter of it; `finest` cell at the pole, m.
 SphereImpact sphere_on_half_space(double finest, int workers);
 
 struct CylinderContact {
@@ -52,9 +52,22 @@ struct TaylorBar {
   long steps = 0;
 };
 /// Copper rod R 3.2 mm, L 32.4 mm, 227 m/s, yield 400 MPa, hardening 100 MPa, quarter mesh; after 80 us.
-TaylorBar taylor_bar(int across, int along);
+/// `held`: the foot cannot leave the wall, as the peer has it.
+TaylorBar taylor_bar(int across, int along, bool held);
 /// The mesh of it, for the peer.
 sim::SolidMesh taylor_mesh(int across, int along);
+
+/// A copper contact bridge (24 x 6 x 1.5 mm) that falls flat with 0.6 m/s on two rigid pads with springs of 3e6 N/m each at
+/// its ends: reduced against explicit, over the first contact.
+struct BridgeOnPads {
+  double worst = 0;       ///< largest difference of the forces over the peak force
+  double rms = 0;         ///< root mean square of the difference over the peak
+  double peak_error = 0;  ///< of the peaks
+  double impulse_error = 0;
+  int modes = 0;         ///< elastic and attachment modes
+  double cpu_ratio = 0;  ///< explicit over reduced
+};
+std::vector<BridgeOnPads> bridge_on_pads(const std::vector<int>& modes, bool attachments);
 
 /// First bending frequency of a square steel beam (nu 0.3) over the Euler-Bernoulli value less 1; slenderness L / h.
 double cantilever_error(int through, double slenderness);

@@ -7,6 +7,8 @@
 #include <iterator>
 #include <stdexcept>
 
+#include "host/export/base64.h"
+
 namespace powbench::host {
 namespace {
 
@@ -56,20 +58,6 @@ std::string bytes_of(const std::vector<T>& values) {
   std::string out(sizeof size + size, '\0');
   std::memcpy(out.data(), &size, sizeof size);
   if (size > 0) std::memcpy(out.data() + sizeof size, values.data(), size);
-  return out;
-}
-
-std::string base64(const std::string& bytes) {
-  static constexpr char digit[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-  std::string out;
-  out.reserve((bytes.size() + 2) / 3 * 4);
-  for (std::size_t i = 0; i < bytes.size(); i += 3) {
-    std::uint32_t word = 0;
-    for (std::size_t k = 0; k < 3; ++k)
-      word = word << 8 | (i + k < bytes.size() ? static_cast<unsigned char>(bytes[i + k]) : 0u);
-    for (std::size_t k = 0; k < 4; ++k)
-      out += i + k <= bytes.size() ? digit[word >> (18 - 6 * k) & 63u] : '=';
-  }
   return out;
 }
 

@@ -7,6 +7,8 @@ namespace {
 
 constexpr double facing = -0.2;    ///< cosine between a node's and a face's normal; above it they do not meet
 constexpr double opposite = -0.5;  ///< below it a node may stand on a face's border
+constexpr double level = 0.996;    ///< cosine between neighbours that count as one plane
+constexpr double shallow = 0.05;   ///< of the depth limit: so near a flat face, no other can be nearer
 constexpr double overhang = 1e-3;  ///< of a face's size: so far beyond its border a node still stands on it
 
 double size_of(const std::array<Vec3, 4>& p, int count) {
@@ -59,6 +61,8 @@ double ContactPass::search(const NodeView& view) {
     depth_limit_ = std::min(depth_limit_, margin);
   }
   for (std::size_t n = 0; n < probes.size(); ++n) probes[n].include(view.place(slave_->nodes[n]));
+  flat_.assign(targets.size(), 0);
+  for (std::size_t f = 0; f < targets.size(); ++f) flat_[f] = flat_around(master_->facets[f], normals);
   auto found = overlapping(probes, targets);
   active_.clear();
   near_.clear();
@@ -78,6 +82,14 @@ double ContactPass::search(const NodeView& view) {
   }
   asleep_.assign(active_.size(), 0.0);
   return depth_limit_;
+}
+
+bool ContactPass::flat_around(const Facet& facet, const std::vector<Vec3>& normals) const {
+  const Vec3& mine = normals[static_cast<std::size_t>(&facet - master_->facets.data())];
+  for (std::size_t k = 0; k < static_cast<std::size_t>(facet.corners()); ++k)
+    for (const int f : master_->facets_at[static_cast<std::size_t>(master_->place_of(facet.nodes[k]))])
+      if (dot(mine, normals[static_cast<std::size_t>(f)]) < level) return false;
+  return true;
 }
 
 bool ContactPass::behind_all(const NodeView& view, const Facet& facet, const Projection& at) const {
@@ -112,6 +124,7 @@ ContactPass::Touch ContactPass::nearest(std::size_t active, const NodeView& view
     best = at;
     nearest = f;
     stands = square;
+    if (at.aside == 0 && at.distance < shallow * depth_limit_ && flat_[static_cast<std::size_t>(f)]) break;
   }
   // inside or outside is decided by the nearest face alone: behind a more distant face's plane means nothing
   const Touch none{-1, best.distance, 0, {}, {}};
@@ -159,7 +172,8 @@ Vec3 ContactPass::friction(std::size_t slave, const Touch& touch, const Vec3& re
 }
 
 void ContactPass::apply(const NodeView& view, double dt, double sign, bool start, NodeForces& forces,
-                        ContactSums& sums, ContactReport& report, std::vector<double>& pressure) {
+                        ContactSums& sums, ContactReport& report) {
+  pressed_.clear();
   const bool rubs = pair_->friction_static > 0 || pair_->friction_dynamic > 0;
   const auto release = [&](std::size_t slave) {
     if (!anchors[slave].touching) return;
@@ -185,7 +199,7 @@ void ContactPass::apply(const NodeView& view, double dt, double sign, bool start
     if (!anchor.touching) {
       const double area = slave_->area_along(slave, touch.normal, [&](int n) { return view.place(n); });
       const double came = start ? touch.depth : 1.5 * dt * std::max(0.0, -dot(relative, touch.normal));
-      anchor = {{}, std::max(area, 1e-3 * slave_->areas[slave]), std::max(0.0, touch.depth - came), true};
+      anchor = {{}, std::max(area, 1e-3 * slave_->areas[slave]), std::max(0.0, touch.depth - came), 0, true};
     }
     anchor.zero = std::min(anchor.zero, touch.depth);
     const double depth = touch.depth - anchor.zero;
@@ -197,7 +211,8 @@ void ContactPass::apply(const NodeView& view, double dt, double sign, bool start
       const double closing = -dot(relative, touch.normal);
       const double c = inverse > 0 ? 2 * pair_->damping * std::sqrt(stiff / inverse) : 0;
       const double damped = std::max(0.0, normal_force + c * closing);
-      sums.damping_lost += (damped - normal_force) * closing * dt;
+      sums.damping_lost += 0.5 * dt * closing * (anchor.damped + damped - normal_force);
+      anchor.damped = damped - normal_force;
       normal_force = damped;
     }
     Vec3 force = normal_force * touch.normal;
@@ -209,11 +224,17 @@ void ContactPass::apply(const NodeView& view, double dt, double sign, bool start
     report.force_sum += normal_force;
     if (sign > 0) report.area += anchor.area;
     ++report.touching;
-    pressure[static_cast<std::size_t>(node)] += normal_force / anchor.area;
+    pressed_.push_back({slave, touch.facet, touch.weights, normal_force});
+  }
+}
+
+void ContactPass::add_pressure(std::vector<double>& all) const {
+  for (const Pressed& p : pressed_) {
+    all[static_cast<std::size_t>(slave_->nodes[p.slave])] += p.force / anchors[p.slave].area;
+    const Facet& facet = master_->facets[static_cast<std::size_t>(p.facet)];
     for (std::size_t c = 0; c < static_cast<std::size_t>(facet.corners()); ++c) {
       const auto place = static_cast<std::size_t>(master_->place_of(facet.nodes[c]));
-      pressure[static_cast<std::size_t>(facet.nodes[c])] +=
-          touch.weights[c] * normal_force / master_->areas[place];
+      all[static_cast<std::size_t>(facet.nodes[c])] += p.weights[c] * p.force / master_->areas[place];
     }
   }
 }

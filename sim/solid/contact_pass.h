@@ -20,6 +20,8 @@ struct Anchor {
   Vec3 force;
   double area = 0;  ///< m2
   double zero = 0;  ///< m, depth that counts as none: a node that comes in from the side is not thrown out
+  double damped =
+      0;  ///< N, damping force of the step before: half of its work is booked with the speed after it
   bool touching = false;
 };
 
@@ -36,9 +38,10 @@ class ContactPass {
   /// other part to have come to it are passed over.
   void set_travel(double travel) { travel_ = travel; }
   /// `sign`: +1 where the slave is part a of the pair, else -1; `start`: depths there now are meant.
-  void apply(const NodeView&, double dt, double sign, bool start, NodeForces&, ContactSums&, ContactReport&,
-             std::vector<double>& pressure);
+  void apply(const NodeView&, double dt, double sign, bool start, NodeForces&, ContactSums&, ContactReport&);
   void add_stiffness(std::vector<double>&) const;
+  /// Adds the normal forces of the latest step over the areas, at the nodes of both sides, Pa.
+  void add_pressure(std::vector<double>&) const;
 
   std::vector<Anchor> anchors;
 
@@ -51,6 +54,14 @@ class ContactPass {
     std::array<double, 4> weights{};
   };
 
+  struct Pressed {
+    std::size_t slave = 0;
+    int facet = 0;
+    std::array<double, 4> weights{};
+    double force = 0;
+  };
+
+  bool flat_around(const Facet&, const std::vector<Vec3>& normals) const;
   Touch nearest(std::size_t active, const NodeView&) const;
   bool behind_all(const NodeView&, const Facet&, const Projection&) const;
   double stiffness(std::size_t slave, double area) const;
@@ -62,6 +73,8 @@ class ContactPass {
   const std::vector<double>* inverse_mass_;
   double master_stiffness_ = 0, depth_limit_ = 0;
   double travel_ = 0;
+  std::vector<Pressed> pressed_;
+  std::vector<char> flat_;      ///< faces whose neighbours lie in one plane with them
   std::vector<double> asleep_;  ///< m, of each active slave: travel before which it cannot touch
   std::vector<int> active_;     ///< slaves with candidates, by place in slave_->nodes
   std::vector<std::vector<std::pair<int, bool>>> near_;  ///< their facets; true: squarely opposite

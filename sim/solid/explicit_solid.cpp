@@ -321,7 +321,7 @@ SolidState ExplicitSolid::save() const {
   s.v = v_;
   s.cells = cells_.memory();
   if (contact_) s.contact = contact_->memory();
-  s.booked = {booked_external_, booked_damping_, booked_frozen_,    largest_,
+  s.booked = {booked_external_, booked_damping_, booked_frozen_,     largest_,
               limit_,           energies_.start, begun_ ? 1.0 : 0.0, transit_};
   s.rigid = rigid_;
   return s;

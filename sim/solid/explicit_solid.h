@@ -82,6 +82,7 @@ class ExplicitSolid {
   /// A plane for all nodes of a part; stiffness per area of the nodes' share of the surface facing it, `factor` in
   /// units of wave modulus / cell height.
   void add_plane(int part, const Vec3& point, const Vec3& normal, double factor = 1);
+  void add_plane(const SolidPlane& plane) { planes_.push_back(plane); }
   void set_contact(const ContactOptions&);
   /// All nodes of a part, with shares as their masses.
   NodeShares whole_part(int part) const;
@@ -99,6 +100,7 @@ class ExplicitSolid {
 
   double time() const { return time_; }
   double dt() const { return dt_; }
+  double step_limit() const { return limit_; }  ///< s, critical step; 0 before the first step
   long steps() const { return steps_; }
   Vec3 displacement(int node) const { return view().displacement(node); }
   Vec3 velocity(int node) const { return view().velocity(node); }

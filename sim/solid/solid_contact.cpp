@@ -41,7 +41,7 @@ struct SolidContact::Impl {
   std::vector<ContactPass> passes;  ///< two a pair
   std::vector<EdgePass> edges;
   std::vector<ContactReport> reports;
-  std::vector<double> pressure;
+  std::size_t nodes = 0;
   ContactSums sums;
   double margin = 0;               ///< m, within which candidates are known
   double fastest = 0, travel = 0;  ///< m/s at the latest check; m
@@ -97,7 +97,7 @@ SolidContact::SolidContact(const CellBatches& cells, const std::vector<double>& 
     if (options.edges) m.edges.emplace_back(p, m.surfaces.at(p.a), m.surfaces.at(p.b));
   }
   m.reports.resize(m.options.pairs.size());
-  m.pressure.assign(mesh.nodes.size(), 0.0);
+  m.nodes = mesh.nodes.size();
   const std::vector<double> rest(4 * mesh.nodes.size(), 0.0);
   const NodeView start{&mesh.nodes, rest.data(), rest.data()};
   m.search(start);
@@ -123,11 +123,10 @@ void SolidContact::apply(const NodeView& view, double dt, double ahead, NodeForc
               std::max(dt, ahead);  // twice what two nodes do, should they be faster by the next check
   for (auto& p : m.passes) p.set_travel(m.travel);
   m.sums.stored = 0;
-  std::fill(m.pressure.begin(), m.pressure.end(), 0.0);
   for (std::size_t k = 0; k < m.reports.size(); ++k) {
     m.reports[k] = {};
-    m.passes[2 * k].apply(view, dt, 1, !m.started, forces, m.sums, m.reports[k], m.pressure);
-    m.passes[2 * k + 1].apply(view, dt, -1, !m.started, forces, m.sums, m.reports[k], m.pressure);
+    m.passes[2 * k].apply(view, dt, 1, !m.started, forces, m.sums, m.reports[k]);
+    m.passes[2 * k + 1].apply(view, dt, -1, !m.started, forces, m.sums, m.reports[k]);
     if (m.options.edges) m.edges[k].apply(view, forces, m.sums, m.reports[k]);
   }
   m.started = true;
@@ -146,14 +145,16 @@ const ContactReport& SolidContact::report(int pair) const {
   return impl_->reports.at(static_cast<std::size_t>(pair));
 }
 std::vector<double> SolidContact::node_pressure() const {
-  return impl_->pressure;
+  std::vector<double> all(impl_->nodes, 0.0);
+  for (const auto& p : impl_->passes) p.add_pressure(all);
+  return all;
 }
 long SolidContact::searches() const {
   return impl_->searches;
 }
 
 std::vector<double> SolidContact::stiffness() const {
-  std::vector<double> all(impl_->pressure.size(), 0.0);
+  std::vector<double> all(impl_->nodes, 0.0);
   for (const auto& p : impl_->passes) p.add_stiffness(all);
   return all;
 }
@@ -163,22 +164,23 @@ std::vector<double> SolidContact::memory() const {
   std::vector<double> all{m.sums.stored, m.sums.friction_lost, m.sums.damping_lost, m.started ? 1.0 : 0.0};
   for (const auto& p : m.passes)
     for (const Anchor& a : p.anchors)
-      all.insert(all.end(), {a.force.x, a.force.y, a.force.z, a.area, a.zero, a.touching ? 1.0 : 0.0});
+      all.insert(all.end(),
+                 {a.force.x, a.force.y, a.force.z, a.area, a.zero, a.damped, a.touching ? 1.0 : 0.0});
   return all;
 }
 
 void SolidContact::restore_memory(const std::vector<double>& all) {
   Impl& m = *impl_;
   std::size_t size = 4;
-  for (const auto& p : m.passes) size += 6 * p.anchors.size();
+  for (const auto& p : m.passes) size += 7 * p.anchors.size();
   if (all.size() != size) throw std::invalid_argument("restart: the saved contact belongs to another mesh");
   m.sums = {all[0], all[1], all[2]};
   m.started = all[3] != 0;
   auto from = all.begin() + 4;
   for (auto& p : m.passes)
     for (Anchor& a : p.anchors) {
-      a = {{from[0], from[1], from[2]}, from[3], from[4], from[5] != 0};
-      from += 6;
+      a = {{from[0], from[1], from[2]}, from[3], from[4], from[5], from[6] != 0};
+      from += 7;
     }
   m.places.clear();  // candidates are found anew; which faces are looked at does not change which is nearest
   m.until_check = 0;

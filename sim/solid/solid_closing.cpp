@@ -1,0 +1,206 @@
+#include "sim/solid/solid_closing.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/units.h"
+
+namespace powbench::sim {
+namespace {
+
+constexpr double chatter = 20e-6;  ///< s, shorter gaps between touches are not openings
+
+/// The bodies with their springs, and the coil beside them.
+class Closing {
+ public:
+  Closing(const Specimen& specimen, const Conditions& conditions, const MagneticPotential& field,
+          const SolidClosingOptions& options)
+      : specimen_(specimen),
+        conditions_(conditions),
+        field_(field),
+        options_(options),
+        contactor_(contactor_mesh(specimen, options.cell)),
+        solid_(contactor_.mesh, contactor_.materials, solid_options(options)) {
+    add_springs();
+    add_contacts();
+    const double mover_bottom = lowest(contactor_.mover);
+    solid_.add_plane(contactor_.mover, {0, 0, mover_bottom}, {0, 0, 1}, 0.05);
+    pull_ = solid_.add_load({solid_.whole_part(contactor_.mover), {}});
+    reaction_ = solid_.add_load({solid_.whole_part(contactor_.base), {}});
+    set_rigid(true);
+  }
+
+  SolidClosingResult run(const std::function<void(const ExplicitSolid&, const ContactorMesh&)>& watch) {
+    result_.cells = static_cast<long>(contactor_.mesh.cells.size());
+    solid_.step();
+    solid_.set_step(options_.flight_step);
+    double next_sample = 0, next_field = 0;
+    while (solid_.time() < options_.end) {
+      if (solid_.time() >= next_field) {
+        couple(solid_.time() - coupled_);
+        coupled_ = solid_.time();
+        next_field = coupled_ + options_.coupling;
+      }
+      solid_.step();
+      ++(rigid_ ? result_.rigid_steps : result_.deformed_steps);
+      follow_contacts();
+      if (rigid_ && options_.deform && close_to_touch()) wake();
+      if (solid_.time() < next_sample) continue;
+      next_sample = solid_.time() + (rigid_ ? 50e-6 : 5e-6);
+      sample();
+      if (watch) watch(solid_, contactor_);
+    }
+    result_.energies = solid_.energies();
+    return result_;
+  }
+
+ private:
+  static SolidOptions solid_options(const SolidClosingOptions& options) {
+    SolidOptions o = options.solid;
+    o.workers = options.workers;
+    return o;
+  }
+
+  double lowest(int part) const {
+    double z = 1e300;
+    for (int n = solid_.cells().nodes_begin(part); n < solid_.cells().nodes_end(part); ++n)
+      z = std::min(z, contactor_.mesh.nodes[static_cast<std::size_t>(n)].z);
+    return z;
+  }
+
+  void add_springs() {
+    SolidSpring back;
+    back.a = solid_.whole_part(contactor_.mover);
+    back.preload = specimen_.core.return_preload;
+    back.rate = specimen_.core.return_rate;
+    solid_.add_spring(back);
+    const double round = 2 * pi * specimen_.base.hertz;
+    SolidSpring mounting;
+    mounting.a = solid_.whole_part(contactor_.base);
+    mounting.rate = specimen_.base.mass * round * round;
+    solid_.add_spring(mounting);
+    for (const int bridge : contactor_.bridges) {
+      SolidSpring overtravel;  // the mover pushes the bridge ahead: the force grows as the mover overtakes it
+      overtravel.a = solid_.whole_part(contactor_.mover);
+      overtravel.b = solid_.whole_part(bridge);
+      overtravel.preload = specimen_.bridges.preload;
+      overtravel.rate = specimen_.bridges.rate;
+      solid_.add_spring(overtravel);
+    }
+  }
+
+  void add_contacts() {
+    ContactOptions contact;
+    contact.edges = false;  // all faces that meet are level
+    ContactPair pair;
+    pair.damping = 0.05;
+    const auto add = [&](int a, int b) {
+      pair.a = a;
+      pair.b = b;
+      contact.pairs.push_back(pair);
+    };
+    for (const int bridge : contactor_.bridges) add(contactor_.base, bridge);
+    add(contactor_.base, contactor_.mover);
+    stop_pair_ = static_cast<int>(contact.pairs.size()) - 1;
+    for (const int bridge : contactor_.bridges) add(contactor_.mover, bridge);
+    solid_.set_contact(contact);
+  }
+
+  void set_rigid(bool rigid) {
+    rigid_ = rigid;
+    for (int p = 0; p < static_cast<int>(contactor_.mesh.parts.size()); ++p) solid_.set_rigid(p, rigid);
+  }
+
+  void wake() {
+    set_rigid(false);
+    solid_.set_step(0.9 * solid_.step_limit());
+  }
+
+  double height(int part) const { return solid_.mean_displacement(part).z; }
+
+  /// Field and coil over the time since the latest look, with the state of now; then the new pull.
+  void couple(double dt) {
+    const double gap =
+        std::max(0.0, specimen_.core.travel - height(contactor_.mover) + height(contactor_.base));
+    const double t = solid_.time() - 0.5 * dt;
+    const double voltage = std::sqrt(2.0) * conditions_.supply_volts *
+                           std::sin(2 * pi * conditions_.mains_hertz * t + conditions_.closing_angle);
+    psi_ += dt * (voltage - specimen_.coil.resistance * response_.current);
+    if (field_.has_ring()) ring_ -= dt * specimen_.magnet.ring_resistance * response_.ring_current;
+    response_ = field_.at({psi_, ring_, gap});
+    const double speed = solid_.mean_velocity(contactor_.mover).z;
+    const double rub = specimen_.core.friction * std::tanh(speed / 1e-3);
+    // the rest at the open position does not throw the mover back
+    const double rest = height(contactor_.mover) < 0 ? specimen_.core.mass / (8 * options_.coupling) * speed : 0;
+    solid_.set_force(pull_, {0, 0, response_.pull - rub - rest});
+    const double round = 2 * pi * specimen_.base.hertz;
+    const double drag = 2 * specimen_.base.damping * round * specimen_.base.mass;
+    solid_.set_force(reaction_, {0, 0, -response_.pull - drag * solid_.mean_velocity(contactor_.base).z});
+  }
+
+  bool close_to_touch() const {
+    const double speed = solid_.mean_velocity(contactor_.bridges[0]).z;
+    const double left = specimen_.bridges.gap - height(contactor_.bridges[0]) + height(contactor_.base);
+    return speed > 0.05 && left < speed * options_.window;
+  }
+
+  void follow_contacts() {
+    const ContactReport& pad = solid_.contact()->report(0);
+    const bool closed = pad.touching > 0;
+    if (closed && result_.first_touch < 0) result_.first_touch = solid_.time();
+    if (closed && solid_.time() - closed_at_ > chatter) {  // nodes come and go within a touch
+      result_.last_touch = solid_.time();
+      if (closed_at_ > 0) ++result_.openings;
+    }
+    if (closed) closed_at_ = solid_.time();
+    result_.peak_force = std::max(result_.peak_force, pad.force_sum);
+    if (result_.core_seat < 0 && solid_.contact()->report(stop_pair_).touching > 0)
+      result_.core_seat = solid_.time();
+    const SolidEnergies& e = solid_.energies();
+    const double size = std::max({e.stored(), std::fabs(e.external), 1e-6});
+    result_.residual = std::max(result_.residual, std::fabs(e.residual()) / size);
+  }
+
+  void sample() {
+    SolidClosingSample s;
+    s.time = solid_.time();
+    s.current = response_.current;
+    s.flux = psi_;
+    s.pull = response_.pull;
+    s.travel = height(contactor_.mover);
+    s.base = height(contactor_.base);
+    s.pad_force = solid_.contact()->report(0).force_sum;
+    for (const int bridge : contactor_.bridges) s.bridges.push_back(height(bridge));
+    result_.samples.push_back(s);
+  }
+
+  Specimen specimen_;
+  Conditions conditions_;
+  const MagneticPotential& field_;
+  SolidClosingOptions options_;
+  ContactorMesh contactor_;
+  ExplicitSolid solid_;
+  SolidClosingResult result_;
+  MagneticResponse response_;
+  int pull_ = 0, reaction_ = 0, stop_pair_ = 0;
+  double psi_ = 0, ring_ = 0, coupled_ = 0;
+  double closed_at_ = -1;
+  bool rigid_ = true;
+};
+
+}  // namespace
+
+SolidClosingResult solid_closing(
+    const Specimen& specimen, const Conditions& conditions, const MagneticPotential& field,
+    const SolidClosingOptions& options,
+    const std::function<void(const ExplicitSolid&, const ContactorMesh&)>& watch) {
+  if (!(options.end > 0))
+    throw std::invalid_argument("end = " + std::to_string(options.end) + " s, must be > 0");
+  if (!(options.coupling > 0 && options.coupling <= 1e-4))
+    throw std::invalid_argument("coupling = " + std::to_string(options.coupling) +
+                                " s, must be in (0, 1e-4]");
+  Closing closing(specimen, conditions, field, options);
+  return closing.run(watch);
+}
+
+}  // namespace powbench::sim

@@ -1,0 +1,53 @@
+#pragma once
+
+#include <functional>
+
+#include "core/conditions.h"
+#include "sim/fields/potential.h"
+#include "sim/solid/contactor_mesh.h"
+#include "sim/solid/explicit_solid.h"
+
+/// One closing with deforming parts: coil and field in turn with the bodies. In every coupling interval
+///
+///   gap -> potential -> current, pull;  psi += (u - R i) dt, phi_s -= R_s i_s dt;  pull as body load on mover and base;
+///   bodies move on;  gap -> ...
+///
+/// Parts are rigid in flight and deform from `window` before the first touch on.
+
+namespace powbench::sim {
+
+struct SolidClosingOptions {
+  double cell = 2e-3;         ///< m
+  double end = 30e-3;         ///< s
+  double coupling = 2e-6;     ///< s, between two looks at the field
+  double window = 0.2e-3;     ///< s, deformable so long before the first touch
+  double flight_step = 5e-7;  ///< s, while everything is rigid
+  bool deform = true;         ///< false: rigid throughout
+  int workers = 1;
+  SolidOptions solid;
+};
+
+/// One state, for curves and pictures.
+struct SolidClosingSample {
+  double time = 0, current = 0, flux = 0, pull = 0;
+  double travel = 0, base = 0;  ///< m, of mover and base
+  double pad_force = 0;         ///< N, of the first bridge on its pads
+  std::vector<double> bridges;  ///< m, mean of each bridge
+};
+
+struct SolidClosingResult {
+  double first_touch = -1, core_seat = -1, last_touch = -1;  ///< s, of the first bridge and the mover
+  int openings = 0;                                          ///< of the first bridge
+  double peak_force = 0;                                     ///< N, on the first bridge's pads
+  double residual = 0;  ///< largest energy residual over the largest energy
+  SolidEnergies energies;
+  long cells = 0, rigid_steps = 0, deformed_steps = 0;
+  std::vector<SolidClosingSample> samples;  ///< every 50 us, every 5 us from the window on
+};
+
+/// `watch` sees the bodies at each sample. Throws SolidStop, std::invalid_argument.
+SolidClosingResult solid_closing(
+    const Specimen&, const Conditions&, const MagneticPotential&, const SolidClosingOptions&,
+    const std::function<void(const ExplicitSolid&, const ContactorMesh&)>& watch = {});
+
+}  // namespace powbench::sim
