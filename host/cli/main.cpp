@@ -216,6 +216,9 @@ void add_fit_verb(CLI::App& app) {
   v->add_option("--specimen", fit->specimen_file, "specimen file (TOML) with the numbers that are not free");
   v->add_option("--free", fit->free,
                 "free number and its bounds, NAME=LOW:HIGH in the unit of the specimen file");
+  v->add_option(
+      "--start", fit->start,
+      "specimen file that the fit to all closings may begin from; never used where angles are held out");
   v->add_option("--hold-out", fit->hold_out, "closing angles in degrees that are predicted, never used")
       ->delimiter(',');
   v->add_flag("--leave-one-out", fit->leave_one_out, "predict every angle from the others, one fit each");
