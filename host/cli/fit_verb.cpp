@@ -134,6 +134,7 @@ void take_options(const FitArgs& args, Source& s) {
     throw BadInput({"--start and --hold-out: a start may know what is held out; give one of them"});
   s.job.options.evaluations = args.evaluations;
   s.job.options.ensemble = args.ensemble;
+  s.job.searches = args.searches;
   s.job.options.seed = args.seed;
 }
 
@@ -159,12 +160,14 @@ Exit fit_specimen(const FitArgs& args) {
   sim::Team team(threads);
   const StopOnSignal stop;
   const auto per_fit = static_cast<std::size_t>(args.evaluations);
-  Progress progress("fit", per_fit * (1 + source.job.held_out.size()), progress_style(args.progress));
+  Progress progress("fit",
+                    per_fit * static_cast<std::size_t>(args.searches) * (1 + source.job.held_out.size()),
+                    progress_style(args.progress));
   auto saved = std::chrono::steady_clock::now();
   const auto watch = [&](std::size_t fit, std::size_t fits, long used, long, double best,
                          const FitState& now) {
     progress.update(fit * per_fit + static_cast<std::size_t>(used),
-                    fmt::format("fit {} of {}, misfit {:.2f}", fit + 1, fits, best));
+                    fmt::format("search {} of {}, misfit {:.2f}", fit + 1, fits, best));
     const bool asked = StopOnSignal::asked();
     const auto t = std::chrono::steady_clock::now();
     if (!args.state_file.empty() && (asked || t - saved > std::chrono::seconds(2))) {

@@ -39,6 +39,7 @@ FitJob small_job() {
   job.options.evaluations = 120;
   job.options.ensemble = 1;
   job.options.polished = 1;
+  job.searches = 2;
   return job;
 }
 
