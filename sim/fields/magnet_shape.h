@@ -32,6 +32,7 @@ struct MagnetShape {
   double ring_share = 0.648;    ///< of each outer leg's width inside the ring; 0: no ring
   double ring_depth = 3.0e-3;   ///< slot depth below the pole face
   double ring_slot = 2.0e-3;    ///< slot width
+  double centre_gap = 0;        ///< by which the fixed centre leg is shorter than the outer legs
 };
 
 }  // namespace powbench::sim

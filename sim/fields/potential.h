@@ -5,10 +5,10 @@
 ///
 ///   i   =  dW/dpsi      coil current, A
 ///   i_s =  dW/dphi_s    current in the shading ring (one turn), A
-///   F   = -dW/dgap      pull on the moving core, N, positive in closing direction
+///   F   =  dW/dgap      pull on the moving core, N, positive in closing direction (the one that makes the gap smaller)
 ///
 /// with the flux linkages as states: dpsi/dt = u - R i, dphi_s/dt = -R_s i_s. One potential makes reciprocity
-/// exact (dF/dpsi = -di/dgap) and lets the energy ledger of a closing end at round-off. SI throughout.
+/// exact (dF/dpsi = di/dgap) and lets the energy ledger of a closing end at round-off. SI throughout.
 
 namespace powbench::sim {
 
@@ -23,13 +23,13 @@ struct MagneticResponse {
   double energy = 0;        ///< J, zero without flux
   double current = 0;       ///< A, dW/dpsi
   double ring_current = 0;  ///< A, dW/dphi_s
-  double pull = 0;          ///< N, -dW/dgap
+  double pull = 0;          ///< N, dW/dgap, positive in closing direction
   double current_psi = 0;   ///< A/Wb, d2W/dpsi2 > 0: inverse differential inductance
   double current_ring = 0;  ///< A/Wb, d2W/dpsi dphi_s
   double ring_ring = 0;     ///< A/Wb, d2W/dphi_s2
-  double current_gap = 0;   ///< A/m, d2W/dpsi dgap = -dF/dpsi
+  double current_gap = 0;   ///< A/m, d2W/dpsi dgap = dF/dpsi
   double ring_gap = 0;      ///< A/m, d2W/dphi_s dgap
-  double pull_gap = 0;      ///< N/m, -d2W/dgap2
+  double pull_gap = 0;      ///< N/m, d2W/dgap2
 };
 
 /// A rung. Pure: equal states give equal bits, from any thread.

@@ -66,8 +66,9 @@ TEST_CASE("every angle has a fit that has not seen it, and is predicted by it", 
   CHECK(std::isfinite(summary_of("t_ct_bon").held_out_mean));
 }
 
-TEST_CASE("the device is of its kind: catalogue powers, forces, travel, and it picks up at 0.85 of the voltage",
-          "[paper]") {
+TEST_CASE(
+    "the device is of its kind: catalogue powers, forces, travel, and it picks up at 0.85 of the voltage",
+    "[paper]") {
   const auto& s = published_device();
   const auto d = sim::derived(s, 230);
   CHECK((d.inrush > 60 && d.inrush < 240));

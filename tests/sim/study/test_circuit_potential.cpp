@@ -36,19 +36,31 @@ TEST_CASE("circuit: every derivative is that of the energy, with and without a r
       };
       CAPTURE(s.psi, s.ring, s.gap);
       const double hp = 1e-5, hr = 1e-9, hg = 1e-4 * (s.gap + 36e-6);
-      CHECK(r.current == Approx((moved(hp, 0, 0).energy - moved(-hp, 0, 0).energy) / (2 * hp)).epsilon(1e-5).margin(1e-6));
-      CHECK(r.pull == Approx((moved(0, 0, hg).energy - moved(0, 0, -hg).energy) / (2 * hg)).epsilon(1e-5).margin(1e-6));
-      CHECK(r.current_psi == Approx((moved(hp, 0, 0).current - moved(-hp, 0, 0).current) / (2 * hp)).epsilon(1e-3));
-      CHECK(r.current_gap == Approx((moved(0, 0, hg).current - moved(0, 0, -hg).current) / (2 * hg)).epsilon(1e-4).margin(1e-4));
-      CHECK(r.current_gap == Approx((moved(hp, 0, 0).pull - moved(-hp, 0, 0).pull) / (2 * hp)).epsilon(1e-3).margin(1e-3));
-      CHECK(r.pull_gap == Approx((moved(0, 0, hg).pull - moved(0, 0, -hg).pull) / (2 * hg)).epsilon(1e-4).margin(1));
+      CHECK(r.current ==
+            Approx((moved(hp, 0, 0).energy - moved(-hp, 0, 0).energy) / (2 * hp)).epsilon(1e-5).margin(1e-6));
+      CHECK(r.pull ==
+            Approx((moved(0, 0, hg).energy - moved(0, 0, -hg).energy) / (2 * hg)).epsilon(1e-5).margin(1e-6));
+      CHECK(r.current_psi ==
+            Approx((moved(hp, 0, 0).current - moved(-hp, 0, 0).current) / (2 * hp)).epsilon(1e-3));
+      CHECK(
+          r.current_gap ==
+          Approx((moved(0, 0, hg).current - moved(0, 0, -hg).current) / (2 * hg)).epsilon(1e-4).margin(1e-4));
+      CHECK(r.current_gap ==
+            Approx((moved(hp, 0, 0).pull - moved(-hp, 0, 0).pull) / (2 * hp)).epsilon(1e-3).margin(1e-3));
+      CHECK(r.pull_gap ==
+            Approx((moved(0, 0, hg).pull - moved(0, 0, -hg).pull) / (2 * hg)).epsilon(1e-4).margin(1));
       CHECK(r.current_psi > 0);
       if (share == 0) continue;
       const double scale = std::fabs(r.ring_ring) * std::fabs(s.ring) + 1;
-      CHECK(r.ring_current == Approx((moved(0, hr, 0).energy - moved(0, -hr, 0).energy) / (2 * hr)).margin(1e-4 * scale));
-      CHECK(r.ring_ring == Approx((moved(0, hr, 0).ring_current - moved(0, -hr, 0).ring_current) / (2 * hr)).epsilon(1e-3));
-      CHECK(r.current_ring == Approx((moved(0, hr, 0).current - moved(0, -hr, 0).current) / (2 * hr)).epsilon(1e-3).margin(1e-2));
-      CHECK(r.ring_gap == Approx((moved(0, hr, 0).pull - moved(0, -hr, 0).pull) / (2 * hr)).epsilon(1e-3).margin(1));
+      CHECK(r.ring_current ==
+            Approx((moved(0, hr, 0).energy - moved(0, -hr, 0).energy) / (2 * hr)).margin(1e-4 * scale));
+      CHECK(r.ring_ring ==
+            Approx((moved(0, hr, 0).ring_current - moved(0, -hr, 0).ring_current) / (2 * hr)).epsilon(1e-3));
+      CHECK(
+          r.current_ring ==
+          Approx((moved(0, hr, 0).current - moved(0, -hr, 0).current) / (2 * hr)).epsilon(1e-3).margin(1e-2));
+      CHECK(r.ring_gap ==
+            Approx((moved(0, hr, 0).pull - moved(0, -hr, 0).pull) / (2 * hr)).epsilon(1e-3).margin(1));
     }
   }
 }
@@ -69,7 +81,8 @@ TEST_CASE("circuit: the energy is what the coil put in, and W is even") {
   }
 }
 
-TEST_CASE("circuit: a small gap without iron's share is N^2 mu0 A / g, a pull of B^2 A / mu0 over both poles") {
+TEST_CASE(
+    "circuit: a small gap without iron's share is N^2 mu0 A / g, a pull of B^2 A / mu0 over both poles") {
   MagnetShape s;
   s.ring_share = 0;
   const double residual = 20e-6;
@@ -96,7 +109,8 @@ TEST_CASE("circuit: finite and increasing far beyond saturation and at no gap, b
   wrong.coil_width = 30e-3;
   CHECK_THROWS_WITH(CircuitPotential(wrong, builtin_steel("lamination"), 2000, 36e-6),
                     Catch::Contains("coil_width"));
-  CHECK_THROWS_WITH(CircuitPotential({}, builtin_steel("lamination"), 2000, 0), Catch::Contains("residual_gap"));
+  CHECK_THROWS_WITH(CircuitPotential({}, builtin_steel("lamination"), 2000, 0),
+                    Catch::Contains("residual_gap"));
 }
 
 TEST_CASE("circuit beside the field in the plane: current and pull of the reference core") {

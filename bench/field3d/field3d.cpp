@@ -1,0 +1,227 @@
+// Three-dimensional fields beside exact, measured and self-converged references: one row a quantity.
+//   field3d [--json PATH] [--fine]      --fine: the finer meshes too (minutes)
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <cstring>
+#include <ctime>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <numbers>
+#include <string>
+#include <vector>
+
+#include "bench/field3d/exact3.h"
+#include "bench/field3d/team13.h"
+#include "bench/field3d/team20.h"
+#include "sim/field3d/force3.h"
+#include "sim/field3d/magnet_field3.h"
+#include "sim/field3d/newton3.h"
+#include "sim/field3d/probe3.h"
+
+namespace {
+
+namespace sim = powbench::sim;
+namespace bench = powbench::bench;
+using sim::Vec3;
+
+constexpr double mu0 = 4e-7 * std::numbers::pi;
+
+double cpu_s() {
+  return static_cast<double>(std::clock()) / CLOCKS_PER_SEC;
+}
+
+struct Row {
+  std::string name, unit;
+  double value = 0, reference = 0;
+  int unknowns = 0, iterations = 0;
+  double cpu = 0;
+  std::string kind;  ///< of reference: exact, measured
+};
+
+class Table {
+ public:
+  void add(const Row& r) {
+    const double error = 100 * (r.value / r.reference - 1);
+    std::printf("%-34s %9d %4d %8.2f %14.6g %14.6g %-5s %8.3f  %s\n", r.name.c_str(), r.unknowns,
+                r.iterations, r.cpu, r.value, r.reference, r.unit.c_str(), error, r.kind.c_str());
+    std::fflush(stdout);
+    rows_.push_back({{"case", r.name},
+                     {"unknowns", r.unknowns},
+                     {"iterations", r.iterations},
+                     {"cpu_s", r.cpu},
+                     {"value", r.value},
+                     {"reference", r.reference},
+                     {"unit", r.unit},
+                     {"error_percent", error},
+                     {"reference_kind", r.kind}});
+  }
+  static void head() {
+    std::printf("%-34s %9s %4s %8s %14s %14s %-5s %8s  %s\n", "case", "unknowns", "its", "CPU s", "value",
+                "reference", "unit", "error %", "reference is");
+  }
+  nlohmann::ordered_json rows() const { return rows_; }
+
+ private:
+  nlohmann::ordered_json rows_ = nlohmann::ordered_json::array();
+};
+
+void balls(Table& table) {
+  const auto one = [&](const std::string& name, const std::vector<double>& radius,
+                       std::vector<sim::Medium> media, double b0, double dipole, double exact) {
+    const double start = cpu_s();
+    sim::Problem3 p;
+    p.mesh = bench::ball_mesh(radius, 3);
+    p.media = std::move(media);
+    p.copies = 8;
+    p.fixed = bench::ball_potentials(p.mesh, radius.back(), [&](const Vec3& x) {
+      const double r = std::hypot(x[0], x[1], x[2]);
+      return -b0 / mu0 * x[2] * (1 - dipole / (r * r * r));
+    });
+    const sim::Coenergy3 w(p);
+    sim::Newton3 newton(w);
+    const auto s = newton.solve({});
+    const double b = sim::Probe3(w, s.state).at({0.2, 0.15, 0.3}).b[2];
+    table.add({name, "T", b, exact, w.unknowns(), s.iterations, cpu_s() - start, "exact"});
+  };
+  for (const double mu : {10.0, 1000.0, 1e5})
+    one("ball, mu " + nlohmann::json(mu).dump() + ", B inside", {1, 4}, {sim::linear_medium(mu), sim::air()},
+        1, (mu - 1) / (mu + 2), 3 * mu / (mu + 2));
+  for (const double b0 : {0.5, 2.0}) {
+    const auto steel = sim::builtin_steel("team20");
+    const double exact = bench::ball_field(steel, b0);
+    one("steel ball in " + std::string(b0 < 1 ? "0.5" : "2") + " T, B inside", {1, 4},
+        {sim::solid(steel), sim::air()}, b0, (exact - mu0 * steel.h(exact)) / (3 * b0), exact);
+  }
+  for (const double mu : {10.0, 1000.0}) {
+    const auto exact = bench::shell_exact(mu, 1, 1.2);
+    one("shell, mu " + nlohmann::json(mu).dump() + ", B in the cavity", {1, 1.2, 4},
+        {sim::air(), sim::linear_medium(mu), sim::air()}, 1, exact.dipole, exact.cavity);
+  }
+}
+
+void solenoids(Table& table) {
+  for (const double length : {40e-3, 20e-3}) {
+    const double start = cpu_s();
+    const auto p = bench::solenoid(10e-3, length, 1000, 3);
+    const sim::Coenergy3 w(p);
+    sim::Newton3 newton(w);
+    const auto s = newton.solve({{false, 1}});
+    const std::string name = "solenoid " + std::string(length > 0.03 ? "40" : "20") + " mm";
+    const double cost = cpu_s() - start;
+    table.add({name + ", inductance", "H", s.flux[0], bench::solenoid_inductance(10e-3, length, 1000),
+               w.unknowns(), s.iterations, cost, "exact"});
+    const double centre = mu0 * 1000 / length * (length / 2) / std::hypot(10e-3, length / 2);
+    table.add({name + ", B at the centre", "T", sim::Probe3(w, s.state).at({1e-6, 1e-6, 1e-6}).b[2], centre,
+               w.unknowns(), s.iterations, cost, "exact"});
+  }
+}
+
+void team20(Table& table, double size) {
+  const auto t = bench::team20(size);
+  const sim::Coenergy3 w(t.problem);
+  sim::Newton3 newton(w);
+  for (const auto& row : bench::team20_measured) {
+    const double start = cpu_s();
+    const auto s = newton.solve({{false, row.ampere_turns}});
+    const double pull = -sim::stress_force(w, s.state, t.virtual_work)[2];
+    const double thin = -sim::stress_force(w, s.state, t.thin)[2];
+    const std::string name = "TEAM 20, " + std::to_string(static_cast<int>(row.ampere_turns)) + " A";
+    const double cost = cpu_s() - start;
+    table.add({name + ", pull", "N", pull, row.pull, w.unknowns(), s.iterations, cost, "measured"});
+    table.add({name + ", by thin layer", "N", thin, pull, w.unknowns(), s.iterations, cost, "virtual work"});
+  }
+}
+
+void team13(Table& table, double size) {
+  const auto p = bench::team13(size);
+  const sim::Coenergy3 w(p);
+  sim::Newton3 newton(w);
+  const double start = cpu_s();
+  const auto s = newton.solve({{false, 1000}});
+  const double cost = cpu_s() - start;
+  for (const auto& row : bench::team13_plate)
+    table.add({"TEAM 13, 1000 A, plate z " + std::to_string(static_cast<int>(row.z_mm)) + " mm", "T",
+               bench::team13_plate_average(w, s.state, row.z_mm * 1e-3), row.b, w.unknowns(), s.iterations,
+               cost, "measured"});
+  const double again = cpu_s();
+  const auto strong = newton.solve({{false, 3000}});
+  const double strong_cost = cpu_s() - again;
+  const sim::Probe3 probe(w, strong.state);
+  for (const auto& row : bench::team13_air) {
+    const auto b = probe.at({row.x_mm * 1e-3, 20e-3, 55e-3}).b;
+    table.add({"TEAM 13, 3000 A, air x " + std::to_string(static_cast<int>(row.x_mm)) + " mm", "T",
+               std::hypot(b[0], b[1], b[2]), row.b, w.unknowns(), strong.iterations, strong_cost,
+               "measured"});
+  }
+}
+
+/// The reference core at several meshes: self-convergence of psi and pull.
+void core(Table& table, bool fine) {
+  struct State {
+    double gap, current;
+  };
+  const std::vector<State> states{{2e-3, 0.3}, {0.5e-3, 0.3}, {0, 0.3}};
+  std::vector<double> sizes{2.8, 2, 1.4};
+  if (fine) sizes.push_back(1);
+  struct Result {
+    int unknowns, iterations;
+    double cpu, psi, pull, stress;
+  };
+  std::vector<std::vector<Result>> all;
+  for (const double size : sizes) {
+    sim::MagnetField3 field({}, sim::CoreMeshSizes3{}.scaled(size));
+    auto& results = all.emplace_back();
+    for (const auto& state : states) {
+      const double start = cpu_s();
+      field.set_gap(state.gap);
+      const auto p = field.at_current(state.current);
+      results.push_back(
+          {field.unknowns(), p.solution.iterations, cpu_s() - start, p.psi, p.response.pull, p.stress_pull});
+    }
+  }
+  char name[64];
+  for (std::size_t k = 0; k < states.size(); ++k)
+    for (std::size_t m = 0; m < sizes.size(); ++m) {
+      const auto& r = all[m][k];
+      const auto& best = all.back()[k];
+      std::snprintf(name, sizeof name, "core, gap %.1f mm, 0.3 A", states[k].gap * 1e3);
+      table.add({name + std::string(", psi"), "Wb", r.psi, best.psi, r.unknowns, r.iterations, r.cpu,
+                 "finest mesh"});
+      table.add({name + std::string(", pull"), "N", r.pull, best.pull, r.unknowns, r.iterations, r.cpu,
+                 "finest mesh"});
+    }
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  std::string json_path;
+  bool fine = false;
+  for (int i = 1; i < argc; ++i) {
+    if (std::strcmp(argv[i], "--json") == 0 && i + 1 < argc)
+      json_path = argv[++i];
+    else if (std::strcmp(argv[i], "--fine") == 0)
+      fine = true;
+  }
+  std::printf(
+      "Magnetostatics in three dimensions: scalar potential, hexahedra of order 2, Newton from zero\n");
+  Table table;
+  Table::head();
+  balls(table);
+  solenoids(table);
+  team20(table, 2);
+  if (fine) team20(table, 1.3);
+  team13(table, fine ? 1.3 : 2);
+  core(table, fine);
+  if (!json_path.empty()) {
+    std::ofstream out(json_path);
+    out << nlohmann::ordered_json{{"benchmark", "field3d"}, {"rows", table.rows()}}.dump(2) << '\n';
+    if (!out) {
+      std::fprintf(stderr, "field3d: cannot write %s\n", json_path.c_str());
+      return 2;
+    }
+  }
+  return 0;
+}

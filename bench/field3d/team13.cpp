@@ -1,0 +1,64 @@
+#include "bench/field3d/team13.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include "sim/field3d/grid3.h"
+#include "sim/field3d/probe3.h"
+#include "sim/field3d/winding3.h"
+
+namespace powbench::bench {
+namespace {
+
+constexpr double mm = 1e-3;
+
+}  // namespace
+
+sim::Problem3 team13(double size, sim::Cell cell) {
+  const auto line = [&](std::vector<sim::GridMark> marks) {
+    for (auto& m : marks) m = {m.at * mm, m.size * mm * size};
+    return sim::graded_line(marks, 1 + 1.2 * std::min(size, 1.5), 80 * size * mm);
+  };
+  const auto x =
+      line({{0, 0.8}, {1.6, 0.4}, {2.1, 0.4}, {75, 12}, {100, 8}, {118.9, 1.0}, {122.1, 1.0}, {350, 80}});
+  auto y = line({{0, 6}, {15, 1.6}, {25, 1.6}, {65, 2.5}, {75, 12}, {100, 15}, {350, 80}});
+  const auto half = y;
+  for (std::size_t k = 1; k < half.size(); ++k) y.insert(y.begin(), -half[k]);
+  const auto z = line({{0, 10}, {50, 6}, {60, 1.0}, {63.2, 1.0}, {350, 80}});
+  enum { air, iron };
+  sim::Problem3 p;
+  p.mesh = sim::grid_mesh(x, y, z, cell, [](const sim::Vec3& c) -> int {
+    const double cx = c[0] / mm, cy = c[1] / mm, cz = c[2] / mm;
+    const bool plate = cx < 1.6 && std::fabs(cy) < 25 && cz < 63.2;
+    const bool across = cy > 15 && cy < 65;
+    const bool sheet = across && cx > 2.1 && cx < 122.1 && cz > 60 && cz < 63.2;
+    const bool arm = across && cx > 118.9 && cx < 122.1 && cz < 63.2;
+    return plate || sheet || arm ? iron : air;
+  });
+  p.media = {sim::air(), sim::solid(sim::builtin_steel("team13"))};
+  p.windings = {sim::coil_field({0, 0, 75 * mm, 75 * mm, 25 * mm, 25 * mm, -50 * mm, 50 * mm, 1})};
+  p.copies = 4;
+  std::map<std::pair<double, double>, int> on_plane;  // nodes at x = 0 by y, z
+  for (std::size_t n = 0; n < p.mesh.nodes.size(); ++n) {
+    const auto& at = p.mesh.nodes[n];
+    p.tied.push_back(static_cast<int>(n));
+    if (at[2] == 0) p.fixed.emplace_back(static_cast<int>(n), 0.0);
+    if (at[0] == 0) on_plane[{at[1], at[2]}] = static_cast<int>(n);
+  }
+  for (const auto& [where, n] : on_plane)
+    if (where.first < 0) p.tied[static_cast<std::size_t>(n)] = on_plane.at({-where.first, where.second});
+  return p;
+}
+
+double team13_plate_average(const sim::Coenergy3& function, const sim::State3& state, double z) {
+  const sim::Probe3 probe(function, state);
+  constexpr int nx = 8, ny = 100;
+  double sum = 0;
+  for (int i = 0; i < nx; ++i)
+    for (int j = 0; j < ny; ++j)
+      sum += probe.at({1.6 * mm * (i + 0.5) / nx, 50 * mm * ((j + 0.5) / ny - 0.5), z}).b[2];
+  return std::fabs(sum) / (nx * ny);
+}
+
+}  // namespace powbench::bench

@@ -1,0 +1,29 @@
+#pragma once
+
+#include "sim/field3d/coenergy3.h"
+
+/// TEAM workshop problem 13: thin saturated plates with gaps of 0.5 mm round a coil.
+
+namespace powbench::bench {
+
+/// A quarter of the whole: z >= 0 (H x n = 0 at z = 0) and x >= 0, whose face x = 0 is tied to itself, turned by 180
+/// degrees about z. One winding of one turn. `size` scales all cells.
+sim::Problem3 team13(double size, sim::Cell cell = sim::Cell::hex20);
+
+struct Team13Plate {
+  double z_mm, b;  ///< T, average |B_z| over the centre plate's section, 1000 A
+};
+inline constexpr Team13Plate team13_plate[] = {{1, 1.330},  {10, 1.329}, {20, 1.286}, {30, 1.225},
+                                               {40, 1.129}, {50, 0.985}, {60, 0.655}};
+
+struct Team13Air {
+  double x_mm, b;  ///< T, |B| at y = 20 mm, z = 55 mm, 3000 A
+};
+inline constexpr Team13Air team13_air[] = {{10, 0.05930}, {20, 0.04000},  {30, 0.03360}, {40, 0.03040},
+                                           {50, 0.02830}, {60, 0.02600},  {70, 0.02310}, {80, 0.01820},
+                                           {90, 0.01160}, {100, 0.00610}, {110, 0.00406}};
+
+/// Average |B_z| over the centre plate's section at height z, m.
+double team13_plate_average(const sim::Coenergy3&, const sim::State3&, double z);
+
+}  // namespace powbench::bench

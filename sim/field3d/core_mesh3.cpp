@@ -1,0 +1,170 @@
+#include "sim/field3d/core_mesh3.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "sim/field3d/grid3.h"
+#include "sim/field3d/winding3.h"
+
+namespace powbench::sim {
+namespace {
+
+/// Edges of the core in the quarter, m.
+struct Outline {
+  double x1, x2, x3;  ///< centre leg, window, outer leg end here
+  double y1;          ///< half of the stack
+  double yoke_bottom, window_bottom, centre_face, face, window_top, yoke_top;
+  double coil_left, coil_right, coil_bottom, coil_top, coil_y1, coil_y2;
+  bool ring;
+  double ring_left, slot_left, slot_right, ring_bottom, ring_y2;
+
+  Outline(const MagnetShape& s, double gap)
+      : x1(s.centre_width / 2),
+        x2(x1 + s.window_width),
+        x3(x2 + s.outer_width),
+        y1(s.stack / 2),
+        yoke_bottom(-s.fixed_window - s.yoke),
+        window_bottom(-s.fixed_window),
+        centre_face(-s.centre_gap),
+        face(gap),
+        window_top(face + s.moving_window),
+        yoke_top(window_top + s.yoke),
+        coil_left(x1 + (s.window_width - s.coil_width) / 2),
+        coil_right(coil_left + s.coil_width),
+        coil_bottom(window_bottom + s.coil_offset),
+        coil_top(coil_bottom + s.coil_height),
+        coil_y1(y1 + coil_left - x1),
+        coil_y2(coil_y1 + s.coil_width),
+        ring(s.ring_share > 0),
+        ring_left(x2 - s.ring_slot),
+        slot_left(x2 + s.ring_share * (s.outer_width - s.ring_slot)),
+        slot_right(slot_left + s.ring_slot),
+        ring_bottom(-s.ring_depth),
+        ring_y2(y1 + s.ring_slot) {
+    if (coil_top > ring_bottom) ring_left = std::max(ring_left, coil_right);
+  }
+
+  int region(const Vec3& p) const {
+    const auto [x, y, z] = p;
+    if (z > 0 && z < face) return CoreRegion3::strip;
+    if (x > x3 || y > y1 || z < yoke_bottom || z > yoke_top) return CoreRegion3::air;
+    if (z > face) return x > x1 && x < x2 && z < window_top ? CoreRegion3::air : CoreRegion3::iron;
+    if (ring && z > ring_bottom && x > slot_left && x < slot_right) return CoreRegion3::air;
+    if (x > x1 && x < x2 && z > window_bottom) return CoreRegion3::air;
+    if (x < x1 && z > centre_face) return CoreRegion3::air;
+    return CoreRegion3::iron;
+  }
+
+  /// Share of the ring's flux that is inside of its turn at (x, y): 1 in the leg, falling across the conductor.
+  double inside_ring(double x, double y) const {
+    const double left = (x2 - x) / (x2 - ring_left), right = (x - slot_left) / (slot_right - slot_left);
+    const double head = (std::fabs(y) - y1) / (ring_y2 - y1);
+    return std::clamp(1 - std::max({left, right, head}), 0.0, 1.0);
+  }
+};
+
+/// Sorted marks; those closer than a micrometre become one with the smaller size.
+std::vector<GridMark> merged(std::vector<GridMark> marks) {
+  constexpr double least = 1e-6;
+  std::sort(marks.begin(), marks.end(), [](const GridMark& a, const GridMark& b) { return a.at < b.at; });
+  std::vector<GridMark> kept;
+  for (const auto& m : marks) {
+    if (!kept.empty() && m.at - kept.back().at < least)
+      kept.back().size = std::min(kept.back().size, m.size);
+    else
+      kept.push_back(m);
+  }
+  return kept;
+}
+
+/// Lines of the core and, from both ends or only the upper one, cells that grow into the air.
+std::vector<double> with_air(const std::vector<GridMark>& core, bool below, double reach,
+                             const CoreMeshSizes3& z) {
+  auto lines = graded_line(core, z.growth, z.largest);
+  const double top = lines.back(), bottom = lines.front();
+  const auto above = graded_line({{top, core.back().size}, {top + reach, z.far}}, z.growth, z.far);
+  lines.insert(lines.end(), above.begin() + 1, above.end());
+  if (below) {
+    const auto under = graded_line({{bottom - reach, z.far}, {bottom, core.front().size}}, z.growth, z.far);
+    lines.insert(lines.begin(), under.begin(), under.end() - 1);
+  }
+  return lines;
+}
+
+std::vector<double> x_lines(const Outline& o, const CoreMeshSizes3& s) {
+  std::vector<GridMark> marks{{0, s.largest},          {o.x1, s.corner}, {o.coil_left, s.other},
+                              {o.coil_right, s.other}, {o.x2, s.corner}, {o.x3, s.corner}};
+  if (o.ring)
+    for (const double x : {o.ring_left, o.slot_left, o.slot_right}) marks.push_back({x, s.other});
+  return with_air(merged(marks), false, 4 * o.x3, s);
+}
+
+std::vector<double> y_lines(const Outline& o, const CoreMeshSizes3& s) {
+  std::vector<GridMark> marks{{0, s.largest}, {o.y1, s.corner}, {o.coil_y1, s.other}, {o.coil_y2, s.other}};
+  if (o.ring) marks.push_back({o.ring_y2, s.other});
+  return with_air(merged(marks), false, 4 * o.x3, s);
+}
+
+std::vector<double> z_lines(const Outline& o, const CoreMeshSizes3& s) {
+  std::vector<GridMark> below{{o.yoke_bottom, s.other}, {o.window_bottom, s.other}, {o.coil_bottom, s.other},
+                              {o.coil_top, s.other},    {o.centre_face, s.corner},  {0, s.corner}};
+  if (o.ring) below.push_back({o.ring_bottom, s.other});
+  std::vector<GridMark> above{{o.face, s.corner}, {o.window_top, s.other}, {o.yoke_top, s.other}};
+  const double reach = 3 * o.x3;
+  auto lines = graded_line(merged(below), s.growth, s.largest);
+  const double bottom = lines.front();
+  const auto under = graded_line({{bottom - reach, s.far}, {bottom, s.other}}, s.growth, s.far);
+  lines.insert(lines.begin(), under.begin(), under.end() - 1);
+  for (int k = 1; k < s.layers; ++k) lines.push_back(o.face * k / s.layers);
+  const auto upper = with_air(merged(above), false, reach, s);
+  lines.insert(lines.end(), upper.begin(), upper.end());
+  return lines;
+}
+
+}  // namespace
+
+CoreMeshSizes3 CoreMeshSizes3::scaled(double factor) const {
+  CoreMeshSizes3 s = *this;
+  for (double* size : {&s.corner, &s.other, &s.largest, &s.far}) *size *= factor;
+  s.growth = 1 + (growth - 1) * std::min(1.5, factor);
+  s.layers =
+      std::max(2, static_cast<int>(std::lround(layers / factor)));  // two: one of them is not the whole
+  return s;
+}
+
+Problem3 core_problem3(const MagnetDesign& design, const CoreMeshSizes3& sizes, double gap) {
+  check_shape(design.shape);
+  const Outline o(design.shape, gap);
+  Problem3 p;
+  p.mesh = grid_mesh(x_lines(o, sizes), y_lines(o, sizes), z_lines(o, sizes), Cell::hex20,
+                     [&](const Vec3& c) { return o.region(c); });
+  p.media = {air(), air(), laminated(design.steel, design.shape.stack_factor, 1)};
+  p.windings = {coil_field({0, 0, o.coil_left, o.coil_y1, 0, o.coil_right - o.coil_left, o.coil_bottom,
+                            o.coil_top, design.turns})};
+  if (o.ring)
+    p.windings.push_back([o](const Vec3& at) -> Vec3 {
+      if (at[2] < o.ring_bottom || at[2] > 0) return {};
+      return {0, 0,
+              o.inside_ring(at[0], at[1]) / o.ring_bottom};  // downwards: the outer legs carry the flux back
+    });
+  p.copies = 4;
+  return p;
+}
+
+std::vector<double> core_motion3(const Mesh3& mesh, double gap) {
+  std::vector<double> weight;
+  for (const auto& n : mesh.nodes) weight.push_back(std::clamp(n[2] / gap, 0.0, 1.0));
+  return weight;
+}
+
+std::vector<double> core_layer3(const Mesh3& mesh, const CoreMeshSizes3& sizes, double gap) {
+  const int below = (sizes.layers - 1) / 2;
+  std::vector<double> weight;
+  for (const auto& n : mesh.nodes) {
+    const double layer = n[2] / gap * sizes.layers - below;
+    weight.push_back(layer < 1e-6 ? 0 : layer > 1 - 1e-6 ? 1 : layer);
+  }
+  return weight;
+}
+
+}  // namespace powbench::sim

@@ -1,0 +1,40 @@
+#pragma once
+
+#include <vector>
+
+#include "sim/field3d/problem3.h"
+#include "sim/fields/magnet_field.h"
+
+/// The core of a `MagnetShape` in three dimensions: a quarter (x >= 0, y >= 0) of the core with its stack (y), the coil
+/// with its heads and the shading rings with theirs, in air. z is the direction of motion; z = 0 is the fixed pole face.
+
+namespace powbench::sim {
+
+struct CoreRegion3 {
+  enum : int { air, strip, iron, count };
+};
+
+/// Cell sizes, m.
+struct CoreMeshSizes3 {
+  double corner = 0.5e-3;  ///< beside the edges of the pole faces
+  double other = 2.5e-3;   ///< beside the other edges
+  double largest = 5e-3;   ///< within the core's outline
+  double far = 40e-3;      ///< largest in the air around
+  double growth = 2.2;     ///< from cell to cell
+  int layers = 3;          ///< of cells in the gap
+
+  CoreMeshSizes3 scaled(double factor) const;
+};
+
+/// Windings: the coil with its turns; then, if the shape has them, both rings in series with one turn each. Positive
+/// currents drive flux the same way round the windows. The strip has the height `gap`, m, > 0. Throws
+/// std::invalid_argument by `check_shape`.
+Problem3 core_problem3(const MagnetDesign&, const CoreMeshSizes3&, double gap);
+
+/// How far each node moves with the moving half: 0 up to the fixed pole face, 1 above the moving one. Weight of the pull.
+std::vector<double> core_motion3(const Mesh3&, double gap);
+
+/// 0 below and 1 above the middle layer of the strip.
+std::vector<double> core_layer3(const Mesh3&, const CoreMeshSizes3&, double gap);
+
+}  // namespace powbench::sim

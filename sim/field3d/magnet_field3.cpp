@@ -1,0 +1,133 @@
+#include "sim/field3d/magnet_field3.h"
+
+#include <cmath>
+#include <stdexcept>
+#include <string>
+
+#include "sim/field3d/force3.h"
+
+namespace powbench::sim {
+namespace {
+
+constexpr double first_gap = 1e-3;  // m: strip as meshed
+
+void require(const char* key, double value, double low, double high) {
+  if (value >= low && value <= high) return;
+  throw std::invalid_argument(std::string(key) + " = " + std::to_string(value) + ", allowed " +
+                              std::to_string(low) + " .. " + std::to_string(high));
+}
+
+const MagnetDesign& checked(const MagnetDesign& d) {
+  require("magnet.residual_gap_um", d.residual_gap * 1e6, 0.05, 1000);
+  require("coil.turns", d.turns, 1, 1e6);
+  return d;
+}
+
+}  // namespace
+
+struct MagnetField3::Impl {
+  double residual;
+  double gap = first_gap;  ///< of the strip
+  Problem3 problem;
+  std::vector<double> motion, layer;
+  Coenergy3 function;
+  Newton3 newton;
+
+  Impl(const MagnetDesign& d, const CoreMeshSizes3& sizes)
+      : residual(checked(d).residual_gap),
+        problem(core_problem3(d, sizes, first_gap)),
+        motion(core_motion3(problem.mesh, first_gap)),
+        layer(core_layer3(problem.mesh, sizes, first_gap)),
+        function(problem),
+        newton(function) {}
+
+  /// Pull, positive when the gap closes, for a weight.
+  double pull(const State3& s, const std::vector<double>& weight) const {
+    return -stress_force(function, s, weight)[2];
+  }
+};
+
+MagnetField3::MagnetField3(const MagnetDesign& design, const CoreMeshSizes3& sizes)
+    : impl_(std::make_unique<Impl>(design, sizes)) {}
+
+MagnetField3::~MagnetField3() = default;
+
+int MagnetField3::unknowns() const {
+  return impl_->function.unknowns();
+}
+
+bool MagnetField3::has_ring() const {
+  return impl_->function.windings() == 2;
+}
+
+const Coenergy3& MagnetField3::function() const {
+  return impl_->function;
+}
+
+void MagnetField3::set_gap(double gap) {
+  require("gap_mm", gap * 1e3, 0, 100);
+  const double move = gap + impl_->residual - impl_->gap;
+  if (move == 0) return;
+  for (std::size_t n = 0; n < impl_->motion.size(); ++n)
+    impl_->problem.mesh.nodes[n][2] += move * impl_->motion[n];
+  impl_->gap += move;
+  impl_->function.nodes_moved();
+}
+
+FieldPoint3 MagnetField3::at_flux(double psi, double ring, const State3& start, bool ring_open) {
+  std::vector<Drive3> drive{{true, psi}};
+  if (has_ring()) drive.push_back({!ring_open, ring_open ? 0 : ring});
+  return finish(impl_->newton.solve(drive, start), has_ring() && !ring_open);
+}
+
+FieldPoint3 MagnetField3::at_current(double current, double ring_current, const State3& start) {
+  std::vector<Drive3> drive{{false, current}};
+  if (has_ring()) drive.push_back({false, ring_current});
+  return finish(impl_->newton.solve(drive, start), has_ring() && ring_current != 0);
+}
+
+/// Second derivatives from the tangents: the pull is quadratic in potentials and currents (the strip is air), so its
+/// derivative along a tangent t is pull(s + t) - pull(s) - pull(t).
+FieldPoint3 MagnetField3::finish(Solution3 solution, bool ring_bound) {
+  FieldPoint3 p;
+  const State3& s = solution.state;
+  const std::size_t m = s.current.size();
+  std::vector<double> inductance;
+  const auto tangents = impl_->newton.tangents(s, inductance);
+  p.psi = solution.flux[0];
+  p.response.energy = solution.energy;
+  p.response.current = s.current[0];
+  if (m == 2) {
+    p.ring = solution.flux[1];
+    p.response.ring_current = s.current[1];
+  }
+  p.response.pull = impl_->pull(s, impl_->motion);
+  p.stress_pull = impl_->pull(s, impl_->layer);
+  std::vector<double> pull_by_current;
+  for (std::size_t k = 0; k < m; ++k) {
+    State3 t{tangents[k], std::vector<double>(m, 0)};
+    t.current[k] = 1;
+    State3 sum = s;
+    for (std::size_t i = 0; i < sum.u.size(); ++i) sum.u[i] += t.u[i];
+    sum.current[k] += 1;
+    pull_by_current.push_back(impl_->pull(sum, impl_->motion) - p.response.pull -
+                              impl_->pull(t, impl_->motion));
+  }
+  if (m == 2 && ring_bound) {
+    const double det = inductance[0] * inductance[3] - inductance[1] * inductance[2];
+    p.response.current_psi = inductance[3] / det;
+    p.response.current_ring = -inductance[1] / det;
+    p.response.ring_ring = inductance[0] / det;
+    p.response.current_gap =
+        (pull_by_current[0] * p.response.current_psi + pull_by_current[1] * p.response.current_ring);
+    p.response.ring_gap =
+        (pull_by_current[0] * p.response.current_ring + pull_by_current[1] * p.response.ring_ring);
+  } else {
+    p.response.current_psi = 1 / inductance[0];
+    p.response.current_gap = pull_by_current[0] / inductance[0];
+  }
+  p.solution = std::move(solution);
+  return p;
+}
+
+}  // namespace powbench::sim

@@ -1,0 +1,49 @@
+#pragma once
+
+#include <memory>
+
+#include "sim/field3d/core_mesh3.h"
+#include "sim/field3d/newton3.h"
+#include "sim/fields/potential.h"
+
+/// The rung `field3d`: the core with stack ends, coil heads and ring heads, by finite elements in three dimensions. What the
+/// plane rung calls `end_leakage` is part of the field here; MagnetDesign::end_leakage is not read.
+
+namespace powbench::sim {
+
+/// One solved state.
+struct FieldPoint3 {
+  /// Energy, currents, pull, inverse inductances and their derivatives by the gap; `pull_gap` stays 0.
+  MagneticResponse response;
+  double psi = 0, ring = 0;  ///< Wb, flux linkages
+  double stress_pull =
+      0;  ///< N: Maxwell's stress in one layer of the gap; its distance to `pull` is an error estimate
+  Solution3 solution;
+};
+
+class MagnetField3 {
+ public:
+  /// Gap at first: 1 mm. Throws std::invalid_argument that names key, value and range.
+  explicit MagnetField3(const MagnetDesign&, const CoreMeshSizes3& = {});
+  ~MagnetField3();
+
+  int unknowns() const;
+  bool has_ring() const;
+  const Coenergy3& function() const;
+
+  /// m, >= 0; the residual gap is added. The nodes of the strip move; cells and their numbering stay.
+  void set_gap(double gap);
+
+  /// Flux linkages given; without a ring, and with `ring_open`, the ring carries no current. `start`: a solution near by.
+  FieldPoint3 at_flux(double psi, double ring, const State3& start = {}, bool ring_open = false);
+
+  /// Currents given.
+  FieldPoint3 at_current(double current, double ring_current = 0, const State3& start = {});
+
+ private:
+  FieldPoint3 finish(Solution3, bool ring_bound);
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace powbench::sim

@@ -1,0 +1,48 @@
+#pragma once
+
+#include <array>
+#include <vector>
+
+/// Meshes in three dimensions, one kind of cell each, and what the shape functions of the cells need.
+
+namespace powbench::sim {
+
+using Vec3 = std::array<double, 3>;
+
+/// Cells by their nodes. Orders 1, 2 (serendipity), 2 (complete) of hexahedra; 1 and 2 of tetrahedra. The nodes of a
+/// cell are in the order of gmsh.
+enum class Cell { hex8, hex20, hex27, tet4, tet10 };
+
+/// Shape functions N_a and their slopes dN_a/dxi at the integration points of the reference cell: the cube -1 .. 1, or
+/// the tetrahedron with unit edges. 27 points; exact for stiffness on parallelepipeds.
+struct CellRule {
+  int nodes = 0;
+  int points = 0;
+  std::vector<Vec3> node;      ///< [node] place on the reference cell
+  std::vector<double> weight;  ///< [point]
+  std::vector<double> value;   ///< [point][node]
+  std::vector<Vec3> slope;     ///< [point][node]
+};
+
+/// The rule of a kind of cell; computed once.
+const CellRule& cell_rule(Cell);
+
+/// Shape functions and slopes at one point of the reference cell.
+void cell_shape(Cell, const Vec3& xi, std::vector<double>& value, std::vector<Vec3>& slope);
+
+/// Nodes, cells and their regions.
+struct Mesh3 {
+  Cell cell = Cell::hex20;
+  std::vector<Vec3> nodes;  ///< m
+  std::vector<int> cells;   ///< [cell][node of the cell]
+  std::vector<int> region;  ///< [cell], index into Problem3::media
+
+  int per_cell() const { return cell_rule(cell).nodes; }
+  int count() const { return static_cast<int>(region.size()); }
+};
+
+/// Gradients of the shape functions of cell `c` in space and the determinant of its Jacobian, from the slopes on the
+/// reference cell. Throws std::invalid_argument for a cell turned inside out.
+double cell_gradients(const Mesh3&, int c, const Vec3* slope, Vec3* gradient);
+
+}  // namespace powbench::sim

@@ -1,0 +1,26 @@
+#pragma once
+
+#include <functional>
+
+#include "sim/field3d/mesh3.h"
+
+/// Source fields T of windings, for Problem3.
+
+namespace powbench::sim {
+
+/// A coil round a vertical axis: rectangular in plan with rounded corners, of uniform current density (turns / section).
+/// Seen from above, a positive current runs counter-clockwise. Lengths in m.
+struct BoxCoil {
+  double x = 0, y = 0;            ///< of the axis
+  double half_x = 0, half_y = 0;  ///< of the opening
+  double radius = 0;              ///< of the inner corners
+  double width = 0;               ///< of the section, in plan
+  double low = 0, high = 0;       ///< z of the section
+  double turns = 1;
+};
+
+/// T = e_z (turns / height) f(x, y) for z between low and high: f is 1 in the opening and falls to 0 across the section.
+/// Throws std::invalid_argument for an opening smaller than its corners or an empty section.
+std::function<Vec3(const Vec3&)> coil_field(const BoxCoil&);
+
+}  // namespace powbench::sim

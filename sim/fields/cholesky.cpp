@@ -1,0 +1,176 @@
+#include "sim/fields/cholesky.h"
+
+#include <algorithm>
+
+#include "sim/fields/dense_kernel.h"
+#include "sim/fields/supernodes.h"
+
+namespace powbench::sim {
+namespace {
+
+std::size_t index(int i) {
+  return static_cast<std::size_t>(i);
+}
+
+/// Leading dimension: whole vectors.
+int padded(int rows) {
+  return (rows + 7) / 8 * 8;
+}
+
+std::size_t area(int ld, int columns) {
+  return index(ld) * index(columns);
+}
+
+}  // namespace
+
+Cholesky::Cholesky(const Pattern& pattern) : pattern_(pattern) {
+  analyse_structure(pattern);
+  std::size_t panel = 0, top = 0, deepest = 0;
+  std::vector<std::size_t> sizes(nodes_.size());
+  int widest = 0;
+  for (std::size_t s = 0; s < nodes_.size(); ++s) {
+    auto& n = nodes_[s];
+    n.panel = panel;
+    panel += area(n.ld, n.columns);
+    const int below = n.rows - n.columns;
+    widest = std::max(widest, n.rows);
+    sizes[s] = area(padded(below), below);
+    deepest = std::max(deepest, top + sizes[s]);  // own update matrix is built above those of the children
+    for (const int c : n.children) top -= sizes[index(c)];
+    top += sizes[s];
+    for (double j = 0; j < n.columns; ++j) flops_ += (n.rows - j) * (n.rows - j);
+  }
+  panels_.assign(panel + dense_slack, 0);
+  stack_.assign(deepest + dense_slack, 0);
+  work_.assign(index(widest) + dense_slack, 0);
+}
+
+void Cholesky::analyse_structure(const Pattern& p) {
+  const auto parent = elimination_tree(p);
+  const auto first = sim::supernodes(parent, column_counts(p, parent));
+  nodes_.resize(first.size() - 1);
+  std::vector<int> node_of(index(p.size)), mark(index(p.size), -1), local(index(p.size));
+  for (std::size_t s = 0; s < nodes_.size(); ++s)
+    for (int j = first[s]; j < first[s + 1]; ++j) node_of[index(j)] = static_cast<int>(s);
+  local_.resize(p.row.size());
+  for (std::size_t s = 0; s < nodes_.size(); ++s) {
+    auto& n = nodes_[s];
+    n.first = first[s];
+    n.columns = first[s + 1] - first[s];
+    n.structure = rows_.size();
+    const int end = n.first + n.columns;
+    for (int j = n.first; j < end; ++j) rows_.push_back(j);
+    const auto add = [&](int row) {
+      if (row < end || mark[index(row)] == static_cast<int>(s)) return;
+      mark[index(row)] = static_cast<int>(s);
+      rows_.push_back(row);
+    };
+    for (int at = p.start[index(n.first)]; at < p.start[index(end)]; ++at) add(p.row[index(at)]);
+    for (const int c : n.children)
+      for (int k = nodes_[index(c)].columns; k < nodes_[index(c)].rows; ++k)
+        add(rows_[nodes_[index(c)].structure + index(k)]);
+    n.rows = static_cast<int>(rows_.size() - n.structure);
+    n.ld = padded(n.rows);
+    std::sort(rows_.begin() + static_cast<std::ptrdiff_t>(n.structure) + n.columns, rows_.end());
+    for (int k = 0; k < n.rows; ++k) local[index(rows_[n.structure + index(k)])] = k;
+    for (int j = n.first; j < end; ++j)
+      for (int at = p.start[index(j)]; at < p.start[index(j) + 1]; ++at)
+        local_[index(at)] = local[index(p.row[index(at)])] + (j - n.first) * n.ld;
+    for (const int c : n.children) {
+      auto& child = nodes_[index(c)];
+      child.relative = relative_.size();
+      for (int k = child.columns; k < child.rows; ++k)
+        relative_.push_back(local[index(rows_[child.structure + index(k)])]);
+    }
+    if (n.rows > n.columns) {
+      n.parent = node_of[index(rows_[n.structure + index(n.columns)])];
+      nodes_[index(n.parent)].children.push_back(static_cast<int>(s));
+    }
+  }
+}
+
+void Cholesky::add_child(const Node& parent, const Node& child, const double* from, double* update, int ldu) {
+  const int below = child.rows - child.columns;
+  const int ldc = padded(below);
+  const int* const to = relative_.data() + child.relative;
+  double* const panel = panels_.data() + parent.panel;
+  for (int j = 0; j < below; ++j) {
+    const double* const column = from + area(ldc, j);
+    double* const target = to[j] < parent.columns
+                               ? panel + area(parent.ld, to[j])
+                               : update + area(ldu, to[j] - parent.columns) - parent.columns;
+    if (to[below - 1] - to[j] == below - 1 - j) {  // one run of rows
+      double* const run = target + to[j];
+      for (int i = j; i < below; ++i) run[i - j] += column[i];
+    } else {
+      for (int i = j; i < below; ++i) target[to[i]] += column[i];
+    }
+  }
+}
+
+bool Cholesky::factor(const double* values) {
+  const DenseKernel& kernel = best_dense_kernel();
+  double* top = stack_.data();  // behind the last update matrix
+  std::fill(panels_.begin(), panels_.end(), 0.0);
+  for (const auto& n : nodes_) {
+    double* const panel = panels_.data() + n.panel;
+    const int below = n.rows - n.columns;
+    const int ldu = padded(below);
+    double* update = top;
+    std::fill(update, update + area(ldu, below), 0.0);
+    for (int at = pattern_.start[index(n.first)]; at < pattern_.start[index(n.first + n.columns)]; ++at)
+      panel[local_[index(at)]] = values[at];
+    double* lowest = top;
+    for (auto c = n.children.rbegin(); c != n.children.rend(); ++c) {
+      const Node& child = nodes_[index(*c)];
+      lowest -= area(padded(child.rows - child.columns), child.rows - child.columns);
+      add_child(n, child, lowest, update, ldu);
+    }
+    if (kernel.factor_panel(panel, n.ld, n.rows, n.columns) >= 0) return false;
+    if (below > 0) kernel.subtract_square(update, ldu, panel + n.columns, n.ld, below, below, n.columns);
+    if (lowest != top) std::copy(update, update + area(ldu, below), lowest);
+    top = lowest + area(ldu, below);
+  }
+  return true;
+}
+
+void Cholesky::solve(double* b) const {
+  for (const auto& n : nodes_) {
+    const double* const panel = panels_.data() + n.panel;
+    const int* const rows = rows_.data() + n.structure;
+    const int below = n.rows - n.columns;
+    double* const sum = work_.data();
+    double* const x = b + n.first;
+    std::fill(sum, sum + below, 0.0);
+    for (int j = 0; j < n.columns; ++j) {
+      const double* const column = panel + area(n.ld, j);
+      const double value = x[j] / column[j];
+      x[j] = value;
+      for (int i = j + 1; i < n.columns; ++i) x[i] -= column[i] * value;
+      for (int i = 0; i < below; ++i) sum[i] += column[n.columns + i] * value;
+    }
+    for (int i = 0; i < below; ++i) b[rows[n.columns + i]] -= sum[i];
+  }
+  for (auto node = nodes_.rbegin(); node != nodes_.rend(); ++node) {
+    const double* const panel = panels_.data() + node->panel;
+    const int* const rows = rows_.data() + node->structure;
+    double* const x = work_.data();
+    for (int i = 0; i < node->rows; ++i) x[i] = b[rows[i]];
+    for (int j = node->columns - 1; j >= 0; --j) {
+      const double* const column = panel + area(node->ld, j);
+      double dot0 = 0, dot1 = 0, dot2 = 0, dot3 = 0;
+      int i = j + 1;
+      for (; i + 3 < node->rows; i += 4) {
+        dot0 += column[i] * x[i];
+        dot1 += column[i + 1] * x[i + 1];
+        dot2 += column[i + 2] * x[i + 2];
+        dot3 += column[i + 3] * x[i + 3];
+      }
+      for (; i < node->rows; ++i) dot0 += column[i] * x[i];
+      x[j] = (x[j] - ((dot0 + dot1) + (dot2 + dot3))) / column[j];
+      b[node->first + j] = x[j];
+    }
+  }
+}
+
+}  // namespace powbench::sim

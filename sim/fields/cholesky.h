@@ -1,0 +1,52 @@
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include "sim/fields/ordering.h"
+
+/// Sparse Cholesky factorisation A = L L^T with one symbolic analysis for many matrices of equal pattern:
+/// multifrontal over relaxed supernodes. The pattern must be in a postordered order of elimination already
+/// (`fill_reducing_order`). Not thread-safe: one object a thread; copying shares nothing.
+
+namespace powbench::sim {
+
+class Cholesky {
+ public:
+  explicit Cholesky(const Pattern&);
+
+  /// `values` belong to the rows of the pattern. False where A is not positive definite; then no solve is allowed.
+  bool factor(const double* values);
+
+  /// b becomes A^-1 b.
+  void solve(double* b) const;
+
+  std::size_t factor_entries() const { return panels_.size(); }  ///< doubles held, padding included
+  double flops() const { return flops_; }                        ///< of one factorisation, products and sums
+  std::size_t supernodes() const { return nodes_.size(); }
+
+ private:
+  struct Node {
+    int first = 0, columns = 0, rows = 0;  ///< own columns first .. first + columns; rows of the front
+    int ld = 0;                            ///< of the panel
+    int parent = -1;
+    std::size_t panel = 0;      ///< offset in panels_
+    std::size_t structure = 0;  ///< offset in rows_: the rows of the front, own columns first
+    std::size_t relative = 0;   ///< offset in relative_: where the rows below lie in the parent's front
+    std::vector<int> children;
+  };
+  void analyse_structure(const Pattern&);
+  void add_child(const Node& parent, const Node& child, const double* from, double* update, int ldu);
+
+  Pattern pattern_;
+  std::vector<Node> nodes_;
+  std::vector<int> rows_;
+  std::vector<int> relative_;
+  std::vector<int> local_;  ///< for each entry of the pattern, its offset within the panel of its node
+  std::vector<double> panels_;
+  std::vector<double> stack_;
+  mutable std::vector<double> work_;
+  double flops_ = 0;
+};
+
+}  // namespace powbench::sim

@@ -1,0 +1,137 @@
+#include "sim/fields/core_mesh.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "sim/fields/grid.h"
+
+namespace powbench::sim {
+namespace {
+
+/// Edges of the core in the half model, m; y = 0 at the outer pole faces of the fixed half.
+struct Outline {
+  double x1, x2, x3;  ///< centre leg, window, outer leg end here
+  double yoke_bottom, window_bottom, centre_face;
+  double face, window_top, yoke_top;  ///< of the moving half
+  double coil_left, coil_right, coil_bottom, coil_top;
+  bool ring;
+  double ring_left, slot_left, slot_right, ring_bottom;  ///< ring_left: of its side in the window
+
+  explicit Outline(const MagnetShape& s)
+      : x1(s.centre_width / 2),
+        x2(x1 + s.window_width),
+        x3(x2 + s.outer_width),
+        yoke_bottom(-s.fixed_window - s.yoke),
+        window_bottom(-s.fixed_window),
+        centre_face(-s.centre_gap),
+        face(strip_height),
+        window_top(face + s.moving_window),
+        yoke_top(window_top + s.yoke),
+        coil_left(x1 + (s.window_width - s.coil_width) / 2),
+        coil_right(coil_left + s.coil_width),
+        coil_bottom(window_bottom + s.coil_offset),
+        coil_top(coil_bottom + s.coil_height),
+        ring(s.ring_share > 0),
+        ring_left(x2 - s.ring_slot),
+        slot_left(x2 + s.ring_share * (s.outer_width - s.ring_slot)),
+        slot_right(slot_left + s.ring_slot),
+        ring_bottom(-s.ring_depth) {
+    if (coil_top > ring_bottom)
+      ring_left = std::max(ring_left, coil_right);  // the side in the window gets thinner
+  }
+
+  int region(double x, double y) const {
+    if (y > 0 && y < face) return CoreRegion::strip;
+    if (x < x3 && y > face && y < yoke_top) {
+      const bool window = x > x1 && x < x2 && y < window_top;
+      return window ? CoreRegion::air : CoreRegion::moving_iron;
+    }
+    if (x > x3 || y > 0 || y < yoke_bottom) return CoreRegion::air;
+    if (ring && y > ring_bottom && x > ring_left && x < x2) return CoreRegion::ring_inner;
+    if (ring && y > ring_bottom && x > slot_left && x < slot_right) return CoreRegion::ring_outer;
+    if (x > coil_left && x < coil_right && y > coil_bottom && y < coil_top) return CoreRegion::coil;
+    if (x > x1 && x < x2 && y > window_bottom) return CoreRegion::air;
+    if (x < x1 && y > centre_face) return CoreRegion::air;
+    return CoreRegion::fixed_iron;
+  }
+};
+
+/// Sorted stops; those closer than a micrometre become one with the smaller size.
+std::vector<GridStop> merged(std::vector<GridStop> stops) {
+  constexpr double least = 1e-6;
+  std::sort(stops.begin(), stops.end(), [](const GridStop& a, const GridStop& b) { return a.at < b.at; });
+  std::vector<GridStop> kept;
+  for (const auto& s : stops) {
+    if (!kept.empty() && s.at - kept.back().at < least) {
+      auto& size = kept.back().size;
+      if (s.size > 0) size = size > 0 ? std::min(size, s.size) : s.size;
+      continue;
+    }
+    kept.push_back(s);
+  }
+  return kept;
+}
+
+/// Continues the lines of the core into the air, from cells of `size` at its outline.
+void append_far(std::vector<double>& lines, double from, double to, double size, const CoreMeshSizes& z) {
+  const bool up = to > from;
+  const GridStop core{from, size}, end{to, 0};
+  const auto far = graded_lines({up ? core : end, up ? end : core}, z.growth, z.far);
+  if (up)
+    lines.insert(lines.end(), far.begin() + 1, far.end());
+  else
+    lines.insert(lines.begin(), far.begin(), far.end() - 1);
+}
+
+std::vector<double> x_lines(const Outline& o, const CoreMeshSizes& z) {
+  std::vector<GridStop> stops{{0, 0},           {o.coil_left, z.other}, {o.coil_right, z.other},
+                              {o.x1, z.corner}, {o.x2, z.corner},       {o.x3, z.corner}};
+  if (o.ring) {
+    stops.push_back({o.ring_left, z.other});
+    stops.push_back({o.slot_left, z.corner});
+    stops.push_back({o.slot_right, z.corner});
+  }
+  auto lines = graded_lines(merged(stops), z.growth, z.iron);
+  append_far(lines, o.x3, 5.5 * o.x3, z.corner, z);
+  return lines;
+}
+
+std::vector<double> y_lines(const Outline& o, const CoreMeshSizes& z, double largest_gap) {
+  std::vector<GridStop> below{{o.yoke_bottom, z.other}, {o.window_bottom, z.other}, {o.coil_bottom, z.other},
+                              {o.coil_top, z.other},    {o.centre_face, z.corner},  {0, z.corner}};
+  if (o.ring) below.push_back({o.ring_bottom, z.other});
+  auto lines = graded_lines(merged(below), z.growth, z.iron);
+  lines.pop_back();
+  for (const double share : strip_layers(z, largest_gap)) lines.push_back(share * strip_height);
+  const auto above = graded_lines(
+      merged({{o.face, z.corner}, {o.window_top, z.other}, {o.yoke_top, z.other}}), z.growth, z.iron);
+  lines.insert(lines.end(), above.begin() + 1, above.end());
+  const double reach = 3.9 * o.x3;
+  append_far(lines, o.yoke_bottom, o.yoke_bottom - reach, z.other, z);
+  append_far(lines, o.yoke_top, o.yoke_top + reach, z.other, z);
+  return lines;
+}
+
+}  // namespace
+
+CoreMeshSizes CoreMeshSizes::scaled(double factor) const {
+  return {corner * factor, other * factor, iron * factor, far * factor,
+          1 + (growth - 1) * std::min(1.0, factor)};
+}
+
+std::vector<double> strip_layers(const CoreMeshSizes& z, double largest_gap) {
+  auto lines =
+      graded_lines({{0, z.corner}, {std::max(largest_gap, 4 * z.corner), z.corner}}, z.growth, z.iron);
+  const double height = lines.back();
+  for (double& line : lines) line /= height;
+  return lines;
+}
+
+Mesh core_mesh(const MagnetShape& shape, const CoreMeshSizes& sizes, double largest_gap) {
+  check_shape(shape);
+  const Outline o(shape);
+  return tensor_mesh(x_lines(o, sizes), y_lines(o, sizes, largest_gap),
+                     [&](double x, double y) { return o.region(x, y); }, {});
+}
+
+}  // namespace powbench::sim

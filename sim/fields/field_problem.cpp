@@ -1,0 +1,283 @@
+#include "sim/fields/field_problem.h"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+#include <string>
+
+#include "sim/magnetic_circuit.h"
+
+namespace powbench::sim {
+namespace {
+
+std::size_t index(int i) {
+  return static_cast<std::size_t>(i);
+}
+
+/// The nodes of an element side by side.
+template <int lanes>
+struct Lanes;
+template <>
+struct Lanes<4> {
+  using Vector = double __attribute__((vector_size(32)));
+  using Unaligned = double __attribute__((vector_size(32), aligned(8), may_alias));
+};
+template <>
+struct Lanes<8> {
+  using Vector = double __attribute__((vector_size(64)));
+  using Unaligned = double __attribute__((vector_size(64), aligned(8), may_alias));
+};
+
+template <class T>
+T of_region(const std::vector<T>& table, int region, T otherwise) {
+  return region >= 0 && index(region) < table.size() ? table[index(region)] : otherwise;
+}
+
+}  // namespace
+
+FieldProblem::FieldProblem(Mesh mesh, FieldSetup setup)
+    : setup_(std::move(setup)),
+      space_(make_space(std::move(mesh), setup_.order, setup_.axisymmetric, setup_.depth)) {
+  sort_elements();
+  build_linear();
+  build_windings();
+  set_gap(setup_.strip_height);
+}
+
+void FieldProblem::sort_elements() {
+  const auto& region = space_.mesh.region;
+  for (std::size_t t = 0; t < region.size(); ++t)
+    if (const int steel = of_region(setup_.steel_of_region, region[t], -1); steel >= 0)
+      elements_.push_back({t, steel});
+  const int degree = setup_.axisymmetric ? 4 : setup_.order;
+  const auto lanes = index(space_.lanes);
+  for (const auto& e : elements_) {
+    const auto points = shape_points(space_, e.triangle, degree);
+    points_ = static_cast<int>(points.size());
+    for (const auto& p : points) {
+      weights_.push_back(p.weight);
+      curls_.insert(curls_.end(), p.curl_x.begin(), p.curl_x.begin() + static_cast<std::ptrdiff_t>(lanes));
+      curls_.insert(curls_.end(), p.curl_y.begin(), p.curl_y.begin() + static_cast<std::ptrdiff_t>(lanes));
+    }
+    const auto positions = element_positions(space_, e.triangle);
+    positions_.insert(positions_.end(), positions.begin(), positions.end());
+  }
+}
+
+void FieldProblem::build_linear() {
+  const std::size_t entries = space_.pattern.row.size() + 1;
+  fixed_.assign(entries, 0);
+  if (setup_.strip_region >= 0) {
+    strip_x_.assign(entries, 0);
+    strip_y_.assign(entries, 0);
+  }
+  if (std::any_of(setup_.conductivity.begin(), setup_.conductivity.end(), [](double s) { return s > 0; }))
+    mass_.assign(entries, 0);
+  const int degree = setup_.axisymmetric ? 4 : setup_.order;
+  for (std::size_t t = 0; t < space_.mesh.triangle.size(); ++t) {
+    const int region = space_.mesh.region[t];
+    const bool linear = of_region(setup_.steel_of_region, region, -1) < 0;
+    const double conductivity = of_region(setup_.conductivity, region, 0.0);
+    const bool strip = region == setup_.strip_region;
+    if (!linear && conductivity <= 0) continue;
+    const auto to = element_positions(space_, t);
+    const auto add = [&](const ShapePoint& p, const std::array<double, 8>& f, std::vector<double>& values,
+                         double scale) {
+      for (int i = 0, at = 0; i < space_.nodes; ++i)
+        for (int j = 0; j <= i; ++j, ++at)
+          values[index(to[index(at)])] += p.weight * scale * f[index(i)] * f[index(j)];
+    };
+    for (const auto& p : shape_points(space_, t, degree)) {
+      if (!linear) break;
+      add(p, p.curl_x, strip ? strip_x_ : fixed_, 1 / mu0);
+      add(p, p.curl_y, strip ? strip_y_ : fixed_, 1 / mu0);
+    }
+    if (conductivity > 0)
+      for (const auto& p : shape_points(space_, t, 4)) add(p, p.value, mass_, conductivity);
+  }
+}
+
+void FieldProblem::build_windings() {
+  for (const auto& w : setup_.windings) {
+    std::vector<double> c(index(size()) + 1, 0);
+    for (const auto& [region, turns] : w.parts) {
+      const double area = region_area(space_.mesh, region);
+      if (!(area > 0))
+        throw std::invalid_argument("winding: region " + std::to_string(region) + " has no triangle");
+      for (std::size_t t = 0; t < space_.mesh.triangle.size(); ++t) {
+        if (space_.mesh.region[t] != region) continue;
+        for (const auto& p : shape_points(space_, t, setup_.axisymmetric ? 4 : setup_.order))
+          for (int n = 0; n < space_.nodes; ++n)
+            c[index(space_.unknowns(t)[n])] += p.weight * p.value[index(n)] * turns / area;
+      }
+    }
+    c.back() = 0;
+    windings_.push_back(std::move(c));
+  }
+}
+
+void FieldProblem::set_gap(double height) {
+  if (!(height > 0))
+    throw std::invalid_argument("gap of the field = " + std::to_string(height) + " m, must be above 0");
+  gap_ = height;
+  linear_ = fixed_;
+  if (strip_x_.empty()) return;
+  const double stretch = height / setup_.strip_height;
+  for (std::size_t k = 0; k < linear_.size(); ++k)
+    linear_[k] += stretch * strip_y_[k] + strip_x_[k] / stretch;
+}
+
+void FieldProblem::gap_gradient(const double* a, double* y) const {
+  std::fill(y, y + size() + 1, 0.0);
+  if (strip_x_.empty()) return;
+  const double h = setup_.strip_height;
+  std::vector<double> values(strip_x_.size());
+  for (std::size_t k = 0; k < values.size(); ++k)
+    values[k] = strip_y_[k] / h - strip_x_[k] * h / (gap_ * gap_);
+  multiply(space_.pattern, values, a, y);
+}
+
+double FieldProblem::gap_curvature(const double* a) const {
+  if (strip_x_.empty()) return 0;
+  std::vector<double> y(index(size()) + 1);
+  multiply(space_.pattern, strip_x_, a, y.data());
+  double sum = 0;
+  for (int k = 0; k < size(); ++k) sum += a[k] * y[index(k)];
+  return 2 * setup_.strip_height / (gap_ * gap_ * gap_) * sum;
+}
+
+template <int nodes, int lanes>
+double FieldProblem::add_steel_by(const double* a, double* gradient, double* values) const {
+  using Vector = typename Lanes<lanes>::Vector;
+  using Unaligned = typename Lanes<lanes>::Unaligned;
+  constexpr int entries = nodes * (nodes + 1) / 2;
+  double energy = 0;
+  for (std::size_t e = 0; e < elements_.size(); ++e) {
+    const int* const u = space_.unknowns(elements_[e].triangle);
+    const Steel& steel = setup_.steels[index(elements_[e].steel)];
+    double local[lanes] = {};
+    for (int n = 0; n < nodes; ++n) local[n] = a[u[n]];
+    Vector force{};
+    Vector hessian[nodes] = {};
+    for (int q = 0; q < points_; ++q) {
+      const std::size_t point = e * index(points_) + index(q);
+      const double* const cx = curls_.data() + point * 2 * lanes;
+      const double* const cy = cx + lanes;
+      double bx = 0, by = 0;
+      for (int n = 0; n < nodes; ++n) {
+        bx += cx[n] * local[n];
+        by += cy[n] * local[n];
+      }
+      const double square = bx * bx + by * by;
+      const double b = std::sqrt(square);
+      const SteelPoint p = steel.at(b);
+      const double weight = weights_[point];
+      energy += weight * p.energy;
+      const double nu = weight * (b > 0 ? p.h / b : p.dh_db);
+      const Vector vx = *reinterpret_cast<const Unaligned*>(cx);
+      const Vector vy = *reinterpret_cast<const Unaligned*>(cy);
+      const Vector along = bx * vx + by * vy;
+      force += nu * along;
+      if (!values) continue;
+      const double extra = square > 0 ? (weight * p.dh_db - nu) / square : 0;
+      for (int n = 0; n < nodes; ++n)
+        hessian[n] += (nu * cx[n]) * vx + (nu * cy[n]) * vy + (extra * along[n]) * along;
+    }
+    for (int n = 0; n < nodes; ++n) gradient[u[n]] += force[n];
+    if (!values) continue;
+    const int* to = positions_.data() + e * entries;
+    for (int i = 0; i < nodes; ++i)
+      for (int j = 0; j <= i; ++j) values[*to++] += hessian[i][j];
+  }
+  return energy;
+}
+
+double FieldProblem::add_steel(const double* a, double* gradient, double* values) const {
+  return space_.order == 1 ? add_steel_by<3, 4>(a, gradient, values)
+                           : add_steel_by<6, 8>(a, gradient, values);
+}
+
+FieldProblem::Ray::Ray(const FieldProblem& problem, const double* a, const double* d) : problem_(problem) {
+  const FieldProblem& p = problem;
+  const auto lanes = index(p.space_.lanes);
+  b_.reserve(4 * p.weights_.size());
+  for (std::size_t point = 0; point < p.weights_.size(); ++point) {
+    const int* const u = p.space_.unknowns(p.elements_[point / index(p.points_)].triangle);
+    const double* const cx = p.curls_.data() + point * 2 * lanes;
+    double sum[4] = {};
+    for (std::size_t n = 0; n < index(p.space_.nodes); ++n) {
+      sum[0] += cx[n] * a[u[n]];
+      sum[1] += cx[lanes + n] * a[u[n]];
+      sum[2] += cx[n] * d[u[n]];
+      sum[3] += cx[lanes + n] * d[u[n]];
+    }
+    b_.insert(b_.end(), sum, sum + 4);
+  }
+}
+
+double FieldProblem::Ray::steel_energy(double s) const {
+  double energy = 0;
+  for (std::size_t point = 0; point < problem_.weights_.size(); ++point) {
+    const double* const b = b_.data() + 4 * point;
+    const double bx = b[0] + s * b[2], by = b[1] + s * b[3];
+    const auto& steel =
+        problem_.setup_.steels[index(problem_.elements_[point / index(problem_.points_)].steel)];
+    energy += problem_.weights_[point] * steel.at(std::sqrt(bx * bx + by * by)).energy;
+  }
+  return energy;
+}
+
+double FieldProblem::largest_field(const double* a) const {
+  double largest = 0;
+  for (const auto& e : elements_) {
+    const auto [bx, by] = field(e.triangle, {1. / 3, 1. / 3, 1. / 3}, a);
+    largest = std::max(largest, std::hypot(bx, by));
+  }
+  return largest;
+}
+
+std::pair<double, double> FieldProblem::field(std::size_t triangle, const std::array<double, 3>& l,
+                                              const double* a) const {
+  const ShapePoint p = shape_at(space_, triangle, l);
+  const int* const u = space_.unknowns(triangle);
+  double bx = 0, by = 0;
+  for (int n = 0; n < space_.nodes; ++n) {
+    bx += p.curl_x[index(n)] * a[u[n]];
+    by += p.curl_y[index(n)] * a[u[n]];
+  }
+  if (space_.mesh.region[triangle] == setup_.strip_region) bx *= setup_.strip_height / gap_;
+  return {bx, by};
+}
+
+double FieldProblem::stress_force(const double* a, const std::vector<double>& weight) const {
+  const Mesh& m = space_.mesh;
+  double force = 0;
+  for (std::size_t t = 0; t < m.triangle.size(); ++t) {
+    const auto& v = m.triangle[t];
+    const std::array<double, 3> w{weight[index(v[0])], weight[index(v[1])], weight[index(v[2])]};
+    if (w[0] == w[1] && w[1] == w[2]) continue;
+    const double inverse = 1 / twice_area(m, v);
+    double dx = 0, dy = 0;
+    for (std::size_t k = 0; k < 3; ++k) {
+      const auto p = index(v[(k + 1) % 3]), q = index(v[(k + 2) % 3]);
+      dx += w[k] * (m.y[p] - m.y[q]) * inverse;
+      dy += w[k] * (m.x[q] - m.x[p]) * inverse;
+    }
+    const bool strip = m.region[t] == setup_.strip_region;
+    const double stretch = strip ? gap_ / setup_.strip_height : 1;
+    dy /= stretch;
+    const int* const u = space_.unknowns(t);
+    for (const auto& p : shape_points(space_, t, setup_.axisymmetric ? 4 : setup_.order)) {
+      double bx = 0, by = 0;
+      for (int n = 0; n < space_.nodes; ++n) {
+        bx += p.curl_x[index(n)] * a[u[n]];
+        by += p.curl_y[index(n)] * a[u[n]];
+      }
+      bx /= stretch;
+      force += stretch * p.weight / mu0 * (0.5 * (by * by - bx * bx) * dy + bx * by * dx);
+    }
+  }
+  return -force;
+}
+
+}  // namespace powbench::sim

@@ -1,0 +1,108 @@
+#pragma once
+
+#include <utility>
+#include <vector>
+
+#include "sim/fields/field_space.h"
+#include "sim/fields/steel.h"
+
+/// The magnetic energy of a mesh as a convex function of the unknowns a, its gradient and Hessian:
+///
+///   E(a) = sum of w(|B|) over the steel + a^T K a / 2 over what is linear,   psi_k = c_k^T a for winding k.
+///
+/// A field with prescribed fluxes minimises E under c_k^T a = psi_k; the multipliers are the currents. One strip of air
+/// may be stretched: its part of K is (g/h) K_y + (h/g) K_x with the height h as meshed and the true height g, so that
+/// the derivatives by g at fixed a are exact: the pull by virtual work. J, Wb, A, m.
+
+namespace powbench::sim {
+
+/// A current path: each part carries `turns` (the sign is the direction) uniformly over the section of a region.
+struct Winding {
+  std::vector<std::pair<int, double>> parts;  ///< region, turns
+};
+
+struct FieldSetup {
+  int order = 2;
+  bool axisymmetric = false;
+  double depth = 1;  ///< m, planar: length of the model, copies counted
+  std::vector<Steel> steels;
+  std::vector<int> steel_of_region;  ///< index, -1: mu0. Regions behind the end are mu0
+  std::vector<Winding> windings;
+  std::vector<double> conductivity;  ///< S/m by region; regions behind the end do not conduct
+  int strip_region = -1;             ///< -1: nothing moves
+  double strip_height = 1e-3;        ///< as meshed
+};
+
+class FieldProblem {
+ public:
+  FieldProblem(Mesh mesh, FieldSetup setup);
+
+  int size() const { return space_.size(); }
+  const FieldSpace& space() const { return space_; }
+  const FieldSetup& setup() const { return setup_; }
+
+  /// c_k, and the section of the winding's parts is that of the mesh. Wb per Wb/m.
+  const std::vector<double>& winding(std::size_t k) const { return windings_[k]; }
+
+  /// Height of the strip, > 0. Rebuilds K.
+  void set_gap(double height);
+  double gap() const { return gap_; }
+
+  const std::vector<double>& linear() const { return linear_; }  ///< values of K
+  const std::vector<double>& mass() const {
+    return mass_;
+  }  ///< values of int sigma N_i N_j, S m; empty without conductors
+
+  /// Steel alone: returns its energy; adds the gradient, and the Hessian where `values` is given.
+  double add_steel(const double* a, double* gradient, double* values) const;
+
+  /// Energy of the steel at a + s d for many s: the flux densities are kept.
+  class Ray {
+   public:
+    Ray(const FieldProblem&, const double* a, const double* d);
+    double steel_energy(double s) const;
+
+   private:
+    const FieldProblem& problem_;
+    std::vector<double> b_;  ///< B and dB/ds, four a point
+  };
+
+  /// y = dK/dg a, and a^T d2K/dg2 a. At fixed a.
+  void gap_gradient(const double* a, double* y) const;
+  double gap_curvature(const double* a) const;
+
+  /// Largest flux density in the steel, T.
+  double largest_field(const double* a) const;
+
+  /// B at barycentric coordinates of a triangle; the true height of the strip counted.
+  std::pair<double, double> field(std::size_t triangle, const std::array<double, 3>& l,
+                                  const double* a) const;
+
+  /// Force on the body moved with `weight` (by vertex; 1 on the body, 0 on what stands still, between them in air):
+  /// int T . grad(weight) over the air, in y. Only triangles over which the weight varies count, which must be linear.
+  double stress_force(const double* a, const std::vector<double>& weight) const;
+
+ private:
+  void sort_elements();
+  void build_linear();
+  void build_windings();
+  template <int nodes, int lanes>
+  double add_steel_by(const double* a, double* gradient, double* values) const;
+
+  FieldSetup setup_;
+  FieldSpace space_;
+  struct SteelElement {
+    std::size_t triangle;
+    int steel;
+  };
+  std::vector<SteelElement> elements_;
+  int points_ = 3;               ///< of the quadrature in the steel
+  std::vector<double> curls_;    ///< by element and point: lanes x curl_x, lanes x curl_y
+  std::vector<double> weights_;  ///< by element and point
+  std::vector<int> positions_;   ///< by element, see element_positions
+  std::vector<double> fixed_, strip_x_, strip_y_, linear_, mass_;
+  std::vector<std::vector<double>> windings_;
+  double gap_ = 0;
+};
+
+}  // namespace powbench::sim

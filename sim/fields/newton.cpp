@@ -1,0 +1,210 @@
+#include "sim/fields/newton.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace powbench::sim {
+namespace {
+
+double dot(const std::vector<double>& a, const std::vector<double>& b) {
+  double sum = 0;
+  for (std::size_t k = 0; k < a.size(); ++k) sum += a[k] * b[k];
+  return sum;
+}
+
+double absolute_dot(const std::vector<double>& a, const std::vector<double>& b) {
+  double sum = 1e-300;
+  for (std::size_t k = 0; k < a.size(); ++k) sum += std::fabs(a[k] * b[k]);
+  return sum;
+}
+
+/// Inverse of a small symmetric positive definite matrix by rows, by Gauss and Jordan.
+std::vector<double> inverse_of(std::vector<double> m, std::size_t n) {
+  std::vector<double> inverse(n * n, 0);
+  for (std::size_t k = 0; k < n; ++k) inverse[k * n + k] = 1;
+  for (std::size_t k = 0; k < n; ++k) {
+    const double pivot = 1 / m[k * n + k];
+    for (std::size_t j = 0; j < n; ++j) {
+      m[k * n + j] *= pivot;
+      inverse[k * n + j] *= pivot;
+    }
+    for (std::size_t i = 0; i < n; ++i) {
+      if (i == k) continue;
+      const double factor = m[i * n + k];
+      for (std::size_t j = 0; j < n; ++j) {
+        m[i * n + j] -= factor * m[k * n + j];
+        inverse[i * n + j] -= factor * inverse[k * n + j];
+      }
+    }
+  }
+  return inverse;
+}
+
+}  // namespace
+
+struct Newton::Step {
+  std::vector<double> da;
+  std::vector<double> di;  ///< by winding; 0 where the current is given
+  double miss = 0;         ///< largest |b - c^T a - r i| / |b| before the step
+};
+
+Newton::Newton(const FieldProblem& problem) : problem_(problem), cholesky_(problem.space().pattern) {
+  const auto size = static_cast<std::size_t>(problem.size());
+  values_.resize(problem.space().pattern.row.size() + 1);
+  gradient_.resize(size + 1);
+  product_.resize(size + 1);
+}
+
+void Newton::set_quadratic(const std::vector<double>* matrix, const std::vector<double>* load) {
+  matrix_ = matrix;
+  load_ = load;
+}
+
+/// Energy without windings, its gradient, and the Hessian.
+double Newton::evaluate(const std::vector<double>& a, bool hessian) {
+  const auto& linear = matrix_ ? *matrix_ : problem_.linear();
+  multiply(problem_.space().pattern, linear, a.data(), gradient_.data());
+  gradient_.back() = 0;
+  quadratic_ = 0.5 * dot(a, gradient_);
+  if (load_) {
+    quadratic_ -= dot(*load_, a);
+    for (std::size_t k = 0; k + 1 < a.size(); ++k) gradient_[k] -= (*load_)[k];
+  }
+  if (hessian) values_ = linear;
+  const double steel = problem_.add_steel(a.data(), gradient_.data(), hessian ? values_.data() : nullptr);
+  gradient_.back() = 0;
+  return quadratic_ + steel;
+}
+
+bool Newton::direction(const std::vector<Circuit>& circuits, const std::vector<double>& a,
+                       const std::vector<double>& current, Step& step) {
+  if (!cholesky_.factor(values_.data())) return false;
+  bordered_.clear();
+  step.da.assign(a.size(), 0);
+  step.di.assign(circuits.size(), 0);
+  step.miss = 0;
+  for (std::size_t k = 0; k < a.size(); ++k) step.da[k] = -gradient_[k];
+  for (std::size_t c = 0; c < circuits.size(); ++c) {
+    const auto& w = problem_.winding(c);
+    for (std::size_t k = 0; k + 1 < a.size(); ++k) step.da[k] += current[c] * w[k];
+    if (circuits[c].flux_given) bordered_.push_back(c);
+  }
+  cholesky_.solve(step.da.data());
+  const std::size_t n = bordered_.size();
+  border_.resize(n);
+  std::vector<double> schur(n * n), rest(n);
+  for (std::size_t k = 0; k < n; ++k) {
+    border_[k] = problem_.winding(bordered_[k]);
+    cholesky_.solve(border_[k].data());
+  }
+  for (std::size_t k = 0; k < n; ++k) {
+    const auto& w = problem_.winding(bordered_[k]);
+    const auto& circuit = circuits[bordered_[k]];
+    const double missing = circuit.value - dot(w, a) - circuit.resistance * current[bordered_[k]];
+    step.miss =
+        std::max(step.miss, std::fabs(missing) / std::max(std::fabs(circuit.value), absolute_dot(w, a)));
+    rest[k] = missing - dot(w, step.da);
+    for (std::size_t l = 0; l < n; ++l)
+      schur[k * n + l] = dot(w, border_[l]) + (k == l ? circuit.resistance : 0);
+  }
+  inverse_ = inverse_of(schur, n);
+  for (std::size_t k = 0; k < n; ++k) {
+    double di = 0;
+    for (std::size_t l = 0; l < n; ++l) di += inverse_[k * n + l] * rest[l];
+    step.di[bordered_[k]] = di;
+    for (std::size_t j = 0; j < a.size(); ++j) step.da[j] += di * border_[k][j];
+  }
+  step.da.back() = 0;
+  return true;
+}
+
+double Newton::line_search(const std::vector<double>& a, const Step& step,
+                           const std::vector<Circuit>& circuits, const std::vector<double>& current,
+                           double decrement, NewtonReport& report) {
+  constexpr double enough = 1e-4, least = 1e-6;
+  const FieldProblem::Ray ray(problem_, a.data(), step.da.data());
+  const auto& linear = matrix_ ? *matrix_ : problem_.linear();
+  multiply(problem_.space().pattern, linear, step.da.data(), product_.data());
+  product_.back() = 0;
+  double slope = dot(a, product_), bend = dot(step.da, product_);
+  if (load_) slope -= dot(*load_, step.da);
+  for (std::size_t c = 0; c < circuits.size(); ++c) {
+    const double r = circuits[c].resistance;
+    if (!circuits[c].flux_given) slope -= circuits[c].value * dot(problem_.winding(c), step.da);
+    slope += r * current[c] * step.di[c];
+    bend += r * step.di[c] * step.di[c];
+  }
+  const double start = ray.steel_energy(0);
+  double s = 1;
+  for (; s > least; s *= 0.5) {
+    const double change = ray.steel_energy(s) - start + s * (slope + 0.5 * s * bend);
+    if (change <= -enough * s * decrement + 1e-14 * (std::fabs(quadratic_) + start)) break;
+    ++report.cuts;
+  }
+  return s;
+}
+
+NewtonReport Newton::solve(const std::vector<Circuit>& circuits, std::vector<double>& a,
+                           std::vector<double>& current, const NewtonOptions& options) {
+  constexpr double met = 1e-8;  // circuits count as met
+  NewtonReport report;
+  Step step;
+  current.resize(circuits.size(), 0);
+  for (std::size_t c = 0; c < circuits.size(); ++c)
+    if (!circuits[c].flux_given) current[c] = circuits[c].value;
+  energy_ = evaluate(a, true);
+  while (report.iterations < options.most_iterations) {
+    if (!direction(circuits, a, current, step)) return report;
+    ++report.iterations;
+    // lambda^2 = da^T H da = -(gradient - C i)^T da on what the circuits leave free
+    double decrement = -dot(gradient_, step.da);
+    for (std::size_t c = 0; c < circuits.size(); ++c)
+      decrement +=
+          (current[c] + (circuits[c].flux_given ? step.di[c] : 0)) * dot(problem_.winding(c), step.da);
+    decrement = std::fabs(decrement);
+    const bool feasible = step.miss < met;
+    const double s = options.line_search && feasible && decrement > options.tolerance * energy_
+                         ? line_search(a, step, circuits, current, decrement, report)
+                         : 1.0;
+    for (std::size_t k = 0; k < a.size(); ++k) a[k] += s * step.da[k];
+    for (std::size_t c = 0; c < circuits.size(); ++c) current[c] += s * step.di[c];
+    const bool last = feasible && decrement <= options.tolerance * std::fabs(energy_);
+    energy_ = evaluate(a, !last);
+    report.decrement = decrement / std::max(std::fabs(energy_), 1e-300);
+    if (last || energy_ == 0) {
+      report.converged = true;
+      return report;
+    }
+  }
+  return report;
+}
+
+FieldDerivatives Newton::derivatives(const std::vector<double>& a) {
+  FieldDerivatives d;
+  const std::size_t n = bordered_.size();
+  std::vector<double> force(a.size());
+  problem_.gap_gradient(a.data(), force.data());
+  d.gap = 0.5 * dot(a, force);
+  d.flux_flux = inverse_;
+  auto moved = force;
+  cholesky_.solve(moved.data());
+  moved.back() = 0;
+  d.flux_gap.assign(n, 0);
+  d.gap_gap = 0.5 * problem_.gap_curvature(a.data()) - dot(force, moved);
+  for (std::size_t k = 0; k < n; ++k) {
+    for (std::size_t l = 0; l < n; ++l)
+      d.flux_gap[k] += inverse_[k * n + l] * dot(problem_.winding(bordered_[l]), moved);
+    d.gap_gap += d.flux_gap[k] * dot(force, border_[k]);
+  }
+  return d;
+}
+
+std::vector<double> Newton::flux_tangent(std::size_t k) const {
+  const std::size_t n = bordered_.size();
+  std::vector<double> tangent(border_.front().size(), 0);
+  for (std::size_t l = 0; l < n; ++l)
+    for (std::size_t j = 0; j < tangent.size(); ++j) tangent[j] += inverse_[l * n + k] * border_[l][j];
+  return tangent;
+}
+
+}  // namespace powbench::sim

@@ -1,0 +1,90 @@
+#pragma once
+
+#include <vector>
+
+#include "sim/fields/cholesky.h"
+#include "sim/fields/field_problem.h"
+
+/// Newton's method on the energy of a FieldProblem, each winding either with a given current or in a given circuit
+///
+///   c_k^T a + r_k i_k = b_k     (r_k = 0: prescribed flux linkage; r_k = R dt: a step of implicit Euler).
+///
+/// The circuits border the sparse matrix: one factorisation and one more solve a circuit. The first step meets the
+/// circuits (they are linear), every later one keeps them and is cut until the energy falls (Armijo). It ends on the
+/// Newton decrement, lambda^2 <= tolerance E, after the step of that iteration: the relative error of the energy is then
+/// far below the tolerance squared.
+
+namespace powbench::sim {
+
+struct Circuit {
+  bool flux_given = false;  ///< false: `value` is the current
+  double value = 0;         ///< A, or b_k in Wb
+  double resistance = 0;    ///< r_k, Wb/A, >= 0
+};
+
+struct NewtonOptions {
+  double tolerance = 1e-9;
+  int most_iterations = 60;
+  bool line_search = true;
+};
+
+struct NewtonReport {
+  bool converged = false;
+  int iterations = 0;    ///< factorisations
+  int cuts = 0;          ///< halvings of a step
+  double decrement = 0;  ///< lambda^2 / E of the last step
+};
+
+/// Derivatives of the minimum energy by the fluxes of the circuits with r = 0 and by the gap; see MagneticResponse.
+struct FieldDerivatives {
+  std::vector<double> flux_flux;  ///< d i_k / d psi_l, a matrix by rows over the circuits
+  std::vector<double> flux_gap;   ///< d i_k / d gap
+  double gap = 0;                 ///< dE/dgap = F
+  double gap_gap = 0;
+};
+
+class Newton {
+ public:
+  explicit Newton(const FieldProblem&);
+
+  /// Improves `a` (size + 1 entries, the last one zero) and sets `current` of every winding.
+  NewtonReport solve(const std::vector<Circuit>&, std::vector<double>& a, std::vector<double>& current,
+                     const NewtonOptions& = {});
+
+  /// Linear matrix and load in place of K and nothing: E = a^T matrix a / 2 + steel - load^T a. For time steps with
+  /// eddy currents. The vectors must live through `solve`; nullptr: K, no load.
+  void set_quadratic(const std::vector<double>* matrix, const std::vector<double>* load);
+
+  /// Energy at the solution, J: with `set_quadratic` that of the changed functional.
+  double energy() const { return energy_; }
+
+  /// Of the last solution, all circuits with given flux. One back-solve.
+  FieldDerivatives derivatives(const std::vector<double>& a);
+
+  /// da/dpsi_k at the last solution, for starts by extrapolation.
+  std::vector<double> flux_tangent(std::size_t k) const;
+
+  /// b becomes H^-1 b with the Hessian of the last factorisation.
+  void solve_linear(double* b) const { cholesky_.solve(b); }
+  const Cholesky& cholesky() const { return cholesky_; }
+
+ private:
+  struct Step;
+  double evaluate(const std::vector<double>& a, bool hessian);
+  bool direction(const std::vector<Circuit>&, const std::vector<double>& a,
+                 const std::vector<double>& current, Step&);
+  double line_search(const std::vector<double>& a, const Step&, const std::vector<Circuit>&,
+                     const std::vector<double>& current, double decrement, NewtonReport&);
+
+  const FieldProblem& problem_;
+  Cholesky cholesky_;
+  const std::vector<double>* matrix_ = nullptr;
+  const std::vector<double>* load_ = nullptr;
+  std::vector<double> values_, gradient_, product_;
+  std::vector<std::size_t> bordered_;        ///< windings with given flux
+  std::vector<std::vector<double>> border_;  ///< H^-1 c_k of them
+  std::vector<double> inverse_;              ///< (C^T H^-1 C + R)^-1, by rows
+  double energy_ = 0, quadratic_ = 0;
+};
+
+}  // namespace powbench::sim

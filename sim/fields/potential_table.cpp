@@ -1,0 +1,326 @@
+#include "sim/fields/potential_table.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
+#include <stdexcept>
+
+namespace powbench::sim {
+namespace {
+
+using Quad = double __attribute__((vector_size(32)));
+using QuadMemory = double __attribute__((vector_size(32), aligned(8), may_alias));
+
+Quad load(const double* p) {
+  return *reinterpret_cast<const QuadMemory*>(p);
+}
+
+std::string text(double value) {
+  char buffer[32];
+  std::snprintf(buffer, sizeof buffer, "%.6g", value);
+  return buffer;
+}
+
+std::size_t index(int i) {
+  return static_cast<std::size_t>(i);
+}
+
+/// Cubic c0 + c1 t + c2 t^2 + c3 t^3 on [0, 1] from values and slopes at both ends.
+std::array<double, 4> cubic(double f0, double d0, double f1, double d1) {
+  return {f0, d0, 3 * (f1 - f0) - 2 * d0 - d1, 2 * (f0 - f1) + d0 + d1};
+}
+
+/// Value and two derivatives of a cubic whose coefficients lie side by side.
+struct Value {
+  double f, d, dd;
+};
+Value value_at(Quad c, double s) {
+  return {c[0] + s * (c[1] + s * (c[2] + s * c[3])), c[1] + s * (2 * c[2] + s * 3 * c[3]),
+          2 * c[2] + s * 6 * c[3]};
+}
+
+/// Least value of a cubic on [0, 1].
+double least_on_unit(Quad c) {
+  double least = std::min(c[0], c[0] + c[1] + c[2] + c[3]);
+  const double a = 3 * c[3], b = 2 * c[2];
+  const auto visit = [&](double s) {
+    if (s > 0 && s < 1) least = std::min(least, value_at(c, s).f);
+  };
+  if (const double root = b * b - 4 * a * c[1]; root >= 0) {
+    const double q = -0.5 * (b + std::copysign(std::sqrt(root), b));
+    if (a != 0) visit(q / a);
+    if (q != 0) visit(c[1] / q);
+  }
+  return least;
+}
+
+void check_axis(const char* name, const std::vector<double>& node, bool from_zero) {
+  if (node.size() < 2) throw std::invalid_argument(std::string("table: fewer than two nodes of ") + name);
+  if (from_zero && node.front() != 0)
+    throw std::invalid_argument(std::string("table: ") + name + " must start at 0");
+  for (std::size_t k = 1; k < node.size(); ++k)
+    if (!(node[k] > node[k - 1]))
+      throw std::invalid_argument(std::string("table: node ") + std::to_string(k) + " of " + name + " = " +
+                                  text(node[k]) + " does not ascend");
+}
+
+}  // namespace
+
+void check_table(const PotentialTable& t) {
+  check_axis("psi", t.psi, true);
+  check_axis("gap", t.gap, true);
+  if (!t.ring.empty()) check_axis("ring", t.ring, false);
+  const std::size_t rings = std::max<std::size_t>(1, t.ring.size());
+  const std::size_t count = t.psi.size() * rings * t.gap.size();
+  const std::size_t air = t.ring.empty() ? 2 : 4;
+  if (t.nodes.size() != count * t.values() || t.air.size() != t.gap.size() * air)
+    throw std::invalid_argument("table: " + std::to_string(t.nodes.size()) + " values for " +
+                                std::to_string(count) + " nodes of " + std::to_string(t.values()));
+  for (const auto* list : {&t.psi, &t.ring, &t.gap, &t.nodes, &t.air})
+    for (const double value : *list)
+      if (!std::isfinite(value)) throw std::invalid_argument("table: a value is not a number");
+}
+
+TablePotential::Axis::Axis(std::vector<double> nodes) : node(std::move(nodes)) {
+  constexpr int bins = 1024;
+  bins_per_unit = bins / (node.back() - node.front());
+  int k = 0;
+  for (int b = 0; b <= bins; ++b) {
+    while (index(k) + 2 < node.size() && node[index(k) + 1] <= node.front() + b / bins_per_unit) ++k;
+    bin.push_back(k);
+  }
+}
+
+int TablePotential::Axis::cell(double x) const {
+  int k = bin[static_cast<std::size_t>((x - node.front()) * bins_per_unit)];
+  while (index(k) + 2 < node.size() && node[index(k) + 1] <= x) ++k;
+  return k;
+}
+
+TablePotential::TablePotential(PotentialTable table) : table_(std::move(table)) {
+  check_table(table_);
+  psi_ = Axis(table_.psi);
+  gap_ = Axis(table_.gap);
+  if (has_ring()) ring_ = Axis(table_.ring);
+  fit_cells();
+  check_stiffness();
+}
+
+/// Hermite data at the corners of each cell, turned into powers of the unit cell's coordinates, one axis after another.
+/// Layout: psi power slowest, gap power fastest.
+void TablePotential::fit_cells() {
+  const std::size_t np = table_.psi.size(), nr = std::max<std::size_t>(1, table_.ring.size()),
+                    ng = table_.gap.size();
+  const std::size_t per_node = table_.values();
+  const std::size_t ring_ends = has_ring() ? 2 : 1;
+  const std::size_t ring_powers = has_ring() ? 4 : 1;
+  for (std::size_t g = 0; g + 1 < ng; ++g)
+    for (std::size_t r = 0; r < std::max<std::size_t>(1, nr - 1); ++r)
+      for (std::size_t p = 0; p + 1 < np; ++p) {
+        const double hp = table_.psi[p + 1] - table_.psi[p], hg = table_.gap[g + 1] - table_.gap[g];
+        const double hr = has_ring() ? table_.ring[r + 1] - table_.ring[r] : 1;
+        // f[gap end, derivative][ring end, derivative] as a cubic in psi
+        std::array<std::array<std::array<double, 4>, 4>, 4> f{};
+        for (std::size_t eg = 0; eg < 2; ++eg)
+          for (std::size_t er = 0; er < ring_ends; ++er)
+            for (std::size_t dg = 0; dg < 2; ++dg)
+              for (std::size_t dr = 0; dr < ring_ends; ++dr) {
+                const auto node = [&](std::size_t ep, std::size_t dp) {
+                  const std::size_t n = (p + ep) + np * ((r + er) + nr * (g + eg));
+                  const std::size_t at = has_ring() ? dp + 2 * dr + 4 * dg : dp + 2 * dg;
+                  return table_.nodes[n * per_node + at] * (dp ? hp : 1) * (dr ? hr : 1) * (dg ? hg : 1);
+                };
+                f[2 * eg + dg][2 * er + dr] = cubic(node(0, 0), node(0, 1), node(1, 0), node(1, 1));
+              }
+        for (std::size_t power = 0; power < 4; ++power) {
+          std::array<std::array<double, 4>, 4> by_ring{};  // [gap end, derivative][ring power]
+          for (std::size_t k = 0; k < 4; ++k) {
+            if (has_ring())
+              by_ring[k] = cubic(f[k][0][power], f[k][1][power], f[k][2][power], f[k][3][power]);
+            else
+              by_ring[k][0] = f[k][0][power];
+          }
+          for (std::size_t rp = 0; rp < ring_powers; ++rp) {
+            const auto c = cubic(by_ring[0][rp], by_ring[1][rp], by_ring[2][rp], by_ring[3][rp]);
+            cell_.insert(cell_.end(), c.begin(), c.end());
+          }
+        }
+      }
+}
+
+MagneticResponse TablePotential::inside2(double psi, double gap, double* third) const {
+  const int p = psi_.cell(psi), g = gap_.cell(gap);
+  const double hp = 1 / (psi_.node[index(p) + 1] - psi_.node[index(p)]);
+  const double hg = 1 / (gap_.node[index(g) + 1] - gap_.node[index(g)]);
+  const double t = (psi - psi_.node[index(p)]) * hp, s = (gap - gap_.node[index(g)]) * hg;
+  const double* const c = cell_.data() + 16 * (index(p) + (psi_.node.size() - 1) * index(g));
+  const Quad c0 = load(c), c1 = load(c + 4), c2 = load(c + 8), c3 = load(c + 12);
+  const Value w = value_at(c0 + t * (c1 + t * (c2 + t * c3)), s);
+  const Value d = value_at(c1 + t * (2 * c2 + t * (3 * c3)), s);
+  const Value dd = value_at(2 * c2 + t * (6 * c3), s);
+  MagneticResponse r;
+  r.energy = w.f;
+  r.pull = w.d * hg;
+  r.pull_gap = w.dd * hg * hg;
+  r.current = d.f * hp;
+  r.current_gap = d.d * hp * hg;
+  r.current_psi = dd.f * hp * hp;
+  if (third) *third = d.dd * hp * hg * hg;
+  return r;
+}
+
+MagneticResponse TablePotential::inside3(double psi, double ring, double gap, double* cross_gap) const {
+  const int p = psi_.cell(psi), q = ring_.cell(ring), g = gap_.cell(gap);
+  const double hp = 1 / (psi_.node[index(p) + 1] - psi_.node[index(p)]);
+  const double hr = 1 / (ring_.node[index(q) + 1] - ring_.node[index(q)]);
+  const double hg = 1 / (gap_.node[index(g) + 1] - gap_.node[index(g)]);
+  const double t = (psi - psi_.node[index(p)]) * hp, u = (ring - ring_.node[index(q)]) * hr;
+  const double s = (gap - gap_.node[index(g)]) * hg;
+  const std::size_t cells_p = psi_.node.size() - 1, cells_r = ring_.node.size() - 1;
+  const double* const c = cell_.data() + 64 * (index(p) + cells_p * (index(q) + cells_r * index(g)));
+  Quad f[4], d[4], dd[4];  // by power of the ring: value and psi derivatives, over the powers of the gap
+  for (std::size_t k = 0; k < 4; ++k) {
+    const Quad c0 = load(c + 4 * k), c1 = load(c + 16 + 4 * k), c2 = load(c + 32 + 4 * k),
+               c3 = load(c + 48 + 4 * k);
+    f[k] = c0 + t * (c1 + t * (c2 + t * c3));
+    d[k] = c1 + t * (2 * c2 + t * (3 * c3));
+    dd[k] = 2 * c2 + t * (6 * c3);
+  }
+  const Value w = value_at(f[0] + u * (f[1] + u * (f[2] + u * f[3])), s);
+  const Value wr = value_at(f[1] + u * (2 * f[2] + u * (3 * f[3])), s);
+  const Value wrr = value_at(2 * f[2] + u * (6 * f[3]), s);
+  const Value wp = value_at(d[0] + u * (d[1] + u * (d[2] + u * d[3])), s);
+  const Value wpr = value_at(d[1] + u * (2 * d[2] + u * (3 * d[3])), s);
+  const Value wpp = value_at(dd[0] + u * (dd[1] + u * (dd[2] + u * dd[3])), s);
+  MagneticResponse r;
+  r.energy = w.f;
+  r.current = wp.f * hp;
+  r.ring_current = wr.f * hr;
+  r.pull = w.d * hg;
+  r.current_psi = wpp.f * hp * hp;
+  r.current_ring = wpr.f * hp * hr;
+  r.ring_ring = wrr.f * hr * hr;
+  r.current_gap = wp.d * hp * hg;
+  r.ring_gap = wr.d * hr * hg;
+  r.pull_gap = w.dd * hg * hg;
+  if (cross_gap) *cross_gap = wpr.d * hp * hr * hg;
+  return r;
+}
+
+/// Inverse inductances of air at a gap with two derivatives by the gap: coil, or coil and ring.
+void TablePotential::air_at(double gap, double* gamma, double* slope, double* bend) const {
+  const std::size_t count = has_ring() ? 2 : 1;
+  const auto g = index(gap_.cell(gap));
+  const double h = gap_.node[g + 1] - gap_.node[g];
+  const double s = (gap - gap_.node[g]) / h;
+  for (std::size_t k = 0; k < count; ++k) {
+    const double* const a = table_.air.data() + 2 * (g * count + k);
+    const double* const b = a + 2 * count;
+    const auto c = cubic(a[0], a[1] * h, b[0], b[1] * h);
+    const Value v = value_at(Quad{c[0], c[1], c[2], c[3]}, s);
+    gamma[k] = v.f;
+    slope[k] = v.d / h;
+    bend[k] = v.dd / (h * h);
+  }
+}
+
+MagneticResponse TablePotential::beyond2(double psi, double over, double gap) const {
+  double third = 0, gamma = 0, slope = 0, bend = 0;
+  auto r = inside2(psi, gap, &third);
+  air_at(gap, &gamma, &slope, &bend);
+  const double half = 0.5 * over * over;
+  r.energy += r.current * over + gamma * half;
+  r.pull += r.current_gap * over + slope * half;
+  r.pull_gap += third * over + bend * half;
+  r.current += gamma * over;
+  r.current_gap += slope * over;
+  r.current_psi = gamma;
+  return r;
+}
+
+/// W = W_e + gradient_e . over + W_psi,ring over over + air over^2 / 2 with everything at the edge: C1 also where both
+/// fluxes leave the table. Second derivatives by the gap leave out the third ones of the edge.
+MagneticResponse TablePotential::beyond3(double psi, double ring, double over_psi, double over_ring,
+                                         double gap) const {
+  double gamma[2] = {}, slope[2] = {}, bend[2] = {}, cross_gap = 0;
+  const auto e = inside3(psi, ring, gap, &cross_gap);
+  air_at(gap, gamma, slope, bend);
+  const double pp = 0.5 * over_psi * over_psi, pr = over_psi * over_ring, rr = 0.5 * over_ring * over_ring;
+  MagneticResponse r = e;
+  r.energy +=
+      e.current * over_psi + e.ring_current * over_ring + gamma[0] * pp + e.current_ring * pr + gamma[1] * rr;
+  r.pull +=
+      e.current_gap * over_psi + e.ring_gap * over_ring + slope[0] * pp + cross_gap * pr + slope[1] * rr;
+  r.pull_gap += bend[0] * pp + bend[1] * rr;
+  r.current += gamma[0] * over_psi + e.current_ring * over_ring;
+  r.ring_current += e.current_ring * over_psi + gamma[1] * over_ring;
+  r.current_gap += slope[0] * over_psi + cross_gap * over_ring;
+  r.ring_gap += cross_gap * over_psi + slope[1] * over_ring;
+  if (over_psi != 0) r.current_psi = gamma[0];
+  if (over_ring != 0) r.ring_ring = gamma[1];
+  return r;
+}
+
+MagneticResponse TablePotential::at(const MagneticState& state) const {
+  const double sign = state.psi < 0 ? -1 : 1;
+  const double psi = sign * state.psi, ring = sign * state.ring;
+  if (!(std::isfinite(psi) && std::isfinite(state.gap)) || (has_ring() && !std::isfinite(ring))) {
+    const double nan = psi + ring + state.gap;
+    return {nan, nan, nan, nan, nan, nan, nan, nan, nan, nan};
+  }
+  const double gap = std::clamp(state.gap, 0.0, gap_.node.back());
+  const double inner = std::min(psi, psi_.node.back());
+  MagneticResponse r;
+  if (!has_ring()) {
+    r = psi <= inner ? inside2(psi, gap, nullptr) : beyond2(inner, psi - inner, gap);
+  } else {
+    const double inner_ring = std::clamp(ring, ring_.node.front(), ring_.node.back());
+    r = psi <= inner && ring == inner_ring ? inside3(psi, ring, gap, nullptr)
+                                           : beyond3(inner, inner_ring, psi - inner, ring - inner_ring, gap);
+  }
+  if (const double out = state.gap - gap; out != 0) {  // straight on
+    r.energy += r.pull * out;
+    r.current += r.current_gap * out;
+    r.ring_current += r.ring_gap * out;
+    r.pull_gap = 0;
+  }
+  r.current *= sign;
+  r.ring_current *= sign;
+  r.current_gap *= sign;
+  r.ring_gap *= sign;
+  return r;
+}
+
+void TablePotential::check_stiffness() {
+  least_stiffness_ = 1e300;
+  const std::size_t np = psi_.node.size() - 1, nr = has_ring() ? ring_.node.size() - 1 : 1;
+  const auto look = [&](double value, std::size_t p, std::size_t r, std::size_t g) {
+    least_stiffness_ = std::min(least_stiffness_, value);
+    if (value > 0) return;
+    throw std::invalid_argument("table: di/dpsi = " + text(value) + " A/Wb in the cell from psi = " +
+                                text(psi_.node[p]) + " Wb, gap = " + text(gap_.node[g] * 1e3) + " mm" +
+                                (has_ring() ? ", ring flux = " + text(ring_.node[r]) + " Wb" : "") +
+                                ", must be above 0: more nodes are needed");
+  };
+  for (std::size_t g = 0; g + 1 < gap_.node.size(); ++g)
+    for (std::size_t r = 0; r < nr; ++r)
+      for (std::size_t p = 0; p < np; ++p) {
+        const double h = 1 / (psi_.node[p + 1] - psi_.node[p]);
+        const double* const c = cell_.data() + (has_ring() ? 64 : 16) * (p + np * (r + nr * g));
+        if (!has_ring()) {
+          for (const double t : {0.0, 1.0})
+            look(least_on_unit(2 * load(c + 8) + (6 * t) * load(c + 12)) * h * h, p, r, g);
+          continue;
+        }
+        for (const double t : {0.0, 1.0})
+          for (const double u : {0.0, 1. / 3, 2. / 3, 1.0}) {
+            Quad sum{};
+            for (int k = 3; k >= 0; --k)
+              sum = sum * u + 2 * load(c + 32 + 4 * k) + (6 * t) * load(c + 48 + 4 * k);
+            look(least_on_unit(sum) * h * h, p, r, g);
+          }
+      }
+}
+
+}  // namespace powbench::sim
