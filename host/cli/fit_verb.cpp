@@ -84,7 +84,6 @@ Source published_source(const FitArgs& args) {
   s.job.problem.parameters = sim::catalogue_parameters();
   s.job.problem.plausible = sim::catalogue_ranges();
   s.job.problem.base = args.specimen_file.empty() ? sim::Specimen{} : read_specimen(args.specimen_file);
-  if (s.job.problem.base.base.core_mass == 0) s.job.problem.base.base.core_mass = 0.2;
   return s;
 }
 
@@ -129,8 +128,13 @@ void take_options(const FitArgs& args, Source& s) {
   if (s.job.problem.closings.empty()) throw BadInput({"--hold-out leaves no closing to fit to"});
   if (args.leave_one_out)
     for (const auto& m : s.job.problem.closings) s.job.held_out.push_back(m.conditions.closing_angle);
+  for (const auto& file : args.start)
+    s.job.start.push_back(sim::point_of(read_specimen(file), s.job.problem.parameters));
+  if (!args.start.empty() && !args.hold_out.empty())
+    throw BadInput({"--start and --hold-out: a start may know what is held out; give one of them"});
   s.job.options.evaluations = args.evaluations;
   s.job.options.ensemble = args.ensemble;
+  s.job.searches = args.searches;
   s.job.options.seed = args.seed;
 }
 
@@ -156,12 +160,14 @@ Exit fit_specimen(const FitArgs& args) {
   sim::Team team(threads);
   const StopOnSignal stop;
   const auto per_fit = static_cast<std::size_t>(args.evaluations);
-  Progress progress("fit", per_fit * (1 + source.job.held_out.size()), progress_style(args.progress));
+  Progress progress("fit",
+                    per_fit * static_cast<std::size_t>(args.searches) * (1 + source.job.held_out.size()),
+                    progress_style(args.progress));
   auto saved = std::chrono::steady_clock::now();
   const auto watch = [&](std::size_t fit, std::size_t fits, long used, long, double best,
                          const FitState& now) {
     progress.update(fit * per_fit + static_cast<std::size_t>(used),
-                    fmt::format("fit {} of {}, misfit {:.2f}", fit + 1, fits, best));
+                    fmt::format("search {} of {}, misfit {:.2f}", fit + 1, fits, best));
     const bool asked = StopOnSignal::asked();
     const auto t = std::chrono::steady_clock::now();
     if (!args.state_file.empty() && (asked || t - saved > std::chrono::seconds(2))) {

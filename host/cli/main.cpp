@@ -203,7 +203,7 @@ void add_study_verbs(CLI::App& app) {
   CLI::App* show = verb(app, "tables", "The published tables against this simulator, errors recomputed",
                         tables, show_tables);
   show->add_option("--specimen", tables->specimen_file,
-                   "specimen file (TOML); the reference contactor if left out");
+                   "specimen file (TOML); scenes/published.specimen.toml if left out");
   show->add_option("--fit", tables->fit_file, "fit file of `powbench fit`: its held-out predictions");
   show->add_flag("--json", tables->json, "JSON to stdout");
   auto field_args = std::make_shared<FieldArgs>();
@@ -237,13 +237,19 @@ void add_fit_verb(CLI::App& app) {
   v->add_option("--specimen", fit->specimen_file, "specimen file (TOML) with the numbers that are not free");
   v->add_option("--free", fit->free,
                 "free number and its bounds, NAME=LOW:HIGH in the unit of the specimen file");
+  v->add_option(
+      "--start", fit->start,
+      "specimen file that the fit to all closings may begin from; never used where angles are held out");
   v->add_option("--hold-out", fit->hold_out, "closing angles in degrees that are predicted, never used")
       ->delimiter(',');
   v->add_flag("--leave-one-out", fit->leave_one_out, "predict every angle from the others, one fit each");
-  v->add_option("--evaluations", fit->evaluations, "specimens tried in the global search of each fit")
+  v->add_option("--evaluations", fit->evaluations, "specimens tried in each global search")
       ->check(CLI::Range(100, 100'000'000))
       ->capture_default_str();
-  v->add_option("--ensemble", fit->ensemble, "fits to shifted data for the bands")
+  v->add_option("--searches", fit->searches, "independent searches for each fit")
+      ->check(CLI::Range(1, 1000))
+      ->capture_default_str();
+  v->add_option("--ensemble", fit->ensemble, "fits to shifted data for the bands, for each search")
       ->check(CLI::Range(0, 1000))
       ->capture_default_str();
   v->add_option("--seed", fit->seed, "seed of the search")->capture_default_str();

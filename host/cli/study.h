@@ -14,12 +14,14 @@ namespace powbench::host {
 struct FitArgs {
   std::string database;  ///< "" = the published tables
   std::optional<std::int64_t> campaign;
-  std::string specimen_file;      ///< numbers that are not free; "" = built-in, or the campaign's
-  std::vector<std::string> free;  ///< NAME=LOW:HIGH
-  std::vector<double> hold_out;   ///< degrees: never used, predicted
+  std::string specimen_file;       ///< numbers that are not free; "" = built-in, or the campaign's
+  std::vector<std::string> free;   ///< NAME=LOW:HIGH
+  std::vector<std::string> start;  ///< specimen files that the search for everything begins from
+  std::vector<double> hold_out;    ///< degrees: never used, predicted
   bool leave_one_out = false;
-  long evaluations = 20'000;
-  int ensemble = 10;
+  long evaluations = 6'000;  ///< of each search
+  int searches = 3;
+  int ensemble = 3;  ///< of each search
   std::uint64_t seed = 1;
   int threads = 0;
   std::string state_file, output, fit_file, name;

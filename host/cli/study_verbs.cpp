@@ -14,8 +14,11 @@ namespace powbench::host {
 
 Exit show_tables(const TablesArgs& args) {
   const sim::Specimen specimen =
-      args.specimen_file.empty() ? sim::Specimen{} : read_specimen(args.specimen_file);
+      args.specimen_file.empty() ? parse_specimen(std::string(published_specimen), "published.specimen.toml")
+                                 : read_specimen(args.specimen_file);
   ClosingProvider held_out;
+  if (args.specimen_file.empty() && args.fit_file.empty())
+    held_out = held_out_provider(parse_fit_file(std::string(published_fit), "published.fit.json"));
   if (!args.fit_file.empty()) {
     std::ifstream in(args.fit_file, std::ios::binary);
     if (!in) throw BadInput({args.fit_file + ": cannot be read"});

@@ -105,7 +105,8 @@ Exit export_shot(const ExportArgs&);
 
 struct TablesArgs {
   std::string specimen_file;
-  std::string fit_file;  ///< of `powbench fit`: held-out predictions; "" = the reference's own
+  std::string
+      fit_file;  ///< of `powbench fit`: held-out predictions; "" = those of the built-in specimen, none for another
   bool json = false;
 };
 Exit show_tables(const TablesArgs&);

@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "host/config/bad_input.h"
 #include "host/config/specimen_file.h"
 #include "host/store/hash.h"
@@ -27,6 +29,19 @@ FitFold fold_of(const sim::FitResult& r, const std::vector<sim::Parameter>& para
   return f;
 }
 
+/// Searches of one fit as one: the best first, then all members of searches that came near it.
+FitFold together(std::span<const FitFold> searches) {
+  constexpr double near = 1.5;  // times the smallest misfit
+  FitFold all = *std::min_element(searches.begin(), searches.end(),
+                                  [](const FitFold& a, const FitFold& b) { return a.misfit < b.misfit; });
+  const auto best = all.members.front();
+  for (const auto& s : searches) {
+    if (s.misfit > near * all.misfit || s.members.front() == best) continue;
+    all.members.insert(all.members.end(), s.members.begin(), s.members.end());
+  }
+  return all;
+}
+
 }  // namespace
 
 std::string problem_hash(const FitJob& job) {
@@ -40,7 +55,7 @@ std::string problem_hash(const FitJob& job) {
   for (const auto& point : job.start)
     for (const double u : point) text += fmt::format("{} ", u);
   const auto& o = job.options;
-  text += fmt::format("{} {} {} {}", o.evaluations, o.polished, o.ensemble, o.seed);
+  text += fmt::format("{} {} {} {} {}", o.evaluations, o.polished, o.ensemble, o.seed, job.searches);
   return sha256_hex(text);
 }
 
@@ -57,31 +72,37 @@ FitReport run_fits(const FitJob& job, sim::Team& team, const FitProgress& progre
   report.file.base = resolved_text(job.problem.base);
   for (const auto& p : job.problem.parameters) report.file.names.push_back(p.name());
 
-  const std::size_t fits = 1 + job.held_out.size();
-  // the fit to everything is made last: its sensitivities are wanted even when its search was done before
+  const auto searches = static_cast<std::size_t>(job.searches);
+  const std::size_t fits = searches * (1 + job.held_out.size());
   for (std::size_t k = report.state.done.size(); k < fits; ++k) {
-    const bool full = k + 1 == fits;
+    const std::size_t angle = k / searches;
+    const bool full = angle == job.held_out.size();  // the fit to everything is made last
     sim::FitProblem problem = job.problem;
-    if (!full) problem.closings = without(problem.closings, std::span(&job.held_out[k], 1));
+    if (!full) problem.closings = without(problem.closings, std::span(&job.held_out[angle], 1));
+    sim::FitOptions options = job.options;
+    options.seed += 7919 * (k % searches);
     sim::FitWatch watch;
     watch.save = [&](const sim::Evolution::State& s) { report.state.running = s; };
     watch.go_on = [&](long used, long of, double best) {
       return progress(k, fits, used, of, best, report.state);
     };
     const auto resumed = report.state.running;
-    const auto result =
-        sim::fit(sim::Misfit(problem), job.options, team, watch, resumed ? &*resumed : nullptr,
-                 full ? job.start : std::vector<std::vector<double>>{});
+    const auto result = sim::fit(sim::Misfit(problem), options, team, watch, resumed ? &*resumed : nullptr,
+                                 full ? job.start : std::vector<std::vector<double>>{});
     if (result.stopped) {
       report.stopped = true;
       return report;
     }
     report.state.running.reset();
     report.state.done.push_back(fold_of(result, job.problem.parameters,
-                                        full ? std::nullopt : std::optional<double>(job.held_out[k])));
-    if (full) report.full = result;
+                                        full ? std::nullopt : std::optional<double>(job.held_out[angle])));
+    if (full && (report.full.best.point.empty() || result.best.misfit < report.full.best.misfit))
+      report.full = result;
   }
-  report.file.folds = report.state.done;
+  for (std::size_t k = 0; k < fits; k += searches)
+    report.file.folds.push_back(together(std::span(report.state.done).subspan(k, searches)));
+  // after an interruption the best search may have been an earlier run's: its sensitivities are not known then
+  if (report.full.best.misfit > report.file.folds.back().misfit) report.full = {};
   return report;
 }
 

@@ -14,7 +14,8 @@ namespace powbench::host {
 struct FitJob {
   sim::FitProblem problem;       ///< with every closing that may be used at all
   std::vector<double> held_out;  ///< rad; one more fit for each, which does not see it
-  sim::FitOptions options;       ///< of every fit; `evaluations` each
+  sim::FitOptions options;       ///< of every search; `evaluations` each
+  int searches = 3;              ///< independent ones for every fit: their members together are its ensemble
   std::vector<std::vector<double>>
       start;  ///< points that searches begin from; none for the ones that hold out
 };
@@ -26,7 +27,7 @@ struct FitReport {
   FitState state;
 };
 
-/// After each generation: which fit of how many, evaluations used of how many, best so far. False: stop.
+/// After each generation: which search of how many, evaluations used of how many, best so far. False: stop.
 using FitProgress =
     std::function<bool(std::size_t fit, std::size_t fits, long used, long of, double best, const FitState&)>;
 

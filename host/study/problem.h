@@ -14,7 +14,7 @@ namespace powbench::host {
 /// Standard deviations that a model of this kind deserves beside those of the measurement; relative but for the last.
 struct ModelDeviation {
   double touch = 0.010;
-  double seat = 0.010;
+  double seat = 0.011;
   double bounce = 0.05;
   double core_bounce = 0.6e-3;  ///< s
 };

@@ -49,7 +49,7 @@ struct FitProblem {
   std::vector<MeasuredClosing> closings;
   Plausible plausible;
   double prior_deviation = 0.5;  ///< of each coordinate about the middle of its bounds; 0: flat
-  double edge = 0.02;            ///< share of the range next to a bound that costs something
+  double edge = 0.04;            ///< share of the range next to a bound that costs something
   double tolerance = 1e-4;       ///< of the integrator
   double duration = 0.045;       ///< s simulated for each closing
   bool robust = true;            ///< bounce times beyond two deviations count linearly

@@ -1,0 +1,173 @@
+#include "sim/fields/circuit.h"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+#include "core/units.h"
+#include "sim/fields/core_mesh.h"
+
+namespace powbench::sim {
+namespace {
+
+constexpr double vacuum = 4e-7 * pi;  // V s/(A m)
+constexpr double half_cylinder = 0.26;
+
+}  // namespace
+
+CircuitPotential::CircuitPotential(const MagnetShape& s, const Steel& steel, double turns,
+                                   double residual_gap, double end_leakage, const CircuitOptions& options)
+    : steel_(steel.stacked(s.stack_factor)), turns_(turns), residual_gap_(residual_gap) {
+  check_shape(s);
+  if (!(residual_gap >= 0.05e-6 && residual_gap <= 1e-3))
+    throw std::invalid_argument("magnet.residual_gap_um = " + std::to_string(residual_gap * 1e6) +
+                                ", allowed 0.05 .. 1000");
+  if (!(turns >= 1 && turns <= 1e6))
+    throw std::invalid_argument("coil.turns = " + std::to_string(turns) + ", allowed 1 .. 1e6");
+  if (!(end_leakage >= 0)) throw std::invalid_argument("end leakage below 0");
+  const bool ring = s.ring_share > 0;
+  const double tip = ring ? s.ring_depth : 0;
+
+  // iron: both outer legs, both halves of each yoke as one path
+  const double centre = s.centre_width * s.stack;
+  const double outer = 2 * s.outer_width * s.stack;
+  const double yoke = 2 * s.yoke * s.stack;
+  const double across = s.window_width + 0.25 * s.centre_width + 0.5 * s.outer_width;
+  path_ = {{s.fixed_window + 0.5 * s.yoke, centre},
+           {across, yoke},
+           {s.fixed_window + 0.5 * s.yoke - tip, outer},
+           {across, yoke}};
+  if (s.moving_window > 0) {
+    path_.push_back({s.moving_window + 0.5 * s.yoke, centre});
+    path_.push_back({s.moving_window + 0.5 * s.yoke, outer});
+  }
+
+  // gaps; the slot of the ring takes its width from the pole face, in equal parts from both sides
+  const double slot = ring ? s.ring_slot : 0;
+  const double face = 2 * (s.outer_width - slot) * s.stack;
+  const double share = ring ? s.ring_share : 0;
+  const double flank = 0.5 * s.window_width;
+  const double outside = 0.5 * (s.outer_width + s.yoke);
+  centre_ = {centre, s.centre_gap, {{2 * s.stack, flank}}};
+  shaded_ = {share * face, 0, {}};
+  bare_ = {(1 - share) * face, 0, {{2 * s.stack, outside}}};
+  (ring ? shaded_ : bare_).edges.push_back({2 * s.stack, flank});
+  if (options.stack_ends) {
+    centre_.edges.push_back({2 * s.centre_width, 0.5 * s.centre_width});
+    bare_.edges.push_back({4 * (1 - share) * s.outer_width, 0.5 * s.outer_width});
+    if (ring) shaded_.edges.push_back({4 * share * s.outer_width, 0.5 * s.outer_width});
+  }
+  if (ring) {
+    shaded_tips_ = {{tip, std::max(shaded_.area, 1e-3 * outer)}};
+    bare_tips_ = {{tip, bare_.area}};
+  }
+
+  // leakage across the windows of the fixed half: a third of the winding's height counts, all of what is above it
+  const double above = s.fixed_window - s.coil_offset - s.coil_height;
+  const double depth = s.stack + (options.stack_ends ? s.window_width : 0);
+  const double permeance = vacuum * 2 * depth * (s.coil_height / 3 + above) / s.window_width;
+  leakage_ = turns * turns * permeance + end_leakage;
+}
+
+CircuitPotential::Derivatives CircuitPotential::iron(const std::vector<Section>& sections,
+                                                     double flux) const {
+  Derivatives d;
+  for (const auto& s : sections) {
+    const double b = flux / s.area;
+    const SteelPoint p = steel_.at(std::fabs(b));
+    d.energy += s.area * s.length * p.energy;
+    d.first += s.length * std::copysign(p.h, b);
+    d.second += s.length / s.area * p.dh_db;
+  }
+  return d;
+}
+
+CircuitPotential::Reluctance CircuitPotential::reluctance(const Face& face, double gap) const {
+  const double g = gap + residual_gap_ + face.extra;
+  double p = face.area / g;
+  double p1 = -face.area / (g * g);
+  double p2 = 2 * face.area / (g * g * g);
+  for (const auto& e : face.edges) {
+    const double a = 2 * e.flank;
+    p += e.length * (half_cylinder + std::log(1 + a / g) / pi);
+    p1 -= e.length / pi * a / (g * (g + a));
+    p2 += e.length / pi * a * (2 * g + a) / (g * g * (g + a) * (g + a));
+  }
+  p *= vacuum;
+  p1 *= vacuum;
+  p2 *= vacuum;
+  return {1 / p, -p1 / (p * p), (2 * p1 * p1 / p - p2) / (p * p)};
+}
+
+double CircuitPotential::core_flux(double psi, double ring, double gap) const {
+  const Reluctance c = reluctance(centre_, gap);
+  const Reluctance b = reluctance(bare_, gap);
+  const bool shaded = has_ring();
+  const double series = turns_ / leakage_;
+  // convex: the slope rises everywhere, so Newton is kept between what is known to be too small and too large
+  double low = -HUGE_VAL;
+  double high = HUGE_VAL;
+  double phi = psi / turns_;
+  for (int k = 0; k < 100; ++k) {
+    const Derivatives path = iron(path_, phi);
+    const double rest = shaded ? phi - ring : phi;
+    const Derivatives tip = shaded ? iron(bare_tips_, rest) : Derivatives{};
+    const double slope =
+        path.first + tip.first + c.value * phi + b.value * rest - series * (psi - turns_ * phi);
+    const double stiffness = path.second + tip.second + c.value + b.value + series * turns_;
+    (slope > 0 ? high : low) = phi;
+    const double step = -slope / stiffness;
+    if (std::fabs(step) <= 1e-15 * (std::fabs(phi) + std::fabs(psi) / turns_)) return phi + step;
+    double next = phi + step;
+    const bool enclosed = std::isfinite(low) && std::isfinite(high);
+    if (enclosed && !(next > low && next < high)) next = 0.5 * (low + high);
+    if (next == phi) return phi;
+    phi = next;
+  }
+  return phi;
+}
+
+MagneticResponse CircuitPotential::at(const MagneticState& state) const {
+  const double gap = std::max(state.gap, 0.0);
+  const bool shaded = has_ring();
+  const double ring = shaded ? state.ring : 0;
+  const double phi = core_flux(state.psi, ring, gap);
+  const double rest = phi - ring;
+  const Reluctance c = reluctance(centre_, gap);
+  const Reluctance b = reluctance(bare_, gap);
+  const Reluctance s = shaded ? reluctance(shaded_, gap) : Reluctance{};
+  const Derivatives path = iron(path_, phi);
+  const Derivatives tip_b = iron(bare_tips_, rest);
+  const Derivatives tip_s = iron(shaded_tips_, ring);
+
+  // with phi, ring and gap as independent: first and second derivatives
+  const double m = path.first + tip_b.first + c.value * phi + b.value * rest;
+  const double a = path.second + tip_b.second + c.value + b.value;
+  const double phi_ring = -b.value - tip_b.second;
+  const double ring_ring = b.value + tip_b.second + s.value + tip_s.second;
+  const double phi_gap = c.slope * phi + b.slope * rest;
+  const double ring_gap = s.slope * ring - b.slope * rest;
+  const double gap_gap =
+      0.5 * (c.curvature * phi * phi + b.curvature * rest * rest + s.curvature * ring * ring);
+
+  // phi follows from psi: eliminate it
+  const double series = turns_ / leakage_;
+  const double stiffness = series * turns_ + a;
+  const double link = series / stiffness;
+  MagneticResponse r;
+  r.current = m / turns_;
+  r.energy = 0.5 * leakage_ * r.current * r.current + path.energy + tip_b.energy + tip_s.energy +
+             0.5 * (c.value * phi * phi + b.value * rest * rest + s.value * ring * ring);
+  r.pull = 0.5 * (c.slope * phi * phi + b.slope * rest * rest + s.slope * ring * ring);
+  r.current_psi = a / (leakage_ * stiffness);
+  r.current_gap = link * phi_gap;
+  r.pull_gap = gap_gap - phi_gap * phi_gap / stiffness;
+  if (!shaded) return r;
+  r.ring_current = s.value * ring + tip_s.first - b.value * rest - tip_b.first;
+  r.current_ring = link * phi_ring;
+  r.ring_ring = ring_ring - phi_ring * phi_ring / stiffness;
+  r.ring_gap = ring_gap - phi_ring * phi_gap / stiffness;
+  return r;
+}
+
+}  // namespace powbench::sim

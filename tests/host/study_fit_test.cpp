@@ -1,0 +1,185 @@
+#include <catch2/catch.hpp>
+#include <cmath>
+
+#include "core/units.h"
+#include "host/config/bad_input.h"
+#include "host/config/specimen_file.h"
+#include "host/study/fit_file.h"
+#include "host/study/fit_job.h"
+#include "host/study/fit_text.h"
+#include "host/study/held_out.h"
+#include "host/study/problem.h"
+#include "sim/closing.h"
+
+using namespace powbench;
+using namespace powbench::host;
+using Catch::Contains;
+
+namespace {
+
+/// A quick problem: two free numbers, closings of a device that is a little off.
+FitJob small_job() {
+  sim::Specimen device;
+  device.coil.resistance *= 1.03;
+  FitJob job;
+  job.problem.parameters = {sim::parameter("coil.resistance_ohm", 220, 270),
+                            sim::parameter("core.return_preload_N", 8, 10.5)};
+  job.problem.prior_deviation = 0;
+  job.problem.edge = 0;
+  for (const double deg : {20.0, 110.0, 160.0}) {
+    sim::MeasuredClosing m;
+    m.conditions.closing_angle = radians(deg);
+    const auto t = sim::simulate(device, m.conditions, 0.05, 0, 1e-6).truth;
+    m.touch = {*t.touch, 50e-6};
+    m.seat = {*t.core_seat, 50e-6};
+    m.bounce = {*t.settled - *t.touch, 0.5e-3};
+    job.problem.closings.push_back(m);
+  }
+  job.held_out = {radians(110)};
+  job.options.evaluations = 120;
+  job.options.ensemble = 1;
+  job.options.polished = 1;
+  job.searches = 2;
+  return job;
+}
+
+bool always(std::size_t, std::size_t, long, long, double, const FitState&) {
+  return true;
+}
+
+}  // namespace
+
+TEST_CASE("published closings: six angles; the core row of 90 deg takes no part", "[study]") {
+  const auto list = published_closings();
+  REQUIRE(list.size() == 6);
+  for (const auto& m : list) {
+    CHECK(m.touch.known());
+    CHECK(m.bounce.known());
+    CHECK(m.seat.known() == (std::fabs(degrees(m.conditions.closing_angle) - 90) > 1));
+  }
+  CHECK(list[0].touch.value == Approx(11.86e-3));
+  CHECK(list[5].bounce.value == Approx(8.55e-3));
+  const double angle = radians(90);
+  CHECK(without(list, std::span(&angle, 1)).size() == 5);
+  const double turned = radians(90.005 - 360);
+  CHECK(without(list, std::span(&turned, 1)).size() == 5);
+}
+
+TEST_CASE(
+    "a campaign's closings are means with the deviation of the mean; angles without a shot are left out",
+    "[study]") {
+  AngleGroup g;
+  g.closing_angle = radians(60);
+  for (const double t : {12.0e-3, 12.2e-3, 12.4e-3}) {
+    Events e;
+    e.contact_voltage.present = true;
+    Contact c;
+    c.touch = {t, 1e-6};
+    e.contact_voltage.contacts.push_back(c);
+    g.measured.push_back(e);
+  }
+  const AngleGroup empty;
+  const std::vector<AngleGroup> groups{empty, g};
+  const auto list = campaign_closings(groups, {}, {0, 0, 0, 0});
+  REQUIRE(list.size() == 1);
+  CHECK(list[0].touch.value == Approx(12.2e-3));
+  CHECK(list[0].touch.u == Approx(std::hypot(0.2e-3 / std::sqrt(3.0), 20e-6)));
+  CHECK_FALSE(list[0].bounce.known());
+}
+
+TEST_CASE("a fit never uses the angle it holds out: another value there changes nothing", "[study]") {
+  sim::Team team(1);
+  FitJob job = small_job();
+  const FitReport a = run_fits(job, team, always);
+  job.problem.closings[1].touch.value += 3e-3;
+  job.problem.closings[1].bounce.value += 3e-3;
+  job.problem.closings[1].seat.value += 3e-3;
+  const FitReport b = run_fits(job, team, always);
+  REQUIRE(a.file.folds.size() == 2);
+  CHECK(*a.file.folds[0].held_out == Approx(110));
+  CHECK(a.file.folds[0].members == b.file.folds[0].members);
+  CHECK(a.file.folds[1].members != b.file.folds[1].members);
+  // and predicts it: the device is of the model's kind
+  const auto cells = fit_cells(a.file, small_job().problem.closings);
+  REQUIRE(cells.size() == 12);
+  CHECK(cells[4].held_out_percent < 2);
+  CHECK(std::isnan(cells[0].held_out_percent));
+  CHECK(cells[0].fitted_percent < 1);
+  CHECK(cells[4].others_percent > cells[4].held_out_percent);
+}
+
+TEST_CASE(
+    "an interrupted fit goes on from its state to the same result; a state of another problem is refused",
+    "[study]") {
+  sim::Team team(1);
+  const FitJob job = small_job();
+  const FitReport whole = run_fits(job, team, always);
+  int generations = 0;
+  FitReport part = run_fits(job, team, [&](auto...) { return ++generations < 5; });
+  REQUIRE(part.stopped);
+  int interruptions = 1;
+  while (part.stopped) {
+    const FitState kept = parse_fit_state(to_json(part.state), "state");
+    generations = 0;
+    part = run_fits(
+        job, team, [&](auto...) { return ++generations < 5; }, kept);
+    ++interruptions;
+  }
+  CHECK(interruptions > 2);
+  REQUIRE(part.file.folds.size() == 2);
+  for (std::size_t k = 0; k < 2; ++k) CHECK(part.file.folds[k].members == whole.file.folds[k].members);
+  FitJob other = job;
+  other.options.seed = 2;
+  CHECK_THROWS_WITH(run_fits(other, team, always, part.state), Contains("another problem"));
+}
+
+TEST_CASE("a fit file is read back as it was written; what is no fit file is told in one sentence",
+          "[study]") {
+  FitFile f;
+  f.base = resolved_text(sim::Specimen{});
+  f.names = {"core.mass_g", "coil.turns"};
+  f.folds = {{30.0, 1.5, {{180.25, 2100}, {181, 2200}}}, {std::nullopt, 2.5, {{190, 2300}}}};
+  const FitFile g = parse_fit_file(to_json(f), "f.json");
+  CHECK(g.names == f.names);
+  CHECK(*g.folds[0].held_out == 30);
+  CHECK_FALSE(g.folds[1].held_out);
+  CHECK(g.folds[0].members == f.folds[0].members);
+  const auto list = specimens(g, g.folds[0]);
+  REQUIRE(list.size() == 2);
+  CHECK(list[0].core.mass == Approx(0.18025));
+  CHECK(list[1].coil.turns == 2200);
+  CHECK(list[1].core.travel == sim::Specimen{}.core.travel);
+  CHECK_THROWS_AS(parse_fit_file("{", "f.json"), BadInput);
+  CHECK_THROWS_WITH(parse_fit_file(R"({"kind":"other"})", "f.json"), Contains("f.json"));
+  f.names[0] = "core.weight";
+  CHECK_THROWS_WITH(parse_fit_file(to_json(f), "f.json"), Contains("core.weight"));
+  f.names = {"core.mass_g"};
+  CHECK_THROWS_WITH(parse_fit_file(to_json(f), "f.json"), Contains("too few or too many"));
+  CHECK_THROWS_AS(parse_fit_state(to_json(g), "f.json"), BadInput);
+}
+
+TEST_CASE("predictions: the median of the specimens that close, nothing where most do not", "[study]") {
+  sim::Specimen dead;
+  dead.core.return_preload = 500;
+  const std::vector<sim::Specimen> two{{}, {}, dead};
+  const Prediction p = predict(two, {});
+  const auto t = sim::simulate({}, {}, 0.06, 0).truth;
+  CHECK(p.touch.median == *t.touch);
+  CHECK((p.touch.low == p.touch.high));
+  const std::vector<sim::Specimen> mostly_dead{{}, dead, dead};
+  CHECK(std::isnan(predict(mostly_dead, {}).touch.median));
+}
+
+TEST_CASE("texts of a fit name every number, mark what lies at a bound, and never print nan", "[study]") {
+  sim::Team team(1);
+  FitJob job = small_job();
+  job.held_out.clear();
+  job.problem.parameters = {sim::parameter("coil.resistance_ohm", 256, 270)};  // the device has 252
+  const FitReport r = run_fits(job, team, always);
+  const auto cells = fit_cells(r.file, job.problem.closings);
+  const std::string text = fit_text(job, r, cells);
+  CHECK_THAT(text, Contains("coil.resistance_ohm") && Contains("at a bound") && Contains("t_ct_bon") &&
+                       Contains("inrush"));
+  CHECK(text.find("nan") == std::string::npos);
+  CHECK_THAT(fit_json(job, r, cells), Contains("held_out_error_percent"));
+}
