@@ -161,8 +161,8 @@ std::string picture(const Watcher& w) {
   }
   std::sort(faces.begin(), faces.end(), [](const Face& a, const Face& b) { return a.depth < b.depth; });
   std::string svg =
-      "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 660 560\" font-family=\"sans-serif\">\n"
-      "<rect width=\"660\" height=\"560\" fill=\"white\"/>\n";
+      "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 -40 660 680\" font-family=\"sans-serif\">\n"
+      "<rect y=\"-40\" width=\"660\" height=\"680\" fill=\"white\"/>\n";
   for (const Face& f : faces)
     svg += "<polygon points=\"" + f.points + "\" fill=\"" + f.colour +
            "\" stroke=\"#333\" stroke-width=\"0.3\"/>\n";
@@ -170,12 +170,12 @@ std::string picture(const Watcher& w) {
   for (int k = 0; k <= 20; ++k) {
     const double s = k / 20.0;
     std::snprintf(text, sizeof text,
-                  "<rect x=\"%d\" y=\"530\" width=\"11\" height=\"12\" fill=\"rgb(%.0f,%.0f,%.0f)\"/>\n",
+                  "<rect x=\"%d\" y=\"605\" width=\"11\" height=\"12\" fill=\"rgb(%.0f,%.0f,%.0f)\"/>\n",
                   20 + 11 * k, 60 + 195 * s, 90 + 130 * std::sin(3.14159 * s), 200 * (1 - s) + 30);
     svg += text;
   }
   std::snprintf(text, sizeof text,
-                "<text x=\"260\" y=\"541\" font-size=\"13\">0 .. %.1f MPa von Mises stress, %.2f ms after "
+                "<text x=\"260\" y=\"616\" font-size=\"13\">0 .. %.1f MPa von Mises stress, %.2f ms after "
                 "switch-on</text>\n",
                 1e-6 * top, 1e3 * w.picture_time);
   return svg + text + "</svg>\n";
