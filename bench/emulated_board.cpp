@@ -89,10 +89,14 @@ int main(int argc, char** argv) {
   }
   try {
     nlohmann::ordered_json cost_list, list = nlohmann::ordered_json::array();
+    fmt::print("{:<52} {:>10} {:>13}\n", "", "measured", "budget");
     for (const bench::CostRow& c : bench::measure_firmware_cost()) {
-      fmt::print("{:<52} {:>10.1f}  {}\n", c.name, c.value, c.unit);
+      const std::string budget =
+          c.budget > 0 ? fmt::format("{:.0f} {}", c.budget, c.value <= c.budget ? "kept" : "MISSED") : "-";
+      fmt::print("{:<52} {:>10.1f} {:>13}  {}\n", c.name, c.value, budget, c.unit);
       cost_list[c.name] = std::round(c.value * 10) / 10;
       list.push_back({{"what", c.name}, {"unit", c.unit}, {"value", c.value}});
+      if (c.budget > 0) list.back()["budget"] = c.budget;
     }
     if (!baseline.empty()) {
       std::ofstream(baseline) << cost_list.dump(2) << "\n";

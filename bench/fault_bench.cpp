@@ -12,6 +12,7 @@ using firmware::GateEdge;
 namespace {
 constexpr std::int64_t closing_samples = 1200;  // current until the contact touches
 constexpr std::int64_t opening_samples = 800;   // and without it until it opens
+constexpr std::int64_t starved_blocks = 24;
 constexpr int contact_open_counts = 19'000, travel_counts = 16'000;
 
 /// One period of the sine, so that a step costs no library call.
@@ -33,10 +34,9 @@ firmware::ControllerConfig FaultBench::make_config() {
   c.pretrigger = 200;
   c.phase.sample_rate = static_cast<float>(rate);
   c.phase.nominal_amplitude = mains_peak;
-  c.fire.deferred_estimate = true;
   c.interlocks.overcurrent_counts = overcurrent;
   c.interlocks.no_current_counts = 100;
-  c.interlocks.no_current_samples = 800;
+  c.interlocks.no_current_samples = 480;
   c.interlocks.stuck_on_samples = 2500;
   c.interlocks.mains_lost_counts = mains_peak / 5;
   c.interlocks.mains_lost_samples = 1600;
@@ -157,9 +157,13 @@ void FaultBench::step() {
   block.counter = world.counter;
   block.late = c.late;
   c.drop = c.repeat = c.freeze = c.overrun = c.skip = false;
-  if (!c.estimator_starves) fire_control().update_estimate();
-  for (const GateEdge& e : controller.step(block)) {
+  for (const GateEdge& e : controller.control(block)) {
     if (world.edge_count < world.edges.size()) world.edges[world.edge_count++] = e;
+  }
+  if (++world.starved >= (c.estimator_starves ? starved_blocks : 1) && !c.background_hangs) {
+    world.starved = 0;
+    controller.background();
+    feed.progress(firmware::WatchdogFeed::Part::background);
   }
   std::copy(scans_.begin(), scans_.end(), previous_.begin());
   feed.progress(firmware::WatchdogFeed::Part::control_interrupt);
@@ -185,7 +189,7 @@ void FaultBench::reset(firmware::ResetCause cause) {
   set_pin(false, world.next);
   world.edge_count = 0;
   world.last_feed = world.next;
-  world.causes.main_loop_hangs = false;
+  world.causes.main_loop_hangs = world.causes.background_hangs = false;
   controller.restore(pristine);
   fire_control().boot({.cause = cause, .survivor = &survivor});
 }

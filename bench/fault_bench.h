@@ -34,8 +34,9 @@ struct FaultBench {
     bool host_silent = false;
     bool blocks_stop = false;  ///< the interrupt does not run: no block is handed over
     bool main_loop_hangs = false;
-    bool estimator_starves = false;
-    std::int64_t late = 0;  ///< samples between the end of a block and its processing
+    bool background_hangs = false;
+    bool estimator_starves = false;  ///< the background runs once in 2.4 ms
+    std::int64_t late = 0;           ///< samples between the end of a block and its processing
     bool drop = false, repeat = false, freeze = false, overrun = false, skip = false;  ///< next block only
   };
 
@@ -56,6 +57,7 @@ struct FaultBench {
     std::int64_t on_time_most = 0;   ///< longest time on, samples
     std::int64_t last_feed = 0;
     std::int64_t counter = 0;
+    std::int64_t starved = 0;  ///< blocks since the background last ran
     std::int16_t laser = 0;
   };
   struct Snapshot {

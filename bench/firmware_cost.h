@@ -10,6 +10,7 @@ struct CostRow {
   std::string name;  ///< key in the baseline
   std::string unit;
   double value;
+  double budget = 0;  ///< most it may be; 0: no budget but the baseline
 };
 
 /// Instructions of the control path over two shots of the reference specimen on the emulated board, counted

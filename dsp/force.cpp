@@ -18,12 +18,14 @@ std::vector<int> orders_up_to(int highest) {
 }
 
 /// Hum over the pre-trigger. The frequency is fitted only when the fundamental is clear of the noise.
-std::optional<HarmonicFit> fit_hum(const Signal& s, const ExtractOptions& o, std::optional<double> hertz) {
+std::optional<HarmonicFit> fit_hum(const Signal& s, double quiet_end, const ExtractOptions& o,
+                                   std::optional<double> hertz) {
   const auto orders = orders_up_to(o.hum_harmonics);
-  auto fit = fit_harmonics(s, s.t0, 0.0, orders, hertz.value_or(o.mains_hertz), false, o.min_hum_periods);
+  auto fit =
+      fit_harmonics(s, s.t0, quiet_end, orders, hertz.value_or(o.mains_hertz), false, o.min_hum_periods);
   if (!fit || hertz || orders.empty()) return fit;
   if (fit->amplitude(0) < 10 * std::sqrt(fit->covariance[fit->parameters + 1])) return fit;
-  auto free = fit_harmonics(s, s.t0, 0.0, orders, o.mains_hertz, true, o.min_hum_periods);
+  auto free = fit_harmonics(s, s.t0, quiet_end, orders, o.mains_hertz, true, o.min_hum_periods);
   return free ? free : fit;
 }
 
@@ -48,10 +50,28 @@ double noise_of(std::span<const double> quiet, double count) {
   return std::max({robust, floor, n > 0 ? std::sqrt(squares / n) : 0.0});
 }
 
+/// End of the time in which nothing touches: switch-on, or before that where the record's time zero is somewhere else and
+/// a fifth of the largest excursion is reached earlier.
+double quiet_end(const Signal& s, double count) {
+  const std::size_t n = s.index_at(0.0), head = std::max<std::size_t>(20, n / 10);
+  if (n < 2 * head) return 0.0;
+  const auto first = std::span(s.value).first(head);
+  const double zero = median(first);
+  double largest = 0;
+  for (const double v : s.value) largest = std::max(largest, std::abs(v - zero));
+  // hum alone stays within four of its own standard deviations
+  const double swing = 4 * robust_sigma(std::span(s.value).first(n / 2));
+  const double level = std::max({12 * noise_of(first, count), 0.2 * largest, swing});
+  for (std::size_t i = 0; i < n; ++i)
+    if (std::abs(s.value[i] - zero) > level)
+      return std::max(s.time(i) - 0.5e-3, s.t0 + 0.5 * (s.time(i) - s.t0));
+  return 0.0;
+}
+
 /// The film's sign: the settled force when it stands out, else the larger excursion.
-bool looks_inverted(const Signal& s, double noise, double settled, double t_end) {
+bool looks_inverted(const Signal& s, double noise, double settled, double t_start, double t_end) {
   double high = 0, low = 0;
-  for (std::size_t i = s.index_at(0.0); i < s.index_at(t_end); ++i) {
+  for (std::size_t i = s.index_at(t_start); i < s.index_at(t_end); ++i) {
     high = std::max(high, s.value[i]);
     low = std::max(low, -s.value[i]);
   }
@@ -77,7 +97,10 @@ double closing_end(const Record& record, const Signal& s) {
   return std::isfinite(hold) && hold > 0 ? std::min(hold, s.end()) : s.end();
 }
 
-Force restore_force(const Record& record, Channel channel, const ExtractOptions& o,
+namespace {
+
+/// Force of one channel, the other film's share still in it.
+Force restore_alone(const Record& record, Channel channel, const ExtractOptions& o,
                     std::optional<double> mains_hertz) {
   Force f;
   f.signal = to_signal(record, channel);
@@ -87,32 +110,68 @@ Force restore_force(const Record& record, Channel channel, const ExtractOptions&
   if (*lowest == *highest) return f;  // a dead channel shows nothing, not even noise
   f.present = true;
 
-  const auto hum = fit_hum(s, o, mains_hertz);
-  const auto quiet = before(s, 0.0);
+  const ChannelRecord& c = *record.find(channel);
+  const double count = std::abs(c.scale), t_quiet = quiet_end(s, count);
+  const auto hum = fit_hum(s, t_quiet, o, mains_hertz);
+  auto quiet = before(s, t_quiet);
+  const bool no_pretrigger = quiet.size() < 20;
   if (hum) {
     for (std::size_t i = 0; i < s.size(); ++i) s.value[i] -= hum->value(s.time(i));
   } else {
     f.flags |= flag_no_hum_fit;
-    const double zero = quiet.empty() ? s.value.front() : median(quiet);
+    // without a pre-trigger the zero is what the record begins with
+    const auto head = std::span<const double>(s.value).first(
+        std::clamp<std::size_t>(s.size() / 50, 1, static_cast<std::size_t>(1.0 + 0.5e-3 / s.dt)));
+    const double zero = median(no_pretrigger ? head : quiet);
     for (double& v : s.value) v -= zero;
   }
-  const ChannelRecord& c = *record.find(channel);
-  f.noise = noise_of(quiet, std::abs(c.scale));
-  if (quiet.size() < 20) {  // no pre-trigger: white noise from first differences of the whole record
+  f.noise = noise_of(quiet, count);
+  if (no_pretrigger) {  // white noise from first differences of the whole record
     std::vector<double> d(s.size() - 1);
     for (std::size_t i = 0; i + 1 < s.size(); ++i) d[i] = (s.value[i + 1] - s.value[i]) / std::sqrt(2.0);
-    f.noise = noise_of(d, std::abs(c.scale));
+    f.noise = noise_of(d, count);
   }
   undo_droop(s.value, c.corner_hertz, s.dt);
 
   const double t_end = closing_end(record, s);
   f.settled = tail_median(s, t_end, o.settled_window);
-  if (looks_inverted(s, f.noise, f.settled, t_end)) {
+  if (looks_inverted(s, f.noise, f.settled, std::min(t_quiet, 0.0), t_end)) {
     f.flags |= flag_polarity;
     for (double& v : s.value) v = -v;
     f.settled = -f.settled;
   }
   f.settled = std::max(f.settled, 0.0);
+  return f;
+}
+
+}  // namespace
+
+void unmix(Force& force, const Force& other, double own_share, double other_share) {
+  const Signal& from = other.signal;
+  Signal& s = force.signal;
+  if (own_share == 0 || !force.present || !other.present) return;
+  const double whole = 1 / (1 - own_share * other_share);
+  for (std::size_t i = 0; i < s.size(); ++i) {
+    const double at = (s.time(i) - from.t0) / from.dt;
+    if (!(at > -1 && at < static_cast<double>(from.size()))) continue;
+    const auto k = static_cast<std::size_t>(std::max(at, 0.0));
+    const std::size_t next = std::min(k + 1, from.size() - 1);
+    const double part = std::clamp(at - static_cast<double>(k), 0.0, 1.0);
+    s.value[i] =
+        whole * (s.value[i] - own_share * (from.value[k] + part * (from.value[next] - from.value[k])));
+    s.masked[i] |= static_cast<std::uint8_t>((from.masked[k] | from.masked[next]) & mask_gap);
+  }
+  force.noise = whole * std::hypot(force.noise, own_share * other.noise);
+  force.settled = std::max(0.0, whole * (force.settled - own_share * other.settled));
+}
+
+Force restore_force(const Record& record, Channel channel, const ExtractOptions& o,
+                    std::optional<double> mains_hertz) {
+  Force f = restore_alone(record, channel, o, mains_hertz);
+  const bool is_a = channel == Channel::pvdf_a;
+  const double own = is_a ? o.crosstalk_a : o.crosstalk_b, others = is_a ? o.crosstalk_b : o.crosstalk_a;
+  if (own != 0 && f.present)
+    unmix(f, restore_alone(record, is_a ? Channel::pvdf_b : Channel::pvdf_a, o, mains_hertz), own, others);
   return f;
 }
 

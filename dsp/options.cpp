@@ -4,6 +4,8 @@
 #include <cstdint>
 #include <cstdio>
 #include <stdexcept>
+#include <string_view>
+#include <utility>
 
 namespace powbench::dsp {
 
@@ -21,6 +23,10 @@ std::string value_text(int v) {
 
 void require(bool ok, const char* name, double value, const char* range) {
   if (!ok) throw std::invalid_argument(std::string(name) + " = " + value_text(value) + ": allowed " + range);
+}
+
+bool signed_option(std::string_view name) {
+  return name.starts_with("crosstalk");
 }
 
 }  // namespace
@@ -42,10 +48,13 @@ std::string parameters_hash(const ExtractOptions& o) {
 }
 
 void check(const ExtractOptions& o) {
-#define POWBENCH_X(type, name, value, meaning) \
-  require(std::isfinite(static_cast<double>(o.name)) && o.name >= 0, #name, o.name, "0 .. finite");
+#define POWBENCH_X(type, name, value, meaning)                                                        \
+  require(std::isfinite(static_cast<double>(o.name)) && (o.name >= 0 || signed_option(#name)), #name, \
+          o.name, "0 .. finite");
   POWBENCH_EXTRACT_OPTIONS(POWBENCH_X)
 #undef POWBENCH_X
+  for (const auto& [name, value] : {std::pair{"crosstalk_a", o.crosstalk_a}, {"crosstalk_b", o.crosstalk_b}})
+    require(std::abs(value) <= 0.5, name, value, "-0.5 .. 0.5");
   require(o.mains_hertz >= 40 && o.mains_hertz <= 70, "mains_hertz", o.mains_hertz, "40 .. 70 Hz");
   require(o.min_hum_periods >= 1.9, "min_hum_periods", o.min_hum_periods, ">= 1.9");
   require(o.detection_width > 0, "detection_width", o.detection_width, "> 0 s");

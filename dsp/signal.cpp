@@ -60,11 +60,12 @@ Signal to_signal(const Record& record, Channel channel) {
     s.value[i] = c->value(i);
     if (c->raw[i] <= c->clip_low || c->raw[i] >= c->clip_high) s.masked[i] = mask_clipped;
   }
-  for (const Gap& gap : record.gaps) {
-    const auto last = std::min<std::int64_t>(gap.first + gap.count, static_cast<std::int64_t>(n));
-    for (std::int64_t i = std::max<std::int64_t>(gap.first, 0); i < last; ++i)
-      s.masked[static_cast<std::size_t>(i)] = mask_gap;
-  }
+  for (const auto* gaps : {&record.gaps, &c->gaps})
+    for (const Gap& gap : *gaps) {
+      const auto last = std::min<std::int64_t>(gap.first + gap.count, static_cast<std::int64_t>(n));
+      for (std::int64_t i = std::max<std::int64_t>(gap.first, 0); i < last; ++i)
+        s.masked[static_cast<std::size_t>(i)] = mask_gap;
+    }
   bridge_gaps(s);
   return s;
 }

@@ -44,7 +44,9 @@ class Bench {
   Bench(const Bench&) = delete;
   Bench& operator=(const Bench&) = delete;
 
-  /// One block through the controller: interrupt context on a board.
+  /// One block through the controller, on two levels of interrupts or on one: see Controller.
+  std::span<const GateEdge> control(const Block& block) { return controller_.control(block); }
+  void background() { controller_.background(); }
   std::span<const GateEdge> step(const Block& block) { return controller_.step(block); }
   /// Takes what the last block led to into the state hash.
   void note(std::span<const GateEdge> edges);

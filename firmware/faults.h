@@ -20,7 +20,7 @@
     "coil current above the trip level: check the coil, then write 1 to abort")                              \
   X(4, coil_stuck_on, open_relay, 26'000, always, cause_gone, "gate off and coil current for 25 ms",         \
     "coil current flows with the gate off: switch the supply off and replace the coil switch")               \
-  X(5, coil_not_energising, gate_off, 9'000, shot, acknowledge, "gate on and no coil current for 8 ms",      \
+  X(5, coil_not_energising, gate_off, 5'000, shot, acknowledge, "gate on and no coil current for 4.8 ms",    \
     "no coil current after the gate: check the coil circuit, then write 1 to abort")                         \
   X(6, on_time_exceeded, gate_off, 100, shot, acknowledge,                                                   \
     "the off edge goes to the timer together with the on edge; a block found behind it",                     \
@@ -33,7 +33,7 @@
   X(9, brown_out, gate_off, 120, always, cause_gone, "the supply monitor's warning flag",                    \
     "the board's supply sags: check its power supply, then write 1 to abort")                                \
   X(10, watchdog_reset, gate_off, 60'000, boot, acknowledge,                                                 \
-    "watchdog fed only when interrupt, main loop and communication have all moved on",                       \
+    "watchdog fed only when interrupts, main loop and communication have all moved on",                      \
     "the watchdog has reset the board: please report it with last_reset, then write 1 to abort")             \
   X(11, crash_reset, gate_off, 10, boot, acknowledge,                                                        \
     "the processor's fault handlers, in RAM kept at reset",                                                  \

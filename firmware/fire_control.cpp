@@ -18,9 +18,9 @@ std::string_view name(State state) {
   return "fault";
 }
 
-FireControl::FireControl(const FireConfig& config, Interlocks& interlocks, PhaseTracker& tracker,
+FireControl::FireControl(const FireConfig& config, Interlocks& interlocks, PhaseFeed& mains,
                          Recorder& recorder)
-    : config_(&config), interlocks_(&interlocks), tracker_(&tracker), recorder_(&recorder) {}
+    : config_(&config), interlocks_(&interlocks), mains_(&mains), recorder_(&recorder) {}
 
 void FireControl::boot(const BootReport& report) {
   boot_ = report;
@@ -71,9 +71,8 @@ Refusal FireControl::arm() {
   if (interlocks_->emergency_stop())
     return refuse(Refusal::wrong_state, "emergency stop is open: close it before arming");
   // everything a shot depends on starts from a known state, so that equal shots give equal records
-  tracker_->reset();
+  mains_->reset();
   tracker_origin_ = next_sample_;
-  estimate_due_ = false;
   interlocks_->reset(next_sample_);
   recorder_->arm();
   token_ = true;

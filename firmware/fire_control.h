@@ -7,7 +7,7 @@
 #include "firmware/duty_budget.h"
 #include "firmware/gate.h"
 #include "firmware/interlocks.h"
-#include "firmware/phase_tracker.h"
+#include "firmware/phase_feed.h"
 #include "firmware/recorder.h"
 #include "firmware/survivor.h"
 
@@ -31,8 +31,7 @@ struct FireConfig {
   std::int64_t phase_timeout_samples = 100'000;  ///< longest wait for a valid phase after fire
   std::int64_t phase_age_samples = 200;          ///< oldest estimate to fire on
   std::int64_t quiet_samples =
-      500;                         ///< current must have been absent this long before the shot counts as over
-  bool deferred_estimate = false;  ///< the port calls update_estimate() outside of the interrupt
+      500;  ///< current must have been absent this long before the shot counts as over
   BudgetConfig budget;
 };
 
@@ -40,7 +39,7 @@ class FireControl {
  public:
   static constexpr std::int64_t longest_touch_delay_us = 50'000;
 
-  FireControl(const FireConfig&, Interlocks&, PhaseTracker&, Recorder&);
+  FireControl(const FireConfig&, Interlocks&, PhaseFeed&, Recorder&);
 
   /// Once, before the first block: what the reset was. Anything but a clean one starts in fault.
   void boot(const BootReport&);
@@ -67,10 +66,6 @@ class FireControl {
   /// of the block that follows, and the port's lead before that.
   std::span<const GateEdge> step(const Block&);
 
-  /// With `deferred_estimate`: renews the phase estimate if it is due. A port calls it where there is time,
-  /// with the interrupt that runs step() held off or of equal priority.
-  void update_estimate();
-
   State state() const { return state_; }
   Fault fault() const { return fault_; }
   std::string_view last_error() const { return last_error_; }
@@ -92,7 +87,7 @@ class FireControl {
   std::uint32_t deadlines_missed() const { return deadlines_missed_; }
   const Survivor* survivor() const { return boot_.survivor; }
   ResetCause reset_cause() const { return boot_.cause; }
-  const PhaseEstimate& phase() const { return tracker_->estimate(); }
+  const PhaseEstimate& phase() const { return mains_->estimate(); }
   /// Sample index of the rising zero crossing next before the gate edge, by the estimate the edge was
   /// scheduled from.
   std::int64_t zero_cross_sample() const { return zero_cross_sample_; }
@@ -101,7 +96,7 @@ class FireControl {
   Refusal refuse(Refusal, std::string_view why);
   Refusal refuse_unless_rested();
   void trip(Fault, std::int64_t next_sample);
-  void feed_tracker(const Block&);
+  void feed_mains(const Block&);
   Fault examine(const Block&, std::int64_t end);
   void schedule(const Block&);
   void plan_edge(const Block&, std::int64_t now);
@@ -114,7 +109,7 @@ class FireControl {
   // pointers, not references: the state can be copied out of and back into the same controller
   const FireConfig* config_;
   Interlocks* interlocks_;
-  PhaseTracker* tracker_;
+  PhaseFeed* mains_;
   Recorder* recorder_;
   Gate gate_;
   DutyBudget budget_;
@@ -132,10 +127,10 @@ class FireControl {
   bool planned_ = false;  ///< a crossing has been chosen; only its instant is refined
   bool relay_closed_ = true;
   bool config_damaged_ = false;
-  bool estimate_due_ = false;
   bool was_energised_ = false;  ///< the gate has been on since the start
   std::int64_t fired_at_ = 0;
   Tick plan_{};                      ///< gate edge as predicted by the latest estimate
+  std::int64_t plan_basis_ = 0;      ///< sample of that estimate
   std::int64_t next_sample_ = 0;     ///< first sample not yet seen
   std::int64_t tracker_origin_ = 0;  ///< sample index of the tracker's sample 0
   std::int64_t gate_since_ = 0;

@@ -7,7 +7,7 @@ namespace powbench::firmware {
 std::span<const GateEdge> FireControl::step(const Block& block) {
   const std::int64_t end = block.first_sample + block.samples();
   if (first_block_) gate_since_ = next_sample_ = block.first_sample;
-  feed_tracker(block);
+  feed_mains(block);
   budget_.advance(config_->budget, end - next_sample_, gate_.on());
   next_sample_ = end;
 
@@ -28,22 +28,10 @@ std::span<const GateEdge> FireControl::step(const Block& block) {
   return edges;
 }
 
-void FireControl::feed_tracker(const Block& block) {
+void FireControl::feed_mains(const Block& block) {
   if (next_sample_ > 0 && block.first_sample > next_sample_)
-    tracker_->mark_gap(block.first_sample - next_sample_);
-  for (std::int64_t i = 0; i < block.samples(); ++i) {
-    if (!tracker_->push_sample(block.at(i, Channel::mains_voltage))) continue;
-    if (config_->deferred_estimate)
-      estimate_due_ = true;
-    else
-      tracker_->update();
-  }
-}
-
-void FireControl::update_estimate() {
-  if (!estimate_due_) return;
-  estimate_due_ = false;
-  tracker_->update();
+    mains_->mark_gap(block.first_sample - next_sample_);
+  mains_->push(block);
 }
 
 /// The first thing wrong that counts in the present state.
@@ -57,7 +45,7 @@ Fault FireControl::examine(const Block& block, std::int64_t end) {
   const bool committed = state_ == State::firing && !fired_;
   if (found == Fault::sensor_implausible && committed) found = Fault::none;
   if (found == Fault::none && in_shot && !committed) {
-    const std::int64_t age = end - (tracker_->estimate().sample + tracker_origin_ + 1);
+    const std::int64_t age = end - (mains_->estimate().sample + tracker_origin_ + 1);
     if (age > config_->phase_age_samples) found = Fault::phase_stale;
   }
   if (found == Fault::none || in_shot || info(found).watch == Watch::always) return found;
@@ -73,7 +61,7 @@ std::int64_t FireControl::lead_samples_256() const {
 /// of it.
 void FireControl::schedule(const Block& block) {
   const std::int64_t end = block.first_sample + block.samples();
-  if (!tracker_->estimate().valid()) {
+  if (!mains_->estimate().valid()) {
     planned_ = false;
     if (end - fired_at_ > config_->phase_timeout_samples) trip(Fault::phase_invalid, end);
     return;
@@ -82,7 +70,7 @@ void FireControl::schedule(const Block& block) {
   if (end - fired_at_ > 2 * config_->phase_timeout_samples) return trip(Fault::phase_stale, end);
   const std::int64_t now =
       end + block.late + config_->lead_samples;  // first sample at which an edge can still be made
-  plan_edge(block, now);
+  if (!planned_ || plan_basis_ != mains_->estimate().sample) plan_edge(block, now);
   if (plan_.sample < now) {  // deadline missed: the next crossing, never a late edge
     planned_ = false;
     ++deadlines_missed_;
@@ -93,25 +81,27 @@ void FireControl::schedule(const Block& block) {
 
 void FireControl::plan_edge(const Block& block, std::int64_t now) {
   const std::int64_t end = block.first_sample + block.samples();
-  const PhaseEstimate& estimate = tracker_->estimate();
+  const PhaseEstimate& estimate = mains_->estimate();
   const auto quarter =
-      static_cast<std::int64_t>(0.25F * static_cast<float>(config_->sample_rate) / estimate.frequency);
+      static_cast<std::int32_t>(0.25F * static_cast<float>(config_->sample_rate) / estimate.frequency);
   // the prediction is for what the angle was asked for: the gate has to be earlier by the delays up to it
   const std::int64_t lead = lead_samples_256();
-  const std::int64_t lead_whole = lead / 256;
+  const std::int64_t lead_whole = lead / 256;  // not negative: config_error() and the commands see to it
   std::int64_t earliest = now + 2 * block.samples() + lead_whole;
   if (planned_) earliest = plan_.sample + lead_whole - quarter;
   if (earliest < end) earliest = end;
-  const auto instant = tracker_->next_instant(closing_angle_, earliest - tracker_origin_);
-  const std::int64_t sub = static_cast<std::int64_t>(instant.fraction * 65536.0F) - (lead % 256) * 256;
+  const auto instant = mains_->next_instant(closing_angle_, earliest - tracker_origin_);
+  const auto lead_part = static_cast<std::int32_t>(lead % 256);
+  const std::int32_t sub = static_cast<std::int32_t>(instant.fraction * 65536.0F) - lead_part * 256;
   plan_.sample = instant.sample + tracker_origin_ - lead_whole + (sub < 0 ? -1 : 0);
   plan_.fraction = static_cast<std::uint16_t>(sub < 0 ? sub + 65536 : sub);
+  plan_basis_ = estimate.sample;
   planned_ = true;
 }
 
 /// The one place from which the coil is energised.
 void FireControl::commit(std::int64_t now) {
-  const PhaseEstimate& estimate = tracker_->estimate();
+  const PhaseEstimate& estimate = mains_->estimate();
   const Gate::Permit permit{.armed_and_fired = fired_,
                             .phase_valid = estimate.valid(),
                             .no_fault = fault_ == Fault::none,
@@ -128,7 +118,7 @@ void FireControl::commit(std::int64_t now) {
   float back = static_cast<float>(closing_angle_) / 36000.0F * cycle -
                static_cast<float>(touch_delay_us_) * 1e-6F * static_cast<float>(config_->sample_rate);
   while (back < 0.0F) back += cycle;
-  zero_cross_sample_ = plan_.sample - static_cast<std::int64_t>(back + 0.5F);
+  zero_cross_sample_ = plan_.sample - static_cast<std::int32_t>(back + 0.5F);
 }
 
 void FireControl::note_gate_change(std::span<const GateEdge> edges) {

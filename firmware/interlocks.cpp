@@ -8,15 +8,51 @@ std::int32_t magnitude(std::int32_t x) {
   return x < 0 ? -x : x;
 }
 
-/// Content of a block in one word, and whether all its scans are the same.
-std::uint32_t content_of(const Block& block, bool& all_equal) {
-  std::uint32_t hash = 2166136261U;
-  all_equal = true;
-  for (std::size_t i = 0; i < block.scans.size(); ++i) {
-    hash = hash * 31U + static_cast<std::uint16_t>(block.scans[i]);
-    if (i >= channel_count) all_equal = all_equal && block.scans[i] == block.scans[i - channel_count];
+/// One channel of a block, from its newest sample backwards: what is looked for is mostly found at once.
+struct Backwards {
+  Backwards(const Block& block, Channel channel)
+      : count(static_cast<std::int32_t>(block.samples())),
+        newest(block.scans.data() + static_cast<std::size_t>(count - 1) * channel_count + index(channel)) {}
+
+  /// Index of the newest sample at or before `from` for which `holds`; -1: there is none.
+  template <class Condition>
+  std::int32_t last(std::int32_t from, Condition holds) const {
+    const std::int16_t* at = newest - (count - 1 - from) * static_cast<std::int32_t>(channel_count);
+    for (; from >= 0; --from, at -= channel_count)
+      if (holds(*at)) return from;
+    return -1;
   }
-  return hash;
+  template <class Condition>
+  std::int32_t last(Condition holds) const {
+    return last(count - 1, holds);
+  }
+
+  std::int32_t count;
+  const std::int16_t* newest;
+};
+
+bool same_scan(const std::int16_t* a, const std::int16_t* b) {
+  for (std::size_t c = 0; c < channel_count; ++c)
+    if (a[c] != b[c]) return false;
+  return true;
+}
+
+void keep_scan(std::int16_t* to, const std::int16_t* from) {
+  __builtin_memcpy(to, from, channel_count * sizeof *to);
+}
+
+/// False only if no sample of either film is beyond half of its range: two channels at a time, sign against the bit
+/// below it.
+bool force_is_large(const Block& block) {
+  static_assert(index(Channel::pvdf_a) == 0 && index(Channel::pvdf_b) == 1);
+  const std::int16_t* at = block.scans.data();
+  std::uint32_t differ = 0;
+  for (auto left = static_cast<std::int32_t>(block.samples()); left > 0; --left, at += channel_count) {
+    std::uint32_t pair = 0;
+    __builtin_memcpy(&pair, at, sizeof pair);
+    differ |= pair ^ pair << 1;
+  }
+  return (differ & 0x80008000U) != 0;
 }
 
 }  // namespace
@@ -26,55 +62,97 @@ void Interlocks::reset(std::int64_t sample) {
   over_ = 0;
 }
 
-/// Do the blocks follow each other, and does their content change?
+/// Do the blocks follow each other, and does their content change? First and last scan stand for the block.
 Fault Interlocks::check_stream(const Block& block) {
-  bool stuck = false;
-  const std::uint32_t content = content_of(block, stuck);
+  const std::int64_t samples = block.samples();
+  const std::int16_t* first = block.scans.data();
+  const std::int16_t* last = first + static_cast<std::size_t>(samples - 1) * channel_count;
   const bool jump = next_sample_ >= 0 && block.first_sample != next_sample_;
   const bool skipped = counter_ >= 0 && block.counter >= 0 && block.counter != counter_ + 1;
-  const bool stale = next_sample_ >= 0 && content == content_;
-  stuck = stuck && block.samples() > 1;
-  content_ = content;
+  const bool stale = next_sample_ >= 0 && same_scan(first, kept_first_) && same_scan(last, kept_last_);
+  bool stuck = samples > 1;
+  for (const std::int16_t* scan = first; stuck && scan != last; scan += channel_count)
+    stuck = same_scan(scan, scan + channel_count);
+  keep_scan(kept_first_, first);
+  keep_scan(kept_last_, last);
   counter_ = block.counter;
-  next_sample_ = block.first_sample + block.samples();
-  block_length_ = block.samples();
+  next_sample_ = block.first_sample + samples;
+  block_length_ = samples;
   return jump || skipped || stale || stuck || block.overrun ? Fault::samples_lost : Fault::none;
 }
 
-void Interlocks::observe_sensors(const Block& block, std::int64_t sample, std::int64_t i) {
+void Interlocks::observe_sensors(const Block& block) {
   const InterlockConfig& c = *config_;
-  const std::int32_t laser = block.at(i, Channel::laser);
-  const bool open = block.at(i, Channel::contact_a) > c.contact_open_counts;
-  if (open)
-    last_open_ = sample;
-  else if (c.contact_open_counts != 0)
-    last_closed_ = sample;
+  const std::int64_t newest = next_sample_ - 1;
+  const Backwards laser(block, Channel::laser), contact(block, Channel::contact_a);
+  const std::int32_t end = laser.count - 1;
+  const auto in_range = [&](std::int32_t v) {
+    return v >= c.travel_least_counts && v <= c.travel_most_counts;
+  };
   const bool watched = c.travel_least_counts != 0 || c.travel_most_counts != 0;
-  if (!watched || (laser >= c.travel_least_counts && laser <= c.travel_most_counts)) laser_good_ = sample;
-  const bool against = open ? laser > c.travel_closed_counts : laser < c.travel_open_counts;
-  if (!against || c.travel_closed_counts == 0 || c.contact_open_counts == 0) contact_good_ = sample;
-  if (magnitude(block.at(i, Channel::pvdf_a)) > c.saturation_counts ||
-      magnitude(block.at(i, Channel::pvdf_b)) > c.saturation_counts)
+  if (const std::int32_t i = watched ? laser.last(in_range) : end; i >= 0) laser_good_ = newest - end + i;
+
+  const auto open = [&](std::int32_t v) { return v > c.contact_open_counts; };
+  const auto closed = [&](std::int32_t v) { return v <= c.contact_open_counts; };
+  if (c.contact_open_counts != 0) {
+    const std::int32_t i = contact.last(open), k = i == end ? contact.last(closed) : end;
+    if (i >= 0) last_open_ = newest - end + i;
+    if (k >= 0) last_closed_ = newest - end + k;
+  }
+  std::int32_t good = end;
+  if (c.travel_closed_counts != 0 && c.contact_open_counts != 0) {
+    for (const std::int16_t* scan = block.scans.data() + static_cast<std::size_t>(end) * channel_count;
+         good >= 0; --good, scan -= channel_count) {
+      const std::int32_t travel = scan[index(Channel::laser)];
+      const bool against = open(scan[index(Channel::contact_a)]) ? travel > c.travel_closed_counts
+                                                                 : travel < c.travel_open_counts;
+      if (!against) break;
+    }
+  }
+  if (good >= 0) contact_good_ = newest - end + good;
+
+  const auto clipped = [&](std::int32_t v) { return magnitude(v) > c.saturation_counts; };
+  if (force_is_large(block) && (Backwards(block, Channel::pvdf_a).last(clipped) >= 0 ||
+                                Backwards(block, Channel::pvdf_b).last(clipped) >= 0))
     marks_ |= bit(Mark::force_saturated);
+}
+
+void Interlocks::observe_current(const Block& block) {
+  const InterlockConfig& c = *config_;
+  const std::int64_t first = next_sample_ - block_length_;
+  const Backwards current(block, Channel::coil_current);
+  const auto flows = [&](std::int32_t v) { return magnitude(v) > c.no_current_counts; };
+  const std::int32_t last = current.last(flows);
+  if (last < 0) {  // the trip level is above this one
+    over_ = 0;
+    return;
+  }
+  std::int32_t began = 0;
+  while (!flows(block.at(began, Channel::coil_current))) ++began;
+  // an alternating current passes through zero: a run ends when it is away for half the time allowed
+  if (first + began - last_current_ > c.stuck_on_samples / 2) current_since_ = first + began;
+  last_current_ = first + last;
+
+  // one sample of any two neighbours is looked at; only when that is above the level are all of them
+  bool above = over_ > 0;
+  for (std::int32_t i = current.count - 1; i >= 0 && !above; i -= 2)
+    above = magnitude(block.at(i, Channel::coil_current)) > c.overcurrent_counts;
+  if (!above) return;
+  for (std::int32_t i = 0; i < current.count; ++i) {
+    over_ = magnitude(block.at(i, Channel::coil_current)) > c.overcurrent_counts ? over_ + 1 : 0;
+    if (over_ >= 2) over_tripped_ = true;
+  }
 }
 
 void Interlocks::observe(const Block& block) {
   const InterlockConfig& c = *config_;
   marks_ = 0;
   over_tripped_ = block.comparator_trip;
-  for (std::int64_t i = 0; i < block.samples(); ++i) {
-    const std::int64_t sample = block.first_sample + i;
-    const std::int32_t current = magnitude(block.at(i, Channel::coil_current));
-    if (magnitude(block.at(i, Channel::mains_voltage)) > c.mains_lost_counts) last_mains_ = sample;
-    if (current > c.no_current_counts) {
-      // an alternating current passes through zero: a run ends when it is away for half the time allowed
-      if (sample - last_current_ > c.stuck_on_samples / 2) current_since_ = sample;
-      last_current_ = sample;
-    }
-    over_ = current > c.overcurrent_counts ? over_ + 1 : 0;
-    if (over_ >= 2) over_tripped_ = true;
-    observe_sensors(block, sample, i);
-  }
+  const Backwards mains(block, Channel::mains_voltage);
+  const std::int32_t there = mains.last([&](std::int32_t v) { return magnitude(v) > c.mains_lost_counts; });
+  if (there >= 0) last_mains_ = next_sample_ - mains.count + there;
+  observe_current(block);
+  observe_sensors(block);
   if (next_sample_ - laser_good_ > c.implausible_samples) marks_ |= bit(Mark::laser_range);
   if (next_sample_ - contact_good_ > c.implausible_samples) marks_ |= bit(Mark::contact_travel);
   if (block.host_heard) last_host_ = next_sample_;

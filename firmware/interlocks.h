@@ -77,7 +77,8 @@ class Interlocks {
   Fault check_stream(const Block&);
   void observe(const Block&);
   Fault judge_coil(GateView) const;
-  void observe_sensors(const Block&, std::int64_t sample, std::int64_t i);
+  void observe_current(const Block&);
+  void observe_sensors(const Block&);
 
   const InterlockConfig* config_;
   std::int64_t last_mains_ = 0;  ///< last sample at which mains was seen
@@ -91,7 +92,7 @@ class Interlocks {
   std::int64_t next_sample_ = -1;
   std::int64_t block_length_ = 0;
   std::int64_t counter_ = -1;
-  std::uint32_t content_ = 0;  ///< hash of the block before
+  std::int16_t kept_first_[channel_count]{}, kept_last_[channel_count]{};  ///< scans of the block before
   int over_ = 0;
   bool over_tripped_ = false;
   bool emergency_stop_ = false, brown_out_ = false, clock_failed_ = false;

@@ -7,9 +7,7 @@ namespace powbench::firmware {
 
 namespace {
 
-constexpr float history_rate = 10000.0F;  ///< Hz, wanted
-constexpr float lowest_hertz = 43.0F;     ///< the search never leaves these
-constexpr float highest_hertz = 67.0F;
+constexpr float history_rate = 10000.0F;      ///< Hz, wanted
 constexpr float lowest_valid_hertz = 44.85F;  ///< 45 .. 65 Hz, with what the estimate may be off
 constexpr float highest_valid_hertz = 65.15F;
 constexpr float absent_amplitude = 0.2F;  ///< of nominal: below it there is no mains
@@ -35,18 +33,10 @@ constexpr float stale_window = 0.01F;    ///< a window this much off in length i
 float magnitude(float x) {
   return x < 0.0F ? -x : x;
 }
-float clamp_hertz(float hertz) {
-  if (!(hertz > lowest_hertz)) return lowest_hertz;
-  return hertz < highest_hertz ? hertz : highest_hertz;
-}
 /// 0 = the mains repeats itself, 1 = as noisy as is expected.
 float loudness(float noise) {
   const float loud = (noise - quiet_noise) / (loud_noise - quiet_noise);
   return loud < 0.0F ? 0.0F : (loud > 1.0F ? 1.0F : loud);
-}
-/// Turns, [0, 1), as a fraction of 2^64.
-std::uint64_t phase_word(float turns) {
-  return static_cast<std::uint64_t>(turns * 0x1p64F);
 }
 std::uint16_t bit(PhaseFault fault, bool set) {
   return set ? static_cast<std::uint16_t>(fault) : std::uint16_t{0};
@@ -74,9 +64,7 @@ void PhaseTracker::reset() {
   gap_ = false;
   noise_ = 0.0F;
   cycle_ = rate_ / config_.nominal_hertz;
-  estimate_ = {};
-  estimate_.sample = sample_;
-  estimate_.frequency = config_.nominal_hertz;
+  estimate_ = no_estimate(config_.nominal_hertz);
 }
 
 void PhaseTracker::restart() {
@@ -100,16 +88,22 @@ bool PhaseTracker::push_sample(std::int16_t mains_counts) {
   ++sample_;
   sum_ += mains_counts;
   if (++summed_ < decimation_) return false;
-  ring_.push(static_cast<float>(sum_) * scale_);
+  const std::int32_t sum = sum_;
   sum_ = 0;
   summed_ = 0;
+  return take(sum);
+}
+
+/// One more point of the history.
+bool PhaseTracker::take(std::int32_t sum) {
+  ring_.push(static_cast<float>(sum) * scale_);
   if (ring_.count() > MainsRing::final_age) {
     pll_.push(ring_.back(MainsRing::final_age));
     zero_cross_.push(ring_.back(MainsRing::final_age));
   }
   // The cycle between now and one cycle ago has the frequency of half a cycle ago.
   const float cycle = cycle_ * (1.0F + 0.5F * estimate_.frequency_rate * cycle_ * cycle_ / (rate_ * rate_));
-  if (ring_.count() > static_cast<std::int64_t>(cycle) + MainsRing::final_age + 2)
+  if (ring_.count() > static_cast<std::int32_t>(cycle) + MainsRing::final_age + 2)
     compare_.push(ring_, cycle);
   if (clean_ < longest_memory) ++clean_;
   if (++since_update_ < update_step_) return false;
@@ -121,9 +115,9 @@ const PhaseTracker::Entry& PhaseTracker::entry(int updates_ago) const {
   return entries_[static_cast<unsigned>((newest_entry_ - updates_ago + max_entries) % max_entries)];
 }
 
-int PhaseTracker::clean_entries() const {
+int PhaseTracker::clean_entries(int most) const {
   int clean = 0;
-  while (clean < entry_count_) {
+  while (clean < entry_count_ && clean < most) {
     const Entry& candidate = entry(clean);
     const float reach = static_cast<float>(clean * update_step_) + window_cycles * candidate.cycle;
     if (reach > static_cast<float>(clean_) || magnitude(candidate.cycle - cycle_) > stale_window * cycle_)
@@ -151,7 +145,7 @@ void PhaseTracker::update() {
       crossing_hertz < highest_hertz) {
     cycle_ = rate_ / crossing_hertz;
   }
-  if (ring_.count() < static_cast<std::int64_t>(window_cycles * cycle_) + 2) {
+  if (ring_.count() < static_cast<std::int32_t>(window_cycles * cycle_) + 2) {
     estimate_.faults = static_cast<std::uint16_t>(PhaseFault::warming_up) | bit(PhaseFault::gap, gap_);
     return;
   }
@@ -163,8 +157,8 @@ void PhaseTracker::update() {
   if (entry_count_ < max_entries) ++entry_count_;
   noise_ += 0.05F * (compare_.noise() - noise_);
 
-  const int clean = clean_entries();
   const int wanted = wanted_entries();
+  const int clean = clean_entries(wanted > loud_entries ? wanted : loud_entries);  // nobody asks for more
   const int least = entry_count_ < fewest_entries ? entry_count_ : fewest_entries;
   const int most = clean < wanted ? clean : wanted;
   fit(most > least ? most : least, entry(0));
@@ -229,30 +223,6 @@ std::uint16_t PhaseTracker::gate(const WindowPhasor& phasor, int clean) const {
   faults |= bit(PhaseFault::gap, gap_ && !enough);
   faults |= bit(PhaseFault::disturbed, !quiet_);
   return faults;
-}
-
-PhaseTracker::Instant PhaseTracker::next_instant(CentiDegrees target, std::int64_t earliest) const {
-  // Phase in a 64-bit word, one turn = 2^64: whole turns fall off by themselves, however far away `earliest`
-  // is.
-  const float rate = config_.sample_rate;
-  const float slope = estimate_.frequency_rate;
-  const std::int64_t distance = earliest - estimate_.sample;
-  const auto horizon = static_cast<std::int64_t>(rate_horizon * rate);
-  const std::int64_t curved = distance > horizon ? horizon : (distance < -horizon ? -horizon : distance);
-  const float curved_time = static_cast<float>(curved) / rate;
-  const float there_hertz = clamp_hertz(estimate_.frequency + slope * curved_time);
-  const std::uint64_t phase = phase_word(estimate_.phase_turns) +
-                              static_cast<std::uint64_t>(curved) * phase_word(estimate_.frequency / rate) +
-                              phase_word(wrap_turns(0.5F * slope * curved_time * curved_time)) +
-                              static_cast<std::uint64_t>(distance - curved) * phase_word(there_hertz / rate);
-  const std::uint64_t wanted = phase_word(static_cast<float>(target) / static_cast<float>(full_turn_centi));
-  const float turns = static_cast<float>((wanted - phase) >> 40U) * 0x1p-24F;
-  const float bend = distance < horizon ? 0.5F * slope : 0.0F;
-  float time = turns / there_hertz;
-  time = turns / (there_hertz + bend * time);
-  const float samples = time * rate;
-  const auto whole = static_cast<std::int64_t>(samples);
-  return {earliest + whole, samples - static_cast<float>(whole)};
 }
 
 }  // namespace powbench::firmware

@@ -3,9 +3,9 @@
 #include <array>
 #include <cstdint>
 
-#include "core/phase.h"
 #include "firmware/cycle_compare.h"
 #include "firmware/mains_ring.h"
+#include "firmware/phase_estimate.h"
 #include "firmware/sogi.h"
 #include "firmware/window_phasor.h"
 #include "firmware/zero_cross.h"
@@ -13,32 +13,6 @@
 /// Phase of the mains, from its samples. Portable core: no heap, no exceptions, no libm transcendentals.
 
 namespace powbench::firmware {
-
-/// Why an estimate must not be fired on. One bit each.
-enum class PhaseFault : std::uint16_t {
-  none = 0,
-  warming_up = 1U << 0,     ///< history shorter than the estimator's memory
-  amplitude = 1U << 1,      ///< outside 0.7 .. 1.2 of nominal
-  frequency = 1U << 2,      ///< outside 45 .. 65 Hz
-  residual = 1U << 3,       ///< signal minus fitted fundamental above 15 % rms
-  cross_check = 1U << 4,    ///< second estimator differs by more than 3 deg
-  third_opinion = 1U << 5,  ///< zero crossing differs by more than 5 deg
-  gap = 1U << 6,            ///< samples were lost inside the memory
-  disturbed = 1U << 7,      ///< the waveform is not the one of a cycle ago
-};
-
-/// The mains fundamental v(n) = amplitude sin(phase + 2 pi frequency (n - sample) / rate), referred to sample
-/// index `sample`.
-struct PhaseEstimate {
-  std::int64_t sample = 0;   ///< sample index the phase refers to
-  float phase_turns = 0;     ///< [0, 1): 0 = rising zero crossing
-  float frequency = 0;       ///< Hz
-  float frequency_rate = 0;  ///< Hz/s
-  float amplitude = 0;       ///< counts, peak
-  std::uint16_t faults = static_cast<std::uint16_t>(PhaseFault::warming_up);
-
-  bool valid() const { return faults == 0; }
-};
 
 struct PhaseTrackerConfig {
   float sample_rate = 100000.0F;       ///< Hz; >= 20000
@@ -62,9 +36,8 @@ struct PhaseTrackerConfig {
 /// Nothing in steps 1 to 3 is recursive, so whatever has left the memory is forgotten.
 ///
 /// State is bounded (5.4 kB) and may live in static memory. push() costs a few operations, at each tenth
-/// sample some hundred, and once a millisecond the estimate. A target that cannot afford that in its
-/// interrupt calls push_sample() there and update() outside of it: update() reads at most 47 ms of the 102 ms
-/// of history.
+/// sample some hundred, and once a millisecond the estimate. PhaseFeed keeps all but the few operations out of
+/// the interrupt of the samples.
 class PhaseTracker {
  public:
   static constexpr int max_entries = 80;  ///< phasors in the memory, one a millisecond
@@ -78,6 +51,13 @@ class PhaseTracker {
   }
   /// One mains sample; true once a millisecond, when update() is due.
   bool push_sample(std::int16_t mains_counts);
+  /// The same for `decimation()` samples at once, given by their sum. Not to be mixed with single samples.
+  bool push_sum(std::int32_t counts) {
+    sample_ += decimation_;
+    return take(counts);
+  }
+  /// Samples in a point of the history.
+  int decimation() const { return decimation_; }
   void update();
   /// `lost` samples are missing before the next one: the sample index passes over them and the memory starts
   /// again.
@@ -87,17 +67,10 @@ class PhaseTracker {
   /// Index of the newest sample: the first one pushed has index 0; -1 before it.
   std::int64_t sample() const { return sample_; }
 
-  /// An instant of the sample clock: index and part of a sample, [0, 1).
-  struct Instant {
-    std::int64_t sample;
-    float fraction;
-  };
-  /// The first instant at or after sample `earliest` at which the fundamental has phase `target` (0 ..
-  /// 35999), by the latest estimate. The frequency rate counts for `rate_horizon` seconds from the estimate;
-  /// then the frequency stays. Meaningful only while the estimate is valid; never before `earliest` in any
-  /// case.
-  Instant next_instant(CentiDegrees target, std::int64_t earliest) const;
-  static constexpr float rate_horizon = 0.1F;
+  /// The next instant of a phase by the latest estimate.
+  PhaseInstant next_instant(CentiDegrees target, std::int64_t earliest) const {
+    return firmware::next_instant(estimate_, config_.sample_rate, target, earliest);
+  }
 
  private:
   struct Entry {
@@ -106,10 +79,11 @@ class PhaseTracker {
     float cycle;  ///< samples of the history in the cycle of the window
   };
 
+  bool take(std::int32_t sum);
   void restart();
   void absent();
-  int clean_entries() const;   ///< phasors whose windows lie behind the last event
-  int wanted_entries() const;  ///< phasors to fit
+  int clean_entries(int most) const;  ///< phasors whose windows lie behind the last event, `most` at most
+  int wanted_entries() const;         ///< phasors to fit
   void fit(int entries, const Entry& newest);
   std::uint16_t gate(const WindowPhasor& phasor, int clean) const;
   const Entry& entry(int updates_ago) const;

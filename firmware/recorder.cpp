@@ -4,6 +4,7 @@
 #include <cstdint>
 
 #include "core/crc32.h"
+#include "firmware/handover.h"
 
 namespace powbench::firmware {
 
@@ -31,8 +32,10 @@ Recorder::Recorder(std::span<std::int16_t> storage, std::int64_t length, std::in
 /// is at most a lap away from the newest one.
 std::size_t Recorder::place(std::int64_t sample) const {
   std::int64_t distance = sample - lap_;
-  if (distance < 0) distance += capacity_;
-  if (distance >= capacity_) distance -= capacity_;
+  if (distance < 0)
+    distance += capacity_;
+  else if (distance >= capacity_)
+    distance -= capacity_;
   if (distance < 0 || distance >= capacity_) distance = sample % capacity_;
   return static_cast<std::size_t>(distance) * channel_count;
 }
@@ -52,11 +55,11 @@ void Recorder::arm() {
 void Recorder::discard() {
   armed_ = triggered_ = complete_ = false;
   next_ = -1;
-  counted_ = 0;
   gap_count_ = 0;
   overruns_ = 0;
-  crc_ = 0;
   marked_.fill(never);
+  ready_ = 0;
+  store_shared(record_, record_ + 1);
 }
 
 void Recorder::trigger(Tick edge) {
@@ -66,7 +69,7 @@ void Recorder::trigger(Tick edge) {
 }
 
 void Recorder::mark(std::uint8_t bits, std::int64_t end) {
-  if (!armed_) return;
+  if (!armed_ || bits == 0) return;
   for (std::size_t b = 0; b < marked_.size(); ++b)
     if ((bits >> b & 1U) != 0) marked_[b] = end;
 }
@@ -86,52 +89,70 @@ void Recorder::note_gap(std::int64_t first, std::int64_t count) {
 
 void Recorder::push(const Block& block) {
   if (!armed_ || complete_) return;
-  if (block.first_sample - lap_ >= capacity_ || block.first_sample < lap_)
-    lap_ = block.first_sample - block.first_sample % capacity_;
-  if (next_ >= 0 && block.first_sample > next_) {
-    // lost samples: hold the last value, so that the time axis stays true, and remember where
-    const std::int64_t lost = block.first_sample - next_;
-    note_gap(next_, lost);
-    const std::int64_t fill = lost < capacity_ ? lost : capacity_;
-    const std::int16_t* last = slot(next_ - 1);
-    std::int16_t held[channel_count];
-    for (std::size_t c = 0; c < channel_count; ++c) held[c] = last[c];
-    for (std::int64_t s = block.first_sample - fill; s < block.first_sample; ++s)
-      for (std::size_t c = 0; c < channel_count; ++c) slot(s)[c] = held[c];
-  }
-  for (std::int64_t i = 0; i < block.samples(); ++i) {
-    const std::int64_t sample = block.first_sample + i;
-    if (triggered_ && sample >= start_ + length_) break;
-    std::int16_t* to = slot(sample);
-    for (std::size_t c = 0; c < channel_count; ++c)
-      to[c] = block.scans[static_cast<std::size_t>(i) * channel_count + c];
-  }
-  next_ = block.first_sample + block.samples();
+  const std::int64_t first = block.first_sample;
+  std::int64_t count = block.samples();
+  if (first - lap_ >= capacity_ || first < lap_) lap_ = first - first % capacity_;
+  if (next_ >= 0 && first > next_) fill_gap(first);
+  next_ = first + count;
+  if (triggered_ && next_ > start_ + length_) count = start_ + length_ - first;
+  if (count > 0) store(first, block.scans.data(), count);
   if (!triggered_) return;
-  // Twice the pace of the samples: the checksum catches up with the pre-trigger, and no block has to wait for the
-  // whole record.
-  count_in(2 * block.samples());
-  if (counted_ == length_) finish();
+  const std::int64_t there = next_ - start_;
+  if (there > 0) store_shared(ready_, static_cast<std::int32_t>(there < length_ ? there : length_));
+  if (counting_ == record_ && load_shared(counted_) == length_) finish();
 }
 
-/// Takes up to `scans` more of the scans that are there into the checksum, in wire order.
-void Recorder::count_in(std::int64_t scans) {
-  const std::int64_t there = (next_ - start_ < length_ ? next_ - start_ : length_) - counted_;
-  for (std::int64_t left = scans < there ? scans : there; left > 0;) {
-    const std::int64_t first = (start_ + counted_) % capacity_;
-    const std::int64_t run = left < capacity_ - first ? left : capacity_ - first;
+/// Lost samples: hold the last value, so that the time axis stays true, and remember where.
+void Recorder::fill_gap(std::int64_t until) {
+  const std::int64_t lost = until - next_;
+  note_gap(next_, lost);
+  const std::int64_t fill = lost < capacity_ ? lost : capacity_;
+  const std::int16_t* last = slot(next_ - 1);
+  std::int16_t held[channel_count];
+  for (std::size_t c = 0; c < channel_count; ++c) held[c] = last[c];
+  for (std::int64_t s = until - fill; s < until; ++s)
+    for (std::size_t c = 0; c < channel_count; ++c) slot(s)[c] = held[c];
+}
+
+/// Into the ring, in one piece or two. The size of a scan is known here, so that the copy is a few instructions.
+void Recorder::store(std::int64_t first, const std::int16_t* scans, std::int64_t count) {
+  const std::size_t at = place(first);
+  const auto scans_left = static_cast<std::int32_t>((storage_.size() - at) / channel_count);
+  auto left = static_cast<std::int32_t>(count);
+  std::int32_t run = left < scans_left ? left : scans_left;
+  for (std::int16_t* to = &storage_[at]; left > 0; to = storage_.data(), run = left) {
+    left -= run;
+    for (; run > 0; --run, to += channel_count, scans += channel_count)
+      __builtin_memcpy(to, scans, channel_count * sizeof *to);
+  }
+}
+
+/// In wire order, from where it stands. The record may be given up in the middle of it: what it has counted then
+/// belongs to `counting_`, which is no longer the record.
+void Recorder::count_in() {
+  const std::uint32_t record = load_shared(record_);
+  if (counting_ != record) {
+    counted_ = 0;
+    crc_ = 0;
+    store_shared(counting_, record);
+  }
+  const std::int32_t there = load_shared(ready_) - counted_;
+  for (std::int32_t left = there < checksum_pace ? there : checksum_pace; left > 0;) {
+    const std::size_t first = place(start_ + counted_);
+    const auto to_end = static_cast<std::int32_t>((storage_.size() - first) / channel_count);
+    const std::int32_t run = left < to_end ? left : to_end;
     if constexpr (std::endian::native == std::endian::little) {
-      const auto* bytes = reinterpret_cast<const std::uint8_t*>(slot(first));
+      const auto* bytes = reinterpret_cast<const std::uint8_t*>(&storage_[first]);
       crc_ = crc32({bytes, static_cast<std::size_t>(run) * channel_count * sizeof(std::int16_t)}, crc_);
     } else {
       std::uint8_t bytes[2 * channel_count];
-      for (std::int64_t i = 0; i < run; ++i) {
+      for (std::int32_t i = 0; i < run; ++i) {
         copy(static_cast<std::uint64_t>(counted_ + i), 1, sample_bits, bytes);
         crc_ = crc32(bytes, crc_);
       }
     }
-    counted_ += run;
     left -= run;
+    store_shared(counted_, counted_ + run);
   }
 }
 
@@ -165,6 +186,15 @@ std::size_t Recorder::scan_bytes(std::uint32_t mask) const {
   const std::size_t samples = 2 * count_bits(mask & sample_bits);
   if ((mask & timestamp_bit) == 0) return samples;
   return (samples + 7) / 8 * 8 + 8;  // the 64-bit time stamp is aligned to its size
+}
+
+std::span<const std::uint8_t> Recorder::in_place(std::uint64_t cursor, std::size_t scans,
+                                                 std::uint32_t mask) const {
+  if (mask != sample_bits || std::endian::native != std::endian::little) return {};
+  const std::size_t first = place(start_ + static_cast<std::int64_t>(cursor));
+  const std::size_t to_end = (storage_.size() - first) / channel_count;
+  const std::size_t bytes = (scans < to_end ? scans : to_end) * channel_count * sizeof(std::int16_t);
+  return {reinterpret_cast<const std::uint8_t*>(&storage_[first]), bytes};
 }
 
 void Recorder::copy(std::uint64_t cursor, std::size_t scans, std::uint32_t mask, std::uint8_t* out) const {

@@ -9,12 +9,12 @@
 
 namespace powbench::firmware {
 
-/// Interrupt, main loop and communication each report progress; feeding is allowed once all three have done
+/// Both interrupts, main loop and communication each report progress; feeding is allowed once all four have done
 /// so since the last time. A part that hangs, or runs but never gets to its end, leads to a reset.
 class WatchdogFeed {
  public:
-  enum class Part : std::uint8_t { control_interrupt, main_loop, communication };
-  static constexpr std::size_t parts = 3;
+  enum class Part : std::uint8_t { control_interrupt, background, main_loop, communication };
+  static constexpr std::size_t parts = 4;
 
   /// To be called at the end of the part's round, from any context.
   void progress(Part part) { moved_[static_cast<std::size_t>(part)].store(true, std::memory_order_relaxed); }

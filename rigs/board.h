@@ -52,7 +52,7 @@ struct BoardOptions {
   enum class Kind : std::uint8_t { native, emulated };
   Kind kind = Kind::native;
   bool count_instructions = false;  ///< emulated: virtual time advances by instructions, reproducibly
-  std::string boot_id{};            ///< native: tells one start from another; empty: all starts look alike
+  std::string boot_id{};            ///< tells one start from another; empty: all starts look alike
 };
 inline const BoardOptions emulated_board{BoardOptions::Kind::emulated, false, {}};
 

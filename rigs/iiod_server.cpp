@@ -3,13 +3,16 @@
 #include <utility>  // ahead of Asio: 1.74 forgets it under C++20
 
 #include <algorithm>
+#include <atomic>
 #include <boost/asio.hpp>
 #include <chrono>
+#include <cstdio>
 #include <deque>
 #include <mutex>
 #include <thread>
 #include <vector>
 
+#include "core/random.h"
 #include "rigs/rig.h"
 #include "rigs/sim_world.h"
 
@@ -29,6 +32,16 @@ struct AddressError : RigError {
 
 }  // namespace
 
+std::string next_boot_id(const std::string& serial, std::uint64_t seed) {
+  static std::atomic<std::uint64_t> starts{0};
+  std::uint64_t state = seed;
+  for (const char c : serial) state = splitmix64(state) ^ static_cast<unsigned char>(c);
+  state = splitmix64(state) + ++starts;
+  char text[17];
+  std::snprintf(text, sizeof text, "%016llx", static_cast<unsigned long long>(splitmix64(state)));
+  return text;
+}
+
 struct IiodServer::Impl {
   struct Session;
 
@@ -46,7 +59,9 @@ struct IiodServer::Impl {
                          e.code().message() + "; choose another loopback address, such as 127.0.0.8");
     }
     // behind the address: a board is not started for nothing
-    world = std::make_unique<SimWorld>(config, specimen, options);
+    BoardOptions started = options;
+    if (started.boot_id.empty()) started.boot_id = next_boot_id(config.serial);
+    world = std::make_unique<SimWorld>(config, specimen, started);
   }
 
   void accept();

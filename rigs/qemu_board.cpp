@@ -34,7 +34,8 @@ QemuBoard::QemuBoard(bool count_instructions, const firmware::ControllerConfig& 
                      const firmware::Identity& identity, const std::string& image)
     : process_(image, count_instructions), outgoing_(lockstep::largest_frame), frame_(outgoing_) {
   const std::string_view texts[] = {config.calibration_id, identity.kind,    identity.model,
-                                    identity.serial,       identity.version, identity.specimen};
+                                    identity.serial,       identity.version, identity.specimen,
+                                    identity.boot_id};
   lockstep::Configure head{.sample_rate = config.sample_rate,
                            .record_length = config.record_length,
                            .pretrigger = config.pretrigger,
@@ -45,7 +46,8 @@ QemuBoard::QemuBoard(bool count_instructions, const firmware::ControllerConfig& 
                            .block_bytes = lockstep::block_input_bytes,
                            .answer_bytes = sizeof(lockstep::Answer),
                            .edge_bytes = sizeof(firmware::GateEdge),
-                           .text_bytes = {}};
+                           .text_bytes = {},
+                           .reserved = {}};
   for (std::size_t i = 0; i < std::size(texts); ++i)
     head.text_bytes[i] = static_cast<std::uint16_t>(std::min<std::size_t>(texts[i].size(), 1000));
   begin(Kind::configure);

@@ -48,7 +48,7 @@ firmware::ControllerConfig controller_config(const SimRigConfig& rig, std::strin
   c.fire.quiet_samples = samples(0.005);
   c.interlocks.overcurrent_counts = counts(1.8, current_scale);
   c.interlocks.no_current_counts = counts(0.006, current_scale);
-  c.interlocks.no_current_samples = samples(0.008);
+  c.interlocks.no_current_samples = samples(0.0048);
   c.interlocks.stuck_on_samples = samples(0.025);
   c.interlocks.mains_lost_counts = counts(0.2 * 230.0 * std::sqrt(2.0), mains_scale);
   c.interlocks.mains_lost_samples = samples(0.016);

@@ -57,6 +57,10 @@ class BufferSource {
   virtual std::size_t scan_bytes(std::uint32_t mask) const = 0;
   /// Copies `scans` scans from `cursor` on to `out` (scans * scan_bytes(mask) bytes).
   virtual void copy(std::uint64_t cursor, std::size_t scans, std::uint32_t mask, std::uint8_t* out) const = 0;
+  /// The next scans as they lie in memory, ready for the wire: at most `scans` of them, and only as many as lie in one
+  /// piece; empty: copy() has to make them. They stay there until the generation changes.
+  virtual std::span<const std::uint8_t> in_place(std::uint64_t cursor, std::size_t scans,
+                                                 std::uint32_t mask) const = 0;
   /// Changes with every new record: a reader opened on an older one is told -EBADF.
   virtual std::uint32_t generation() const = 0;
 

@@ -305,9 +305,15 @@ void Responder::resume(Connection& c, ByteSink& out) {
     std::uint8_t slice[1536];
     const std::size_t per_slice = sizeof slice / step;
     for (std::size_t done = 0; done < scans;) {
-      const std::size_t n = scans - done < per_slice ? scans - done : per_slice;
-      source.copy(r.cursor, n, r.mask, slice);
-      out.put({slice, n * step});
+      const auto piece = source.in_place(r.cursor, scans - done, r.mask);
+      std::size_t n = piece.size() / step;
+      if (n > 0) {
+        out.put(piece);
+      } else {
+        n = scans - done < per_slice ? scans - done : per_slice;
+        source.copy(r.cursor, n, r.mask, slice);
+        out.put({slice, n * step});
+      }
       r.cursor += n;
       done += n;
     }

@@ -19,6 +19,28 @@ using namespace powbench::host;
 
 std::function<Exit()> chosen;
 
+constexpr const char* import_footer = R"(
+A waveform file has one header line and one line a sample:
+  time [s],pvdf_a [N],pvdf_b [V],laser [mm]
+  -0.0200,0.013,0.0021,0.0004
+  -0.0199,0.011,0.0019,
+Columns, in any order and number: time [s ms us]; pvdf_a, pvdf_b [N mN V mV]; laser [m mm um V mV]; coil_current
+[A mA V mV]; coil_voltage, mains_voltage, contact_a, aux [V mV]. Time zero is switch-on. Stamps may be uneven but must
+rise. An empty cell or nan is a lost sample. Semicolons or tabs may separate, then decimals may have commas. Lines
+that begin with # are skipped.
+
+Volts of a film, laser or current clamp need a calibration file, shot.toml beside shot.csv:
+  calibration = "films 2026-03"
+  valid_until = "2027-03-01"
+  [pvdf_b]
+  gain_N_per_V = 10
+  corner_hertz = 0.5
+All its keys: powbench plan template calibration
+
+Try:  powbench events shot.csv             contacts at once, without a store; --json for programs
+      powbench import shot.csv --db lab.db  then events, export, report from there
+)";
+
 /// A verb that runs `act` with arguments of its own when it is the one typed.
 template <class Args>
 CLI::App* verb(CLI::App& parent, const char* name, const char* help, std::shared_ptr<Args> args,
@@ -56,6 +78,7 @@ void add_rig_verbs(CLI::App& app) {
       verb(app, "rig", "Serve the simulated rig to any IIO client until interrupted", serve, serve_rig);
   rig->add_option("file", serve->rig_file, "rig file (TOML); built-in defaults if left out");
   rig->add_option("--specimen", serve->specimen_file, "specimen file (TOML) of the contactor on the rig");
+  rig->add_option("--boot-seed", serve->boot_seed, "makes the rig's boot_id the same at every start");
   rig->add_flag("--emulated", serve->emulated,
                 "firmware on an emulated Cortex-M4F, as `qemu:` rigs have it, instead of in this program");
   rig->add_option(
@@ -88,8 +111,8 @@ void add_plan_verbs(CLI::App& app) {
   list->add_flag("--json", show->json, "JSON to stdout");
   auto kind = std::make_shared<std::string>();
   verb(*plan, "template", "Print a commented file with every key", kind, print_template)
-      ->add_option("kind", *kind, "plan, rig or specimen")
-      ->check(CLI::IsMember({"plan", "rig", "specimen"}))
+      ->add_option("kind", *kind, "plan, rig, specimen or calibration")
+      ->check(CLI::IsMember({"plan", "rig", "specimen", "calibration"}))
       ->required();
 
   auto run = std::make_shared<RunArgs>();
@@ -126,9 +149,14 @@ void add_result_verbs(CLI::App& app) {
   auto list = std::make_shared<ResultArgs>();
   add_result_options(verb(app, "campaigns", "List the campaigns in a store", list, list_campaigns), *list);
   auto events = std::make_shared<EventsArgs>();
-  CLI::App* show = verb(app, "events", "Extract the events of a stored shot", events, show_events);
-  show->add_option("shot", events->shot, "shot id, as `powbench campaigns --json` and the report list it")
+  CLI::App* show =
+      verb(app, "events", "Extract the events of a stored shot or of a waveform file", events, show_events);
+  show->add_option(
+          "shot", events->shot,
+          "shot id, as `powbench campaigns --json` and the report list it; or a CSV file, see `powbench "
+          "import --help`")
       ->required();
+  show->add_option("--calibration", events->calibration, "calibration file of a CSV file");
   add_result_options(show, *events);
   auto comparison = std::make_shared<ResultArgs>();
   add_result_options(
@@ -147,6 +175,17 @@ void add_result_verbs(CLI::App& app) {
   add_result_options(out, *exported);
   out->add_option("--to", exported->to, "format")->check(CLI::IsMember({"csv"}))->capture_default_str();
   out->add_option("-o,--output", exported->file, "file; stdout if left out");
+}
+
+void add_import_verb(CLI::App& app) {
+  auto args = std::make_shared<ImportArgs>();
+  CLI::App* in = verb(app, "import", "Store anyone's waveform (CSV) as a shot", args, import_waveform_file);
+  in->add_option("file", args->file, "waveform file (CSV)")->required();
+  in->add_option("--calibration", args->calibration,
+                 "calibration file (TOML); FILE.toml beside FILE.csv if left out");
+  in->add_option("--db", args->database, "store to write; made if missing")->capture_default_str();
+  in->add_flag("--json", args->json, "JSON to stdout");
+  in->footer(import_footer);
 }
 
 void add_study_verbs(CLI::App& app) {
@@ -190,6 +229,7 @@ int main(int argc, char** argv) {
   add_bridge_verb(app);
   add_plan_verbs(app);
   add_result_verbs(app);
+  add_import_verb(app);
   add_study_verbs(app);
 
   try {

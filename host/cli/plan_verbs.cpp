@@ -6,6 +6,7 @@
 #include "host/cli/scene.h"
 #include "host/cli/verbs.h"
 #include "host/compare/compare.h"
+#include "host/import/calibration.h"
 
 namespace powbench::host {
 
@@ -40,9 +41,10 @@ Exit show_plan(const PlanArgs& args) {
 }
 
 Exit print_template(const std::string& kind) {
-  fmt::print("{}", kind == "rig"        ? rig_template()
-                   : kind == "specimen" ? specimen_template()
-                                        : plan_template());
+  fmt::print("{}", kind == "rig"           ? rig_template()
+                   : kind == "specimen"    ? specimen_template()
+                   : kind == "calibration" ? calibration_template()
+                                           : plan_template());
   return Exit::pass;
 }
 

@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include <charconv>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
@@ -8,8 +9,10 @@
 #include "dsp/extract.h"
 #include "host/cli/gather.h"
 #include "host/cli/scene.h"
+#include "host/cli/show.h"
 #include "host/cli/verbs.h"
 #include "host/export/csv.h"
+#include "host/import/calibration.h"
 #include "host/store/json.h"
 
 namespace powbench::host {
@@ -91,18 +94,7 @@ Exit list_campaigns(const ResultArgs& args) {
   return Exit::pass;
 }
 
-Exit show_events(const EventsArgs& args) {
-  const Store store(args.database, Store::Mode::read_only);
-  const StoredShot shot = store.shot(args.shot);
-  const CampaignInfo campaign = store.campaign(shot.campaign);
-  const RunOptions options = run_options(parse_plan(campaign.plan, "stored plan"));
-  const Events events = extract_checked(store.load_record(args.shot), options);
-  if (args.json) {
-    fmt::print("{}\n", to_json(events, 2));
-    return Exit::pass;
-  }
-  fmt::print("shot {}, {}, commanded {:.2f} deg, method {}\n", shot.id, name(shot.kind), shot.angle_deg,
-             events.method);
+void print_events(const Events& events) {
   for (const Quantity& q : quantity_table) {
     const Measured m = q.of(events);
     const std::string unit(q.unit);
@@ -119,6 +111,25 @@ Exit show_events(const EventsArgs& args) {
       fmt::print("    touch {:>9} ms  release {:>9} ms  peak {:>8} N  {}\n", shown(c.touch.value, "s"),
                  shown(c.release.value, "s"), shown(c.peak.value, "N"), flag_names(c.flags));
   }
+}
+
+Exit show_events(const EventsArgs& args) {
+  std::int64_t id = 0;
+  const char* const end = args.shot.data() + args.shot.size();
+  const auto [rest, error] = std::from_chars(args.shot.data(), end, id);
+  if (error != std::errc() || rest != end) return show_file_events(args);
+  const Store store(args.database, Store::Mode::read_only);
+  const StoredShot shot = store.shot(id);
+  const CampaignInfo campaign = store.campaign(shot.campaign);
+  const RunOptions options = run_options(parse_plan(campaign.plan, "stored plan"));
+  const Events events = extract_checked(store.load_record(id), options);
+  if (args.json) {
+    fmt::print("{}\n", to_json(events, 2));
+    return Exit::pass;
+  }
+  fmt::print("shot {}, {}, commanded {:.2f} deg, method {}\n", shot.id, name(shot.kind), shot.angle_deg,
+             events.method);
+  print_events(events);
   return Exit::pass;
 }
 
@@ -168,11 +179,17 @@ Exit write_report(const ReportArgs& args) {
 
 Exit export_shot(const ExportArgs& args) {
   const Store store(args.database, Store::Mode::read_only);
-  const std::string text = to_csv(store.load_record(args.shot));
-  if (args.file.empty())
+  Record record = store.load_record(args.shot);
+  record.conditions = store.shot(args.shot).conditions;
+  const std::string text = to_csv(record);
+  if (args.file.empty()) {
     fmt::print("{}", text);
-  else
-    write_file(args.file, text);
+    return Exit::pass;
+  }
+  const auto beside = calibration_path(args.file);
+  write_file(args.file, text);
+  write_file(beside, calibration_of(record));
+  fmt::print(stderr, "{} and {}: read back with powbench import\n", args.file, beside.string());
   return Exit::pass;
 }
 

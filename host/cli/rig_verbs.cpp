@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include <chrono>
 #include <nlohmann/json.hpp>
 
 #include "host/cli/scene.h"
@@ -55,8 +56,12 @@ Exit serve_rig(const ServeArgs& args) {
   const RigFile file = args.rig_file.empty() ? RigFile{} : read_rig(args.rig_file);
   const sim::Specimen specimen =
       args.specimen_file.empty() ? load_specimen(file) : read_specimen(args.specimen_file);
+  rigs::BoardOptions board = args.emulated ? rigs::emulated_board : rigs::BoardOptions{};
+  const auto now = std::chrono::system_clock::now().time_since_epoch().count();
+  board.boot_id = rigs::next_boot_id(file.config.serial,
+                                     args.boot_seed != 0 ? args.boot_seed : static_cast<std::uint64_t>(now));
   rigs::IiodServer server(file.config, specimen, args.address.empty() ? file.listen : args.address,
-                          rigs::iiod_port, args.emulated ? rigs::emulated_board : rigs::BoardOptions{});
+                          rigs::iiod_port, board);
   fmt::print(stderr, "{} on ip:{} (port {}), specimen {}\nstop with Ctrl-C; try: iio_info -u ip:{}\n",
              file.config.name, server.address(), rigs::iiod_port, specimen.name, server.address());
   server.serve(true);

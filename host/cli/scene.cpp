@@ -56,6 +56,8 @@ std::vector<Limit> plan_limits(const Plan& plan) {
 RunOptions run_options(const Plan& plan) {
   RunOptions options;
   options.extract.mains_hertz = plan.mains_hertz;
+  options.extract.crosstalk_a = plan.crosstalk_a;
+  options.extract.crosstalk_b = plan.crosstalk_b;
   options.limits = plan_limits(plan);
   options.angle_tolerance = plan.angle_tolerance;
   options.pause = plan.pause;

@@ -19,10 +19,11 @@ Exit list_rigs(bool json);
 Exit show_rig(const InfoArgs&);
 
 struct ServeArgs {
-  std::string rig_file;       ///< "" = built-in defaults
-  std::string specimen_file;  ///< "" = the rig file's
-  std::string address;        ///< "" = the rig file's
-  bool emulated = false;      ///< firmware on an emulated board
+  std::string rig_file;         ///< "" = built-in defaults
+  std::string specimen_file;    ///< "" = the rig file's
+  std::string address;          ///< "" = the rig file's
+  std::uint64_t boot_seed = 0;  ///< of the boot_id; 0: another one at every start
+  bool emulated = false;        ///< firmware on an emulated board
 };
 Exit serve_rig(const ServeArgs&);
 
@@ -73,9 +74,19 @@ Exit list_campaigns(const ResultArgs&);
 Exit compare_campaign(const ResultArgs&);
 
 struct EventsArgs : ResultArgs {
-  std::int64_t shot = 0;
+  std::string shot;         ///< id of a stored shot, or a waveform file
+  std::string calibration;  ///< of a waveform file; "" = the one beside it
 };
 Exit show_events(const EventsArgs&);
+Exit show_file_events(const EventsArgs&);
+
+struct ImportArgs {
+  std::string file;
+  std::string calibration;  ///< "" = the one beside it
+  std::string database = "powbench.db";
+  bool json = false;
+};
+Exit import_waveform_file(const ImportArgs&);
 
 struct ReportArgs : ResultArgs {
   std::string folder = "out";

@@ -38,6 +38,9 @@ FileKind kind_of(Plan& p) {
               "negative fires half a period later; alternate changes from shot to shot");
   kind.number("angle_tolerance_deg", p.angle_tolerance, {0.01, 90},
               "a shot further off its angle does not count");
+  kind.number("crosstalk_a_percent", p.crosstalk_a, {-50, 50},
+              "share of film B's force that film A shows, from the bench's calibration; taken out");
+  kind.number("crosstalk_b_percent", p.crosstalk_b, {-50, 50}, "the same of film A's force on film B");
   kind.number("limits_vs_simulation_percent", p.limits_vs_simulation, {0, 1000},
               "largest difference between measurement and simulation", Need::optional);
   for (std::size_t i = 0; i < quantity_table.size(); ++i) {

@@ -40,6 +40,7 @@ struct Plan {
   double ambient = 20.0 + zero_celsius;  ///< K
   Polarity polarity = Polarity::positive;
   double angle_tolerance = radians(1.0);  ///< rad: a shot whose reached angle is further off does not count
+  double crosstalk_a = 0.0, crosstalk_b = 0.0;  ///< share of the other film's force that film a, b shows
   double limits_vs_simulation = std::numeric_limits<double>::quiet_NaN();  ///< relative; NaN = no such limit
   std::array<Interval, quantity_table.size()> limits{};  ///< in the order of the quantity table
 

@@ -51,6 +51,10 @@ constexpr std::array units{
     Unit{"A_per_m", "A/m"},
     Unit{"A_per_m_per_T", "A/(m T)"},
     Unit{"pC_per_N", "pC/N", -12},
+    Unit{"N_per_V", "N/V"},
+    Unit{"mm_per_V", "mm/V", -3},
+    Unit{"A_per_V", "A/V"},
+    Unit{"V_per_V", "V/V"},
     // temperature and ratios
     Unit{"degC", "degC", 0, 1.0, zero_celsius},
     Unit{"K", "K"},

@@ -74,6 +74,8 @@ std::int64_t insert_record(Database& db, std::int64_t shot, const Record& r) {
   const std::vector<std::uint8_t> scans = interleave(r);
   nlohmann::json gaps = nlohmann::json::array();
   for (const Gap& g : r.gaps) gaps.push_back({g.first, g.count});
+  for (std::size_t k = 0; k < r.channels.size(); ++k)  // a third number: the one channel that lost them
+    for (const Gap& g : r.channels[k].gaps) gaps.push_back({g.first, g.count, k});
   const std::string content_hash = sha256_hex(scans);
   Statement(db,
             "INSERT INTO record (shot_id, content_hash, sample_rate, samples, fire_sample, fire_offset, "
@@ -140,6 +142,10 @@ Record select_record(const Database& db, std::int64_t shot) {
   if (seal_of(r, s.text(1), s.text(6)) != s.text(14))
     throw StoreError(where +
                      ": the record does not match its checksum: the file is damaged; restore it from a copy");
+  for (const auto& gap : nlohmann::json::parse(s.text(6), nullptr, false))
+    if (gap.is_array() && gap.size() == 3 && gap[2].get<std::size_t>() < r.channels.size())
+      r.channels[gap[2].get<std::size_t>()].gaps.push_back(
+          {gap[0].get<std::int64_t>(), gap[1].get<std::int64_t>()});
   const auto scans = s.blob(13);
   const auto samples = static_cast<std::size_t>(s.integer(3));
   if (sha256_hex(scans) != s.text(1) || scans.size() != samples * r.channels.size() * 2)

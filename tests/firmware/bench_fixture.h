@@ -32,7 +32,7 @@ struct Bench {
     c.phase.nominal_amplitude = 16000.0F;
     c.interlocks = {.overcurrent_counts = 20000,
                     .no_current_counts = 100,
-                    .no_current_samples = 800,
+                    .no_current_samples = 480,
                     .stuck_on_samples = 2500,
                     .mains_lost_counts = 3200,
                     .mains_lost_samples = 1600};

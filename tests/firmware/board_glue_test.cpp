@@ -160,6 +160,7 @@ struct Hardware {
   bool enabled = false, level = false;
   std::int64_t now = 0;
   std::uint16_t compare = 0;
+  std::int64_t end = -1;  ///< tick of the second compare, < 0: not armed
   std::vector<std::pair<bool, std::int64_t>> changes;
 
   void set(bool wanted) {
@@ -170,13 +171,14 @@ struct Hardware {
   void write(const port::GateTimer::Action& a) {
     using Write = port::GateTimer::Write;
     compare = a.compare;
-    if (a.write == Write::on_at) mode = Mode::on, enabled = true;
+    if (a.write == Write::on_at) mode = Mode::on, enabled = true, end = now + a.off_in;
     if (a.write == Write::off_at) mode = Mode::off;
     if (a.write == Write::off_now || a.write == Write::finished)
-      mode = Mode::forced_off, enabled = false, set(false);
+      mode = Mode::forced_off, enabled = false, end = -1, set(false);
   }
   void run(std::int64_t until) {
     for (; now < until; ++now) {
+      if (now == end) enabled = false, set(false);
       if (static_cast<std::uint16_t>(now) != compare) continue;
       if (mode == Mode::on && enabled) set(true);
       if (mode == Mode::off) set(false);
@@ -209,7 +211,7 @@ TEST_CASE("the gate pin follows the edges to the tick, with the latency of a bus
       const auto late = static_cast<std::int64_t>(random.below(2 * block_ticks));
       hardware.run(board::time_base.ticks({end, 0}) + late);
       const auto due = [&](const Tick& t) { return t.sample < end + board::lead_samples + 10; };
-      if (!on_given && due(on)) timer.take({true, on}), on_given = true;
+      if (!on_given && due(on)) timer.take({true, on, off}), on_given = true;
       if (!off_given && due(off)) timer.take({false, off}), off_given = true;
       hardware.poll(timer);
     }
@@ -226,13 +228,13 @@ TEST_CASE("an on edge that comes too late is never made, an off edge at once") {
   Hardware hardware;
   hardware.run(1'000'000);
   const std::int64_t sample = (1'000'000 - 1700) / 1700;  // just gone by
-  timer.take({true, {sample, 0}});
+  timer.take({true, {sample, 0}, {sample + 400, 0}});
   hardware.poll(timer);
   hardware.run(1'200'000);
   CHECK(timer.missed() == 1);
   CHECK(hardware.changes.empty());
 
-  timer.take({true, {sample + 140, 0}});
+  timer.take({true, {sample + 140, 0}, {sample + 9000, 0}});
   hardware.poll(timer);
   hardware.run(1'300'000);
   REQUIRE(hardware.changes.size() == 1);
@@ -242,12 +244,35 @@ TEST_CASE("an on edge that comes too late is never made, an off edge at once") {
   CHECK(hardware.changes[1] == std::pair(false, std::int64_t{1'300'000}));
 }
 
+TEST_CASE("the coil goes off on time even if no code runs after the on edge has been set") {
+  for (const std::int64_t hold : {15, 400, 100'000}) {  // 0.15 ms .. 1 s
+    port::GateTimer timer(board::time_base);
+    Hardware hardware;
+    hardware.run(170'000);
+    const Tick on{110, 12'345}, off{110 + hold, 12'345};
+    timer.take({true, on, off});
+    hardware.poll(timer);
+    hardware.run(board::time_base.ticks(off) + 1'000'000);
+    REQUIRE(hardware.changes.size() == 2);
+    CHECK(hardware.changes[0] == std::pair(true, board::time_base.ticks(on)));
+    CHECK(hardware.changes[1].second - board::time_base.ticks(off) == board::time_base.ticks_per_sample);
+    CHECK_FALSE(hardware.enabled);
+  }
+}
+
+TEST_CASE("an on edge without an end of its own is not made") {
+  port::GateTimer timer(board::time_base);
+  timer.take({true, {1000, 0}, {}});
+  CHECK(timer.poll(1000).write == port::GateTimer::Write::nothing);
+  CHECK(timer.missed() == 1);
+}
+
 TEST_CASE("an abort before the on edge leaves the gate off for good") {
   for (const std::int64_t ahead : {2, 20, 35, 60}) {  // inside and outside of the reach of the compare
     port::GateTimer timer(board::time_base);
     Hardware hardware;
     hardware.run(170'000);
-    timer.take({true, {100 + ahead, 0}});
+    timer.take({true, {100 + ahead, 0}, {9000, 0}});
     hardware.poll(timer);
     timer.take({false, {99, 0}});
     for (int i = 0; i < 40; ++i) {
@@ -371,8 +396,9 @@ TEST_CASE("the watchdog is fed only when every part has moved") {
   CHECK_FALSE(progress.may_feed());
   progress.moved(Progress::samples);
   progress.moved(Progress::control);
-  CHECK_FALSE(progress.may_feed());
   progress.moved(Progress::main_loop);
+  CHECK_FALSE(progress.may_feed());
+  progress.moved(Progress::background);
   CHECK(progress.may_feed());
   CHECK_FALSE(progress.may_feed());  // once for each round
 }

@@ -28,15 +28,16 @@ void shoot(FaultBench& b) {
 
 }  // namespace
 
-TEST_CASE("the watchdog is fed only when all three parts have moved on", "[fault]") {
+TEST_CASE("the watchdog is fed only when all four parts have moved on", "[fault]") {
   using Part = firmware::WatchdogFeed::Part;
-  constexpr std::array<Part, 3> all{Part::control_interrupt, Part::main_loop, Part::communication};
-  for (unsigned moved = 0; moved < 8; ++moved) {
+  constexpr std::array<Part, 4> all{Part::control_interrupt, Part::background, Part::main_loop,
+                                    Part::communication};
+  for (unsigned moved = 0; moved < 16; ++moved) {
     firmware::WatchdogFeed feed;
-    for (unsigned p = 0; p < 3; ++p)
+    for (unsigned p = 0; p < 4; ++p)
       if ((moved >> p & 1U) != 0)
         for (int again = 0; again < 3; ++again) feed.progress(all[p]);
-    CHECK(feed.may_feed() == (moved == 7));
+    CHECK(feed.may_feed() == (moved == 15));
     CHECK_FALSE(feed.may_feed());
   }
 }

@@ -19,6 +19,7 @@ TEST_CASE("the firmware costs at most 5 % more than its baseline", "[pil]") {
                      "bench/firmware_cost.json");
     REQUIRE(baseline.contains(row.name));
     CHECK(row.value <= 1.05 * baseline.at(row.name).get<double>());
+    if (row.budget > 0) CHECK(row.value <= row.budget);
     if (row.value < 0.95 * baseline.at(row.name).get<double>())
       WARN(row.name << " is " << row.value << " " << row.unit << ": the baseline is too generous, renew it");
   }

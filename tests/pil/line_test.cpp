@@ -70,12 +70,13 @@ std::vector<std::uint8_t> configure_frame(std::int64_t record_length, std::uint3
                                  lockstep::block_input_bytes,
                                  sizeof(lockstep::Answer),
                                  sizeof(firmware::GateEdge),
-                                 {1, 1, 1, 1, 1, 1}});
+                                 {1, 1, 1, 1, 1, 1, 1},
+                                 {}});
   writer.put(config.calibration);
   writer.put(config.phase);
   writer.put(config.fire);
   writer.put(config.interlocks);
-  writer.put("abcdef", 6);
+  writer.put("abcdefg", 7);
   const auto frame = writer.finish(0);
   return {frame.begin(), frame.end()};
 }

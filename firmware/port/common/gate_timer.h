@@ -40,6 +40,7 @@ class GateTimer {
   struct Action {
     Write write = Write::nothing;
     std::uint16_t compare = 0;
+    std::int64_t off_in = 0;  ///< with on_at: ticks from now until the coil must be off whatever happens
   };
 
   explicit GateTimer(const TimeBase& base) : base_(base) {}
@@ -47,7 +48,13 @@ class GateTimer {
   void take(const GateEdge& edge) {
     const std::int64_t at = base_.ticks(edge.at);
     if (edge.on) {
+      if (edge.off_by.sample <= edge.at.sample) {  // without an end of its own it is no edge
+        ++missed_;
+        return;
+      }
       on_ = at, on_state_ = Edge::waiting;
+      // a sample later than the off edge itself, so that the two never compete
+      off_by_ = base_.ticks(edge.off_by) + base_.ticks_per_sample;
     } else {
       off_ = at, off_state_ = Edge::waiting;
       // switched off before it was on, an abort: the on edge is void
@@ -72,7 +79,7 @@ class GateTimer {
     }
     if (on_state_ == Edge::waiting && on_ - now < horizon) {
       on_state_ = Edge::set;
-      return {Write::on_at, static_cast<std::uint16_t>(on_)};
+      return {Write::on_at, static_cast<std::uint16_t>(on_), off_by_ - now};
     }
     // there is one compare register: the off edge takes it over when the on edge has passed
     if (off_state_ == Edge::waiting && on_state_ == Edge::none && off_ - now < horizon) {
@@ -88,7 +95,7 @@ class GateTimer {
  private:
   enum class Edge : std::uint8_t { none, waiting, set };
   TimeBase base_;
-  std::int64_t on_ = 0, off_ = 0;
+  std::int64_t on_ = 0, off_ = 0, off_by_ = 0;
   Edge on_state_ = Edge::none, off_state_ = Edge::none;
   std::uint32_t missed_ = 0;
 };

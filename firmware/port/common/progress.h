@@ -8,7 +8,7 @@ namespace powbench::firmware::port {
 /// Whether the watchdog may be fed: only when every part that must live has moved since the last feed.
 class Progress {
  public:
-  enum Part : std::uint32_t { samples = 1, control = 2, main_loop = 4, all = 7 };
+  enum Part : std::uint32_t { samples = 1, control = 2, background = 4, main_loop = 8, all = 15 };
 
   void moved(Part part) { seen_.fetch_or(part, std::memory_order_relaxed); }
   /// True at most once for each time that all parts have moved.

@@ -60,14 +60,15 @@ struct Header {
 };
 static_assert(sizeof(Header) == 16);
 
-/// Followed by four structures and six texts. The sizes let a board of other sources refuse.
+/// Followed by four structures and seven texts. The sizes let a board of other sources refuse.
 struct Configure {
   std::int64_t sample_rate, record_length, pretrigger;
   std::uint32_t calibration_bytes, phase_bytes, fire_bytes, interlock_bytes;
   std::uint32_t block_bytes, answer_bytes, edge_bytes;
-  std::uint16_t text_bytes[6];  ///< calibration, kind, model, serial, version, specimen
+  std::uint16_t text_bytes[7];  ///< calibration, kind, model, serial, version, specimen, boot
+  std::uint16_t reserved[3];
 };
-static_assert(sizeof(Configure) == 64);
+static_assert(sizeof(Configure) == 72);
 
 struct StepHead {
   std::uint32_t blocks;
@@ -113,12 +114,15 @@ static_assert(std::is_trivially_copyable_v<Answer> && std::is_trivially_copyable
 /// What the blocks that were measured cost, in ticks of the board's 25 MHz timer, and the deepest stack so
 /// far.
 struct Cost {
-  std::uint64_t update_ticks, plain_ticks;    ///< blocks in which the estimate was renewed, and the others
-  std::uint32_t update_blocks, plain_blocks;  ///< their numbers
-  std::uint32_t samples, worst_ticks;         ///< of all; of the worst block
-  std::uint32_t stack_bytes, empty_ticks;     ///< deepest stack; what measuring itself takes
+  std::uint64_t control_ticks;     ///< the samples' interrupt
+  std::uint64_t background_ticks;  ///< the level below it, blocks in which the estimate was not renewed
+  std::uint64_t update_ticks;      ///< the same, blocks in which it was
+  std::uint32_t blocks, update_blocks, samples;
+  std::uint32_t worst_control_ticks, worst_background_ticks;  ///< of a block
+  std::uint32_t stack_bytes, empty_ticks;                     ///< deepest stack; what measuring itself takes
+  std::uint32_t reserved;
 };
-static_assert(sizeof(Cost) == 40);
+static_assert(sizeof(Cost) == 56);
 
 /// Fills a frame from the front. What does not fit is a bug of the caller.
 class Writer {

@@ -95,9 +95,9 @@ bool LockstepBoard::configure(Reader& in) {
   in.get(config.phase);
   in.get(config.fire);
   in.get(config.interlocks);
-  std::string_view text[6];
+  std::string_view text[std::size(head.text_bytes)];
   std::size_t used = 0;
-  for (std::size_t i = 0; i < 6; ++i) {
+  for (std::size_t i = 0; i < std::size(text); ++i) {
     const auto bytes = in.bytes(head.text_bytes[i]);
     if (used + bytes.size() > texts_.size()) return refuse(Refused::too_long), false;
     if (!bytes.empty()) std::memcpy(texts_.data() + used, bytes.data(), bytes.size());
@@ -109,8 +109,12 @@ bool LockstepBoard::configure(Reader& in) {
   if (!in.whole() || head.record_length < 1 || scans * channel_count > storage_.size())
     return refuse(Refused::too_long), false;
   config.calibration_id = text[0];
-  const Identity identity{
-      .kind = text[1], .model = text[2], .serial = text[3], .version = text[4], .specimen = text[5]};
+  const Identity identity{.kind = text[1],
+                          .model = text[2],
+                          .serial = text[3],
+                          .version = text[4],
+                          .specimen = text[5],
+                          .boot_id = text[6]};
   bench_.emplace(config, identity, storage_.first(scans * channel_count));
   return true;
 }

@@ -18,6 +18,7 @@ extern void (*image_init_end[])();
 
 int run_bench();
 void sample_block_handler();
+void background_handler();
 
 [[noreturn]] void reset_handler() {
   auto& coprocessor_access = *reinterpret_cast<volatile std::uint32_t*>(0xE000ED88);
@@ -53,6 +54,7 @@ extern const Vector vector_table[];
     fault_handler,         // PendSV
     fault_handler,         // SysTick
     sample_block_handler,  // interrupt 0: a block of samples is there
+    background_handler,    // interrupt 1: and what may take longer
 };
 }
 

@@ -16,9 +16,9 @@ inline constexpr std::uint32_t baud = 2'000'000;
 
 inline constexpr std::int64_t block_samples = 10;  ///< half of a converter's buffer
 inline constexpr std::size_t queue_blocks = 8;
-/// An edge is fixed this long before it is made. The step that comes with a new estimate takes 22 000 instructions, 190 us
-/// at 1.5 cycles each and 390 us at three; then the edge has to be in the compare register.
-inline constexpr std::int64_t lead_samples = 40;
+/// An edge is fixed this long before it is made: two blocks. The longest control step takes some 2000 instructions, 18 us at
+/// 1.5 cycles each; then the edge has to be in the compare register.
+inline constexpr std::int64_t lead_samples = 20;
 
 inline constexpr std::int64_t record_length = 6800;  ///< scans: 68 ms, 108 800 B
 inline constexpr std::int64_t pretrigger = 2000;     ///< scans: one mains cycle at 50 Hz
@@ -29,6 +29,9 @@ static_assert(core_hertz % sample_rate == 0 && core_hertz % baud == 0);
 // a step may take three blocks: an edge that was too far for the compare at one poll is not too near at the next
 static_assert(port::GateTimer::horizon - port::GateTimer::margin >
               3 * block_samples * time_base.ticks_per_sample);
+
+// the end of the hold time is held by a 32-bit count
+static_assert(std::int64_t{11} * core_hertz < (std::int64_t{1} << 32));
 
 // ---- pins ----
 

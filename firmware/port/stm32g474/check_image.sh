@@ -33,7 +33,7 @@ verdict "vector table has all entries" "$(section .vectors 2) B" "$(section .vec
 record_end=$(($(section .record 3) + $(section .record 2)))
 verdict "memory in use" "$((record_end - ram_start)) of $((ram_end - ram_start)) B" "$record_end <= $ram_end"
 flash_use=$(($(section .vectors 2) + $(section .text 2) + $(section .ARM.exidx 2) + $(section .data 2)))
-verdict "flash in use" "$flash_use of $((flash_end - flash_start)) B" "$flash_use < 65536"
+verdict "flash in use" "$flash_use of $((flash_end - flash_start)) B" "$flash_use < 80 * 1024"
 verdict "record" "$(section .record 2) B" "$(section .record 2) >= 6000 * 16"
 verdict "stack at the bottom of memory" "$stack_bottom" "$stack_bottom == $ram_start && $stack_top % 8 == 0"
 

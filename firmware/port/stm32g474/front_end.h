@@ -28,6 +28,12 @@ inline constexpr double laser_delay = 82e-6;      ///< s: transport delay of the
 inline constexpr double trip_ampere = 1.8;     ///< for two samples running
 inline constexpr double cut_off_ampere = 1.9;  ///< comparators: at once, without the processor
 
+// what the coil may be asked for; a contactor's coil draws ten times its holding current until the core is closed
+inline constexpr std::int64_t shots_a_minute = 20;  ///< 1200 an hour, the usual rating of an AC contactor
+inline constexpr double pause_between_shots = 0.5;  ///< s, from the gate's off edge
+inline constexpr double longest_energised = 30.0;   ///< s, from cold
+inline constexpr double lasting_duty = 0.5;         ///< share of time energised that it stands for ever
+
 constexpr std::int64_t nearest(double x) {
   return static_cast<std::int64_t>(x + (x < 0 ? -0.5 : 0.5));
 }
@@ -93,9 +99,13 @@ constexpr ControllerConfig controller_config() {
               sample_rate * 256);
   c.fire.phase_timeout_samples = samples(1.0);
   c.fire.quiet_samples = samples(0.005);
+  c.fire.budget = {.operations_per_minute = shots_a_minute,
+                   .pause_samples = samples(pause_between_shots),
+                   .heat_samples = samples(longest_energised),
+                   .duty_per_mille = nearest(1000 * lasting_duty)};
   c.interlocks = {.overcurrent_counts = amperes(trip_ampere),
                   .no_current_counts = amperes(0.006),
-                  .no_current_samples = samples(0.008),
+                  .no_current_samples = samples(0.0048),
                   .stuck_on_samples = samples(0.025),
                   .mains_lost_counts = volts(0.2 * nominal_peak),
                   .mains_lost_samples = samples(0.016)};

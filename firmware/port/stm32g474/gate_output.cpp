@@ -17,6 +17,44 @@ constexpr std::uint32_t cut_off_settings = Timer::bdtr_lock_2 | Timer::bdtr_idle
                                            Timer::bdtr_break_high;
 constexpr std::uint32_t trip_flags = Timer::sr_break | Timer::sr_break2 | Timer::sr_system_break;
 
+constexpr unsigned end_channel = 8;  ///< of DMA1
+/// What the end of the hold time writes into the output enable's register, without an instruction.
+constexpr std::uint32_t end_word = cut_off_settings;
+
+/// Second compare: when its 32-bit count is reached, a DMA transfer takes the output enable away.
+void arm_end(std::int64_t ticks) {
+  DmaChannel& channel = dma1_channel(end_channel);
+  channel.ccr.write(0);
+  dma1().ifcr.write(Dma::all(end_channel));
+  channel.cndtr.write(1);
+  channel.ccr.write(DmaChannel::ccr_to_peripheral | DmaChannel::ccr_from_32 | DmaChannel::ccr_to_32 |
+                    DmaChannel::ccr_priority_highest | DmaChannel::ccr_enable);
+  tim2().ccr[0].write(tim2().cnt.read() + static_cast<std::uint32_t>(ticks));
+  tim2().sr.write(0);
+  tim2().dier.write(Timer::dier_ch1_dma);
+}
+
+void disarm_end() {
+  tim2().dier.write(0);
+  dma1_channel(end_channel).ccr.write(0);
+}
+
+void set_up_end() {
+  rcc().ahb1enr.set(Rcc::ahb1enr_dma1 | Rcc::ahb1enr_dmamux1);
+  rcc().apb1enr1.set(Rcc::apb1enr1_tim2);
+  (void)rcc().apb1enr1.read();
+  dmamux().channel[end_channel - 1].write(request_tim2_ch1);
+  DmaChannel& channel = dma1_channel(end_channel);
+  channel.cpar.write(static_cast<std::uint32_t>(reinterpret_cast<std::uintptr_t>(&tim1().bdtr)));
+  channel.cmar.write(static_cast<std::uint32_t>(reinterpret_cast<std::uintptr_t>(&end_word)));
+  Timer& t = tim2();
+  t.psc.write(0);
+  t.arr.write(0xFFFF'FFFF);
+  t.cr1.write(Timer::cr1_only_overflow);
+  t.egr.write(Timer::egr_update);
+  t.cr1.set(Timer::cr1_enable);
+}
+
 void set_mode(std::uint32_t mode) {
   tim1().ccmr2.change(Timer::oc3_mode, mode);
 }
@@ -50,6 +88,7 @@ void set_up_gate() {
   rcc().ahb2enr.set(Rcc::ahb2enr_gpioa | Rcc::ahb2enr_gpioc);
   (void)rcc().ahb2enr.read();
   set_up_comparators();
+  set_up_end();
   syscfg().cfgr2.write(Syscfg::cfgr2_lockup | Syscfg::cfgr2_parity | Syscfg::cfgr2_pvd | Syscfg::cfgr2_ecc);
 
   Timer& t = tim1();
@@ -73,6 +112,7 @@ void set_up_gate() {
 void gate_off() {
   tim1().bdtr.write(cut_off_settings);
   set_mode(Timer::oc3_forced_off);
+  disarm_end();
   gpioa().brr.write(bit(pin_lamp));
 }
 
@@ -85,6 +125,7 @@ bool write_gate(const port::GateTimer::Action& action) {
       set_mode(Timer::oc3_forced_off);  // the reference is low whatever was before
       t.ccr[2].write(action.compare);
       set_mode(Timer::oc3_on_at_match);
+      arm_end(action.off_in);
       t.bdtr.write(cut_off_settings | Timer::bdtr_output);  // the one line that opens the gate's door
       gpioa().bsrr.write(bit(pin_lamp));
       return true;

@@ -7,6 +7,7 @@
 namespace powbench::firmware::stm32g474 {
 
 [[gnu::section(".noinit")]] Postmortem postmortem;
+[[gnu::section(".noinit")]] Survivor survivor;
 
 std::string_view take_reset_cause() {
   const std::uint32_t flags = rcc().csr.read();
@@ -18,6 +19,31 @@ std::string_view take_reset_cause() {
   if (flags & Rcc::csr_low_power) return "low-power";
   if (flags & Rcc::csr_obl) return "option-bytes";
   return "pin";  // every cause pulls the pin too, so that this one alone means the pin
+}
+
+ResetCause reset_cause(std::string_view word) {
+  if (word == "watchdog" || word == "window-watchdog") return ResetCause::watchdog;
+  if (word == "fault" || word == "software") return ResetCause::software;
+  // one flag for power-on and brown-out: the memory tells them apart no better than the flag does
+  if (word == "power") return ResetCause::power_on;
+  return ResetCause::pin;
+}
+
+CrashCause crash_cause(std::uint32_t exception) {
+  switch (exception) {
+    case 2:
+      return CrashCause::nmi;
+    case 3:
+      return CrashCause::hard_fault;
+    case 4:
+      return CrashCause::memory_fault;
+    case 5:
+      return CrashCause::bus_fault;
+    case 6:
+      return CrashCause::usage_fault;
+    default:
+      return CrashCause::assertion;  // an interrupt that nobody has asked for
+  }
 }
 
 void start_supply_monitor() {

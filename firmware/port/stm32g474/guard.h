@@ -3,6 +3,8 @@
 #include <cstdint>
 #include <string_view>
 
+#include "firmware/survivor.h"
+
 /// Watchdog, supply monitor, reset cause, and what the last fault left behind.
 
 namespace powbench::firmware::stm32g474 {
@@ -18,9 +20,14 @@ struct Postmortem {
 };
 inline constexpr std::uint32_t postmortem_magic = 0x504F5742;
 extern Postmortem postmortem;
+/// The same for the controller: crash, and whether the gate was on.
+extern Survivor survivor;
 
 /// Why the board started, one word. Reads and clears the flags: once a start.
 std::string_view take_reset_cause();
+/// The same as the controller knows it.
+ResetCause reset_cause(std::string_view word);
+CrashCause crash_cause(std::uint32_t exception);
 
 /// Supply below some 2.9 V: the gate goes off in hardware, then the interrupt says so.
 void start_supply_monitor();

@@ -19,8 +19,8 @@
 #include "firmware/port/stm32g474/serial.h"
 #include "firmware/text.h"
 
-/// The bench on the board. Three levels: the samples interrupt collects a block, the control interrupt runs the
-/// controller on it, the main loop answers the serial port.
+/// The bench on the board. Four levels: the samples interrupt collects a block, the control interrupt runs the
+/// controller on it, the background renews the phase estimate and the checksums, the main loop answers the serial port.
 
 namespace powbench::firmware::stm32g474 {
 namespace {
@@ -130,14 +130,22 @@ extern "C" void samples_handler() {
 extern "C" void control_handler() {
   Board& b = board();
   while (const auto* slot = b.queue.front()) {
-    for (const GateEdge& edge : b.controller.step(slot->block())) b.gate.take(edge);
+    for (const GateEdge& edge : b.controller.control(slot->block())) b.gate.take(edge);
     b.queue.release();
     drive_gate(b);
     // in fault the relay drops: a coil that stays on with its gate off has no other way to go off
     if (b.controller.fire_control().state() != State::fault) pump_safety_relay();
     b.progress.moved(port::Progress::control);
+    nvic().pend(irq_background);
   }
   if (b.progress.may_feed()) feed_watchdog();
+}
+
+/// What may take longer than a block.
+extern "C" void background_handler() {
+  Board& b = board();
+  b.controller.background();
+  b.progress.moved(port::Progress::background);
 }
 
 extern "C" [[noreturn]] void run_bench() {
@@ -151,11 +159,13 @@ extern "C" [[noreturn]] void run_bench() {
   static Identity identity;
   Board& b = board();
   b.may_fire = crystal;
+  b.controller.fire_control().boot({.cause = reset_cause(cause), .survivor = &survivor});
   const iiod::Context context{.description = "powbench on NUCLEO-G474RE",
                               .attributes = identify(identity, crystal, cause),
                               .devices = b.device_list,
                               .lock = controller_lock};
   scb().shpr[2].change(0xFFU << 16, std::uint32_t{priority_control} << 16);  // PendSV
+  nvic().enable(irq_background, priority_background);
   b.converters.set_up();
   b.serial.set_up();
   start_sampling();

@@ -23,6 +23,10 @@ void Serial::set_up() {
   channel.ccr.write(DmaChannel::ccr_circular | DmaChannel::ccr_memory_step | DmaChannel::ccr_priority_high |
                     DmaChannel::ccr_enable);
 
+  dmamux().channel[transmit_channel - 1].write(request_usart2_tx);
+  dma1_channel(transmit_channel)
+      .cpar.write(static_cast<std::uint32_t>(reinterpret_cast<std::uintptr_t>(&usart2().tdr)));
+
   usart2().brr.write(core_hertz / baud);
   usart2().cr3.write(Usart::cr3_receive_dma);
   usart2().cr1.write(Usart::cr1_fifo | Usart::cr1_transmit | Usart::cr1_receive | Usart::cr1_enable);
@@ -44,7 +48,29 @@ bool Serial::line_error() {
   return true;
 }
 
+/// Sends the bytes from where they are.
+void Serial::transmit(std::span<const std::uint8_t> bytes) {
+  constexpr std::size_t most = 0xFFFF;  // the channel counts in 16 bits
+  DmaChannel& channel = dma1_channel(transmit_channel);
+  usart2().cr3.set(Usart::cr3_transmit_dma);
+  while (!bytes.empty()) {
+    const std::size_t n = bytes.size() < most ? bytes.size() : most;
+    channel.cmar.write(static_cast<std::uint32_t>(reinterpret_cast<std::uintptr_t>(bytes.data())));
+    channel.cndtr.write(static_cast<std::uint32_t>(n));
+    channel.ccr.write(DmaChannel::ccr_to_peripheral | DmaChannel::ccr_memory_step | DmaChannel::ccr_enable);
+    for (std::uint32_t left = channel.cndtr.read(), before = left; left > 0; left = channel.cndtr.read()) {
+      // only bytes that leave are progress: a line that stands still has to end in the watchdog
+      if (left != before) progress_.moved(port::Progress::main_loop);
+      before = left;
+    }
+    channel.ccr.write(0);
+    bytes = bytes.subspan(n);
+  }
+  usart2().cr3.clear(Usart::cr3_transmit_dma);
+}
+
 void Serial::put(std::span<const std::uint8_t> bytes) {
+  if (bytes.size() >= transmit_by_dma) return transmit(bytes);
   for (const std::uint8_t byte : bytes) {
     while (!usart2().isr.any(Usart::isr_room)) {
     }

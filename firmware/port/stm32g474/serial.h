@@ -10,8 +10,8 @@
 namespace powbench::firmware::stm32g474 {
 
 /// USART2 on the board's virtual serial port, 2 Mbaud 8N1. Bytes come in through a circular buffer; answers leave
-/// through the hardware's FIFO, with the main loop waiting for room: it has nothing else to do, and everything urgent
-/// interrupts it.
+/// through the hardware's FIFO, a record straight from the recorder's memory by DMA. The main loop waits meanwhile: it has
+/// nothing else to do, everything urgent interrupts it, and what is being sent cannot change under the DMA.
 class Serial final : public iiod::ByteSink {
  public:
   explicit Serial(port::Progress& progress) : progress_(progress) {}
@@ -25,7 +25,10 @@ class Serial final : public iiod::ByteSink {
 
  private:
   static constexpr unsigned dma_channel = 6;
+  static constexpr unsigned transmit_channel = 7;
+  static constexpr std::size_t transmit_by_dma = 64;  ///< bytes: fewer go through the FIFO
   std::size_t written() const;
+  void transmit(std::span<const std::uint8_t> bytes);
 
   port::Progress& progress_;
   std::array<std::uint8_t, 512> ring_{};

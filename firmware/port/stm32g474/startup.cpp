@@ -18,6 +18,7 @@ extern const std::uint32_t data_image[];
 
 [[noreturn]] void fault_reset(std::uint32_t frame);
 void control_handler();
+void background_handler();
 void samples_handler();
 void pvd_handler();
 
@@ -48,6 +49,8 @@ void pvd_handler();
     postmortem.link_register = stacked[5];
     postmortem.program_counter = stacked[6];
   }
+  survivor.record_crash(crash_cause(postmortem.exception), postmortem.program_counter,
+                        postmortem.link_register);
   asm volatile("dsb");
   scb().aircr.write(Scb::aircr_reset);
   for (;;) {
@@ -85,6 +88,7 @@ constexpr VectorTable make_vectors() {
   table.exceptions[13] = control_handler;  // PendSV
   table.interrupts[irq_pvd] = pvd_handler;
   table.interrupts[irq_dma1_channel5] = samples_handler;
+  table.interrupts[irq_background] = background_handler;
   return table;
 }
 

@@ -33,6 +33,7 @@ struct Nvic {
     ipr[irq] = priority;
     iser[irq / 32].write(bit(irq % 32));
   }
+  void pend(unsigned irq) { ispr[irq / 32].write(bit(irq % 32)); }
 };
 static_assert(offsetof(Nvic, icer) == 0x80 && offsetof(Nvic, ispr) == 0x100 && offsetof(Nvic, ipr) == 0x300);
 inline Nvic& nvic() {
@@ -40,13 +41,16 @@ inline Nvic& nvic() {
 }
 
 /// Positions in the interrupt part of the vector table.
-enum Irq : unsigned { irq_pvd = 1, irq_dma1_channel5 = 15, irq_count = 102 };
+/// `irq_background` is the random generator's, which is off: software alone pends it.
+enum Irq : unsigned { irq_pvd = 1, irq_dma1_channel5 = 15, irq_background = 90, irq_count = 102 };
 
-/// The upper four bits of a priority count; a small number goes first. The control step has the lowest: everything
-/// that must not wait interrupts it, and `controller_lock` keeps out nothing but it.
-inline constexpr std::uint8_t priority_cut_off = 0x00, priority_samples = 0x40, priority_control = 0xC0;
+/// The upper four bits of a priority count; a small number goes first. Control step
+/// and background have the lowest: everything that must not wait interrupts them, and `controller_lock` keeps out nothing
+/// but them.
+inline constexpr std::uint8_t priority_cut_off = 0x00, priority_samples = 0x40, priority_control = 0xC0,
+                              priority_background = 0xE0;
 
-/// Keeps the control step out while the main loop touches the controller.
+/// Keeps control step and background out while the main loop touches the controller.
 inline void controller_lock(bool held) {
   const std::uint32_t level = held ? priority_control : 0U;
   asm volatile("msr basepri, %0\n\tisb" : : "r"(level) : "memory");

@@ -35,8 +35,9 @@ inline Gpio& gpioc() {
 struct DmaChannel {
   Register ccr, cndtr, cpar, cmar, reserved;
   static constexpr std::uint32_t ccr_enable = bit(0), ccr_full_irq = bit(1), ccr_half_irq = bit(2),
-                                 ccr_circular = bit(5), ccr_memory_step = bit(7), ccr_from_16 = 1U << 8,
-                                 ccr_to_16 = 1U << 10, ccr_priority_high = 2U << 12,
+                                 ccr_to_peripheral = bit(4), ccr_circular = bit(5), ccr_memory_step = bit(7),
+                                 ccr_from_16 = 1U << 8, ccr_to_16 = 1U << 10, ccr_from_32 = 2U << 8,
+                                 ccr_to_32 = 2U << 10, ccr_priority_high = 2U << 12,
                                  ccr_priority_highest = 3U << 12;
 };
 struct Dma {
@@ -62,13 +63,14 @@ struct Dmamux {
 inline Dmamux& dmamux() {
   return at<Dmamux>(0x4002'0800);
 }
-inline constexpr std::uint32_t request_adc[] = {5, 36, 37, 38, 39}, request_usart2_rx = 26;
+inline constexpr std::uint32_t request_adc[] = {5, 36, 37, 38, 39}, request_usart2_rx = 26,
+                               request_usart2_tx = 27, request_tim2_ch1 = 56;
 
 struct Usart {
   Register cr1, cr2, cr3, brr, gtpr, rtor, rqr, isr, icr, rdr, tdr, presc;
   static constexpr std::uint32_t cr1_enable = bit(0), cr1_receive = bit(2), cr1_transmit = bit(3),
                                  cr1_fifo = bit(29);
-  static constexpr std::uint32_t cr3_receive_dma = bit(6);
+  static constexpr std::uint32_t cr3_receive_dma = bit(6), cr3_transmit_dma = bit(7);
   static constexpr std::uint32_t isr_line_errors =
       15U;  ///< parity, framing, noise, overrun; the same bits clear them
   static constexpr std::uint32_t isr_room = bit(7);

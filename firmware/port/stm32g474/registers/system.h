@@ -22,7 +22,8 @@ struct Rcc {
   static constexpr std::uint32_t ahb1enr_dma1 = bit(0), ahb1enr_dmamux1 = bit(2);
   static constexpr std::uint32_t ahb2enr_gpioa = bit(0), ahb2enr_gpiob = bit(1), ahb2enr_gpioc = bit(2),
                                  ahb2enr_adc12 = bit(13), ahb2enr_adc345 = bit(14), ahb2enr_dac3 = bit(18);
-  static constexpr std::uint32_t apb1enr1_tim3 = bit(1), apb1enr1_usart2 = bit(17), apb1enr1_pwr = bit(28);
+  static constexpr std::uint32_t apb1enr1_tim2 = bit(0), apb1enr1_tim3 = bit(1), apb1enr1_usart2 = bit(17),
+                                 apb1enr1_pwr = bit(28);
   static constexpr std::uint32_t apb2enr_syscfg = bit(0), apb2enr_tim1 = bit(11);
   static constexpr std::uint32_t cicr_cssc = bit(8);
   static constexpr std::uint32_t csr_rmvf = bit(23), csr_obl = bit(25), csr_pin = bit(26), csr_bor = bit(27),

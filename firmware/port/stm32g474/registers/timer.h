@@ -12,6 +12,7 @@ struct Timer {
   static constexpr std::uint32_t smcr_start_on_itr0 = 6U;
   static constexpr std::uint32_t sr_break = bit(7), sr_break2 = bit(8), sr_system_break = bit(13);
   static constexpr std::uint32_t egr_update = bit(0);
+  static constexpr std::uint32_t dier_ch1_dma = bit(9);
   /// Mode of compare channel 3, in ccmr2.
   static constexpr std::uint32_t oc3_mode = 7U << 4 | bit(16), oc3_frozen = 0, oc3_on_at_match = 1U << 4,
                                  oc3_off_at_match = 2U << 4, oc3_forced_off = 4U << 4;
@@ -27,6 +28,10 @@ static_assert(offsetof(Timer, ccmr3) == 0x50 && offsetof(Timer, af1) == 0x60);
 inline constexpr std::uint32_t tim1_address = 0x4001'2C00;
 inline Timer& tim1() {
   return at<Timer>(tim1_address);
+}
+/// The one with 32 bits.
+inline Timer& tim2() {
+  return at<Timer>(0x4000'0000);
 }
 inline Timer& tim3() {
   return at<Timer>(0x4000'0400);

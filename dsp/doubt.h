@@ -1,0 +1,14 @@
+#pragma once
+
+#include "core/events.h"
+#include "core/record.h"
+
+namespace powbench::dsp {
+
+/// What a fit could not tell must not look like a measurement. In every train: a time without a finite uncertainty gets that of the
+/// coarse crossing (the train's resolution) and flag_poor_fit; a release outside the record becomes unknown, a contact
+/// whose touch lies outside goes; force and impulse without a finite uncertainty become unknown.
+/// Sums (settled, bounce time, bounce count) follow. To be applied once to the events of `record`.
+void admit_doubt(Events&, const Record&);
+
+}  // namespace powbench::dsp

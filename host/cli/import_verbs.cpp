@@ -1,0 +1,131 @@
+#include <fmt/format.h>
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "core/phase.h"
+#include "core/version.h"
+#include "dsp/doubt.h"
+#include "dsp/extract.h"
+#include "host/cli/scene.h"
+#include "host/cli/show.h"
+#include "host/cli/verbs.h"
+#include "host/export/events_json.h"
+#include "host/import/waveform.h"
+#include "host/store/hash.h"
+#include "host/store/json.h"
+
+namespace powbench::host {
+
+namespace {
+
+constexpr const char* imported_uri = "file:";
+
+Imported read(const std::string& file, const std::string& calibration) {
+  return import_file(file,
+                     calibration.empty() ? std::nullopt : std::optional<std::filesystem::path>(calibration));
+}
+
+/// Events; where no closing angle was commanded, the one reached is taken for it.
+Events extract_imported(Imported& in, const dsp::ExtractOptions& options) {
+  Events e = dsp::extract_events(in.record, options);
+  dsp::admit_doubt(e, in.record);
+  if (in.angle_commanded) return e;
+  e.flags &= ~static_cast<std::uint32_t>(flag_angle_off);
+  e.coil.flags &= ~static_cast<std::uint32_t>(flag_angle_off);
+  if (e.coil.closing_angle.known())
+    in.record.conditions.closing_angle = wrap_turn(e.coil.closing_angle.value);
+  return e;
+}
+
+/// What stands for the plan of imported records: as far as it matters, what their calibration says.
+Scene imported_scene(const Imported& in) {
+  Scene scene;
+  scene.plan.name = "imported";
+  scene.plan.angles = {0.0};
+  scene.plan.repeats = 1;
+  scene.plan.mains_hertz = in.options.mains_hertz;
+  scene.plan.crosstalk_a = in.options.crosstalk_a;
+  scene.plan.crosstalk_b = in.options.crosstalk_b;
+  scene.specimen.name = in.record.conditions.specimen;
+  scene.plan_text = resolved_text(scene.plan);
+  scene.plan_hash = sha256_hex(scene.plan_text);
+  scene.specimen_text = resolved_text(scene.specimen);
+  scene.specimen_hash = sha256_hex(scene.specimen_text);
+  return scene;
+}
+
+std::int64_t campaign_of(Store& store, const Scene& scene) {
+  for (const CampaignInfo& c : store.campaigns())
+    if (c.rig_uri == imported_uri && c.plan_hash == scene.plan_hash && c.specimen_hash == scene.specimen_hash)
+      return c.id;
+  CampaignInfo info = campaign_info(scene, "", "waveform files");
+  info.rig_uri = imported_uri;
+  const std::int64_t id = store.create_campaign(info);
+  store.set_finished(id, true);
+  return id;
+}
+
+/// A number that is the same for the same samples, clock and calibration, so that a file is stored once.
+std::uint64_t identity(const Record& r) {
+  std::string text = fmt::format("{} {} {} {}", r.sample_rate, r.fire_sample, r.fire_offset, r.calibration);
+  for (const ChannelRecord& c : r.channels) {
+    text += fmt::format(" {} {} {} {} {}", info(c.channel).name, c.scale, c.offset, c.delay, c.corner_hertz);
+    text.append(reinterpret_cast<const char*>(c.raw.data()), c.raw.size() * sizeof c.raw[0]);
+  }
+  return std::stoull(sha256_hex(text).substr(0, 13), nullptr, 16);
+}
+
+}  // namespace
+
+Exit import_waveform_file(const ImportArgs& args) {
+  Imported in = read(args.file, args.calibration);
+  const Scene scene = imported_scene(in);
+  const RunOptions options = run_options(scene.plan);
+  const Events events = extract_imported(in, options.extract);
+  Record& record = in.record;
+  record.conditions.seed = identity(record);
+  Store store(args.database);
+  const std::int64_t campaign = campaign_of(store, scene);
+  StoredShot shot;
+  bool there = false;
+  for (const StoredShot& s : store.shots(campaign, ShotKind::measured)) {
+    if (s.conditions.seed == record.conditions.seed) shot.id = s.id, there = true;
+    shot.number = std::max(shot.number, s.number + 1);
+  }
+  if (!there) {
+    shot.campaign = campaign;
+    shot.conditions = record.conditions;
+    shot.angle_deg = to_centi_degrees(record.conditions.closing_angle) / 100.0;
+    shot.outcome = Outcome::pass;
+    shot.id = store.store_shot(shot, &record, &events, {dsp::to_text(options.extract), program_version});
+  }
+  for (const std::string& note : in.notes) fmt::print(stderr, "{}: {}\n", args.file, note);
+  fmt::print(stderr, "{}: {} shot {} of {}; next: powbench events {} --db {}\n", args.file,
+             there ? "is already" : "stored as", shot.id, args.database, shot.id, args.database);
+  if (args.json)
+    fmt::print("{}\n", nlohmann::ordered_json{{"shot", shot.id},
+                                              {"campaign", campaign},
+                                              {"samples", record.samples()},
+                                              {"sample_rate", record.sample_rate},
+                                              {"notes", in.notes}}
+                           .dump(2));
+  else
+    fmt::print("{}\n", shot.id);
+  return Exit::pass;
+}
+
+Exit show_file_events(const EventsArgs& args) {
+  Imported in = read(args.shot, args.calibration);
+  const Events events = extract_imported(in, in.options);
+  for (const std::string& note : in.notes) fmt::print(stderr, "{}: {}\n", args.shot, note);
+  if (args.json) {
+    fmt::print("{}\n", to_events_json(events, in.record));
+    return Exit::pass;
+  }
+  fmt::print("{}, method {}\n", args.shot, events.method);
+  print_events(events);
+  return Exit::pass;
+}
+
+}  // namespace powbench::host

@@ -1,0 +1,74 @@
+#include "host/export/events_json.h"
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "core/units.h"
+#include "host/store/json.h"
+
+namespace powbench::host {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json number(double x) {
+  return std::isfinite(x) ? Json(x) : Json(nullptr);
+}
+
+Json flags_json(std::uint32_t flags) {
+  Json list = Json::array();
+  const std::string names = flag_names(flags);
+  for (std::size_t at = 0; at < names.size();) {
+    const std::size_t end = std::min(names.find(", ", at), names.size());
+    list.push_back(names.substr(at, end - at));
+    at = end + 2;
+  }
+  return list;
+}
+
+Json train_json(const ContactTrain& t, std::uint32_t all) {
+  Json contacts = Json::array();
+  for (const Contact& c : t.contacts)
+    contacts.push_back({{"touch_s", number(c.touch.value)},
+                        {"u_touch_s", number(c.touch.u)},
+                        {"release_s", number(c.release.value)},
+                        {"u_release_s", number(c.release.u)},
+                        {"peak", number(c.peak.value)},
+                        {"impulse", number(c.impulse.value)},
+                        {"flags", flags_json(c.flags | t.flags | all)}});
+  return {{"contacts", contacts},
+          {"settled_s", number(t.settled.value)},
+          {"u_settled_s", number(t.settled.u)},
+          {"bounce_time_s", number(t.bounce_time.value)},
+          {"resolution_s", t.present ? number(t.resolution) : Json(nullptr)}};
+}
+
+}  // namespace
+
+std::string to_events_json(const Events& e, const Record& record, int indent) {
+  const std::uint32_t all = e.flags & flag_no_calibration;
+  Json channels = Json::object();
+  for (const auto& [channel, train] : {std::pair{Channel::pvdf_a, &e.pvdf_a},
+                                       {Channel::pvdf_b, &e.pvdf_b},
+                                       {Channel::contact_a, &e.contact_voltage}})
+    if (record.find(channel)) channels[std::string(info(channel).name)] = train_json(*train, all);
+  const CoreEvents& c = e.core;
+  const Json core = {{"seat_s", number(c.seat.value)},
+                     {"u_seat_s", number(c.seat.u)},
+                     {"settled_s", number(c.settled.value)},
+                     {"u_settled_s", number(c.settled.u)},
+                     {"bounce_time_s", number(c.bounce_time.value)},
+                     {"impact_velocity_m_per_s", number(c.impact_velocity.value)},
+                     {"u_impact_velocity_m_per_s", number(c.impact_velocity.u)},
+                     {"travel_m", number(c.travel.value)},
+                     {"u_travel_m", number(c.travel.u)},
+                     {"flags", flags_json(c.flags | all)}};
+  const Json j = {{"channels", channels},
+                  {"core", core},
+                  {"closing_angle_deg", number(degrees(e.coil.closing_angle.value))},
+                  {"u_closing_angle_deg", number(degrees(e.coil.closing_angle.u))}};
+  return j.dump(indent);
+}
+
+}  // namespace powbench::host

@@ -1,0 +1,128 @@
+#include "host/import/calibration.h"
+
+#include <algorithm>
+#include <cctype>
+#include <cmath>
+
+#include "core/phase.h"
+#include "host/config/file_reader.h"
+
+namespace powbench::host {
+
+namespace {
+
+/// Key of the gain: what one volt stands for.
+std::string gain_key(Channel c) {
+  const std::string_view unit = info(c).unit;
+  return "gain_" + std::string(unit == "m" ? "mm" : unit) + "_per_V";
+}
+
+void declare_channel(FileKind& kind, Channel c, ChannelCalibration& k) {
+  kind.section(std::string(info(c).name), std::string(info(c).meaning));
+  kind.number(gain_key(c), k.gain, {-1e9, 1e9},
+              "of one volt, for a column in V; negative for a sensor that is upside down", Need::optional);
+  kind.number("delay_us", k.delay, {-1e5, 1e5}, "by how much the channel is late");
+  kind.number("clip_low", k.clip_low, {-1e12, 1e12}, "in the column's unit: at or below it is saturated",
+              Need::optional);
+  kind.number("clip_high", k.clip_high, {-1e12, 1e12}, "in the column's unit: at or above it is saturated",
+              Need::optional);
+  if (c != Channel::pvdf_a && c != Channel::pvdf_b) return;
+  kind.number("corner_hertz", k.corner_hertz, {0, 1000},
+              "low corner of the charge amplifier, whose droop is undone; 0 = coupled down to DC");
+  kind.number("crosstalk_percent", k.crosstalk, {-50, 50},
+              "share of the other film's force that this film shows");
+}
+
+FileKind kind_of(Calibration& k, const std::vector<Channel>& channels) {
+  FileKind kind("calibration", "what the numbers of a waveform file mean");
+  kind.text("calibration", k.id, "name of the calibration in force; without it all results are flagged");
+  kind.text("valid_until", k.valid_until, "its last day, as 2030-12-31; without it there is none");
+  kind.text("recorded", k.recorded, "day of the record, as 2030-12-31; without it today");
+  kind.number("switch_on_s", k.switch_on, {-1e12, 1e12}, "when the coil was switched on, on the time column");
+  kind.number("hold_ms", k.hold_time, {1e-3, 1e7}, "how long it stayed on; without it to the end",
+              Need::optional);
+  kind.number("sample_rate_hertz", k.sample_rate, {1e3, 1e9},
+              "instead of the time column's stamps; the first sample keeps its time", Need::optional);
+  kind.number("mains_hertz", k.mains_hertz, {40, 70}, "nominal mains frequency");
+  kind.number("closing_angle_deg", k.closing_angle, {0, 360}, "commanded; without it none is checked",
+              Need::optional);
+  for (const Channel c : channels) declare_channel(kind, c, k.channels[index(c)]);
+  return kind;
+}
+
+std::vector<Channel> all_channels() {
+  std::vector<Channel> list;
+  for (std::size_t i = 0; i < channel_count; ++i) list.push_back(static_cast<Channel>(i));
+  return list;
+}
+
+/// `2030-12-31`; dates written so compare as texts.
+bool is_day(const std::string& s) {
+  if (s.size() != 10 || s[4] != '-' || s[7] != '-') return false;
+  for (const std::size_t i : {0U, 1U, 2U, 3U, 5U, 6U, 8U, 9U})
+    if (!std::isdigit(static_cast<unsigned char>(s[i]))) return false;
+  const int month = std::stoi(s.substr(5, 2)), day = std::stoi(s.substr(8, 2));
+  return month >= 1 && month <= 12 && day >= 1 && day <= 31;
+}
+
+Calibration read_with(FileReader reader) {
+  Calibration k;
+  reader.read(kind_of(k, all_channels()));
+  for (const auto& [key, text] : {std::pair{"valid_until", &k.valid_until}, {"recorded", &k.recorded}})
+    if (!text->empty() && !is_day(*text)) reader.fail("", key, "is no day", "a day as 2030-12-31");
+  for (const Channel c : all_channels()) {
+    const std::string section(info(c).name);
+    const ChannelCalibration& ch = k.of(c);
+    if (std::abs(ch.gain) < 1e-9)
+      reader.fail(section, gain_key(c), "makes every value zero", "-1e9..-1e-9 or 1e-9..1e9");
+    if (ch.clip_low >= ch.clip_high) reader.fail(section, "clip_low", "is not below clip_high");
+  }
+  reader.finish();
+  return k;
+}
+
+}  // namespace
+
+std::filesystem::path calibration_path(const std::filesystem::path& waveform) {
+  auto path = waveform;
+  return path.replace_extension(".toml");
+}
+
+Calibration read_calibration(const std::filesystem::path& path) {
+  return read_with(FileReader::open(path));
+}
+
+Calibration parse_calibration(std::string text, std::string file) {
+  return read_with(FileReader(std::move(file), std::move(text)));
+}
+
+std::string calibration_template() {
+  Calibration k;
+  return kind_of(k, all_channels()).template_text();
+}
+
+std::string calibration_of(const Record& record) {
+  Calibration k;
+  k.id = record.calibration;
+  k.hold_time = record.conditions.hold_time;
+  k.mains_hertz = record.conditions.mains_hertz;
+  k.closing_angle = wrap_turn(record.conditions.closing_angle + (record.conditions.polarity < 0 ? pi : 0.0));
+  std::vector<Channel> channels;
+  for (const ChannelRecord& c : record.channels) {
+    channels.push_back(c.channel);
+    ChannelCalibration& to = k.channels[index(c.channel)];
+    to.corner_hertz = c.corner_hertz;
+    to.delay = c.delay;
+    const double low = (c.clip_low + c.offset) * c.scale, high = (c.clip_high + c.offset) * c.scale;
+    to.clip_low = std::min(low, high);
+    to.clip_high = std::max(low, high);
+  }
+  return kind_of(k, channels).resolved_text();
+}
+
+bool in_force(const Calibration& k, const std::string& today) {
+  if (k.id.empty()) return false;
+  return k.valid_until.empty() || (k.recorded.empty() ? today : k.recorded) <= k.valid_until;
+}
+
+}  // namespace powbench::host

@@ -1,0 +1,78 @@
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "tests/system/program.h"
+
+using namespace powbench::test;
+using Catch::Contains;
+using nlohmann::json;
+
+namespace {
+
+const char* const pulse_file =
+    "time [ms],pvdf_a "
+    "[mN]\n-1,0\n-0.9,10\n-0.8,0\n-0.7,-10\n-0.6,0\n-0.5,10\n-0.4,0\n-0.3,0\n-0.2,0\n-0.1,0\n0,0\n";
+
+}  // namespace
+
+TEST_CASE("a shot of the simulated rig: export, import, events: the same times", "[system]") {
+  Folder folder;
+  const std::string db = folder.file("a.db"), csv = folder.file("shot.csv");
+  const std::string plan = folder.write("p.toml", "angles_deg = [60]\nrepeats = 1\n");
+  REQUIRE(run(folder, {"run", plan, "--db", db, "--progress", "none"}).status == 0);
+  REQUIRE(run(folder, {"export", "1", "--db", db, "-o", csv}).status == 0);
+  REQUIRE(std::filesystem::exists(folder.file("shot.toml")));
+  const json before = json::parse(run(folder, {"events", "1", "--db", db, "--json"}).out);
+  const Finished direct = run(folder, {"events", csv, "--json"});
+  REQUIRE(direct.status == 0);
+  const json after = json::parse(direct.out);
+  for (const char* channel : {"pvdf_a", "pvdf_b"}) {
+    const json &a = before[channel]["contacts"], &b = after["channels"][channel]["contacts"];
+    REQUIRE(a.size() >= 2);
+    REQUIRE(a.size() == b.size());
+    for (std::size_t i = 0; i < a.size(); ++i)
+      CHECK(std::abs(a[i]["touch_s"]["value"].get<double>() - b[i]["touch_s"].get<double>()) < 0.1e-6);
+  }
+  CHECK(std::abs(before["core"]["seat_s"]["value"].get<double>() - after["core"]["seat_s"].get<double>()) <
+        0.1e-6);
+  CHECK(after["closing_angle_deg"].get<double>() == Approx(60).margin(0.5));
+
+  const Finished first = run(folder, {"import", csv, "--db", db}),
+                 again = run(folder, {"import", csv, "--db", db});
+  CHECK(first.status == 0);
+  CHECK(first.out == "2\n");
+  CHECK(again.out == "2\n");  // stored once
+  CHECK_THAT(again.err, Contains("is already shot 2"));
+  const json stored = json::parse(run(folder, {"events", "2", "--db", db, "--json"}).out);
+  CHECK(stored["pvdf_a"] == json::parse(run(folder, {"events", "2", "--db", db, "--json"}).out)["pvdf_a"]);
+  CHECK(std::abs(stored["pvdf_a"]["contacts"][0]["touch_s"]["value"].get<double>() -
+                 before["pvdf_a"]["contacts"][0]["touch_s"]["value"].get<double>()) < 0.1e-6);
+  CHECK(run(folder, {"report", "--db", db, "-o", folder.file("out")}).status == 0);
+}
+
+TEST_CASE("a stranger's file without a database: events or one clear sentence", "[system]") {
+  Folder folder;
+  const Finished quiet = run(folder, {"events", folder.write("quiet.csv", pulse_file), "--json"});
+  CHECK(quiet.status == 0);
+  CHECK(json::parse(quiet.out)["channels"]["pvdf_a"]["contacts"].empty());
+  CHECK_THAT(quiet.err, Contains("no calibration is named"));
+  CHECK_FALSE(std::filesystem::exists(folder.file("powbench.db")));
+  for (const auto& [text, sentence] : {std::pair{"", "empty"},
+                                       {"time [s],pvdf_x [N]\n", "did you mean"},
+                                       {"time [s],pvdf_a [V]\n0,1\n", "volts need"}}) {
+    const Finished r = run(folder, {"events", folder.write("bad.csv", text), "--json"});
+    CHECK(r.status == 2);
+    CHECK(r.out.empty());
+    CHECK_THAT(r.err, Contains("bad.csv:1") && Contains(sentence));
+    CHECK(run(folder, {"import", folder.file("bad.csv"), "--db", folder.file("b.db")}).status == 2);
+    CHECK_FALSE(std::filesystem::exists(folder.file("b.db")));
+  }
+  CHECK(run(folder, {"events", folder.file("none.csv")}).status == 2);
+  CHECK(run(folder, {"events", folder.file("bad.csv"), "--calibration", folder.file("none.toml")}).status ==
+        2);
+  CHECK_THAT(run(folder, {"import", "--help"}).out,
+             Contains("time [s],pvdf_a [N]") && Contains("gain_N_per_V"));
+  CHECK_THAT(run(folder, {"plan", "template", "calibration"}).out,
+             Contains("[pvdf_a]") && Contains("corner_hertz"));
+}
