@@ -235,7 +235,7 @@ void lamination(std::vector<AnalyticResult>& all, double d, double sigma, double
 void long_cylinder(std::vector<AnalyticResult>& all, double hertz) {
   constexpr double radius = 0.05, sigma = 1.6e7, height = 5e-3;
   const double skin = std::sqrt(2 / (2 * pi * hertz * mu0 * sigma));
-  auto r = graded_lines({{0, 0}, {radius, std::min(radius / 40, skin / 5)}}, 1.4, radius / 40);
+  auto r = graded_lines({{0, 0}, {radius, std::min(radius / 80, skin / 5)}}, 1.4, radius / 80);
   r.push_back(radius * 1.0002);
   FieldSetup f;
   f.axisymmetric = true;

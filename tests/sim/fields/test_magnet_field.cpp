@@ -1,11 +1,11 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
-#include "tests/sim/fields/contactor.h"
+#include "bench/fields/contactor.h"
 
 using namespace powbench::sim;
-using powbench::testing::reference_contactor;
-using powbench::testing::reference_rows;
+using powbench::bench::reference_contactor;
+using powbench::bench::reference_rows;
 
 namespace {
 

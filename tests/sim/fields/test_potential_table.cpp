@@ -1,10 +1,10 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
+#include "bench/fields/contactor.h"
 #include "core/random.h"
 #include "core/units.h"
 #include "sim/fields/table_build.h"
-#include "tests/sim/fields/contactor.h"
 
 using namespace powbench::sim;
 
@@ -42,7 +42,7 @@ PotentialTable smooth_table(int nodes) {
 /// A rough but real table of the E-E contactor.
 const PotentialTable& contactor_table() {
   static const PotentialTable table = [] {
-    auto design = powbench::testing::reference_contactor();
+    auto design = powbench::bench::reference_contactor();
     design.turns = 1000;
     design.residual_gap = 20e-6;
     TableOptions o;
@@ -168,7 +168,7 @@ TEST_CASE("di/dpsi is positive in every cell, and a table where it is not is ref
 }
 
 TEST_CASE("the table is the field: 60 states at random, and the error estimate holds") {
-  auto design = powbench::testing::reference_contactor();
+  auto design = powbench::bench::reference_contactor();
   design.turns = 1000;
   design.residual_gap = 20e-6;
   TableOptions o;
@@ -196,7 +196,7 @@ TEST_CASE("the table is the field: 60 states at random, and the error estimate h
 }
 
 TEST_CASE("the result does not depend on the number of threads, the hash on nothing but the input") {
-  auto design = powbench::testing::reference_contactor();
+  auto design = powbench::bench::reference_contactor();
   TableOptions o;
   o.accuracy = 0.05;
   o.psi_nodes = o.gap_nodes = 5;
@@ -209,7 +209,7 @@ TEST_CASE("the result does not depend on the number of threads, the hash on noth
 }
 
 TEST_CASE("bad options are refused") {
-  const auto design = powbench::testing::reference_contactor();
+  const auto design = powbench::bench::reference_contactor();
   Team team(1);
   TableOptions o;
   o.accuracy = 0.5;

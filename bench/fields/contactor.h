@@ -4,7 +4,7 @@
 
 /// The E-E contactor of the reference rows: planar, 15 mm deep, the centre leg 0.1 mm short, one turn.
 
-namespace powbench::testing {
+namespace powbench::bench {
 
 inline sim::MagnetDesign reference_contactor() {
   sim::MagnetDesign d;
@@ -44,4 +44,4 @@ inline constexpr ReferenceRow reference_rows[] = {
     {0.02e-3, 3000, 4.00758572e-04, 556.366428},
 };
 
-}  // namespace powbench::testing
+}  // namespace powbench::bench
