@@ -12,6 +12,12 @@ double dot(const std::vector<double>& a, const std::vector<double>& b) {
   return sum;
 }
 
+double absolute_dot(const std::vector<double>& a, const std::vector<double>& b) {
+  double sum = 1e-300;
+  for (std::size_t k = 0; k < a.size(); ++k) sum += std::fabs(a[k] * b[k]);
+  return sum;
+}
+
 /// Inverse of a small symmetric positive definite matrix by rows, by Gauss and Jordan.
 std::vector<double> inverse_of(std::vector<double> m, std::size_t n) {
   std::vector<double> inverse(n * n, 0);
@@ -95,7 +101,8 @@ bool Newton::direction(const std::vector<Circuit>& circuits, const std::vector<d
     const auto& w = problem_.winding(bordered_[k]);
     const auto& circuit = circuits[bordered_[k]];
     const double missing = circuit.value - dot(w, a) - circuit.resistance * current[bordered_[k]];
-    step.miss = std::max(step.miss, std::fabs(missing) / std::max(std::fabs(circuit.value), 1e-300));
+    step.miss =
+        std::max(step.miss, std::fabs(missing) / std::max(std::fabs(circuit.value), absolute_dot(w, a)));
     rest[k] = missing - dot(w, step.da);
     for (std::size_t l = 0; l < n; ++l)
       schur[k * n + l] = dot(w, border_[l]) + (k == l ? circuit.resistance : 0);
@@ -139,7 +146,7 @@ double Newton::line_search(const std::vector<double>& a, const Step& step,
 
 NewtonReport Newton::solve(const std::vector<Circuit>& circuits, std::vector<double>& a,
                            std::vector<double>& current, const NewtonOptions& options) {
-  constexpr double met = 1e-9;  // circuits count as met
+  constexpr double met = 1e-8;  // circuits count as met
   NewtonReport report;
   Step step;
   current.resize(circuits.size(), 0);

@@ -250,7 +250,7 @@ MagneticResponse TablePotential::beyond3(double psi, double ring, double over_ps
   MagneticResponse r = e;
   r.energy +=
       e.current * over_psi + e.ring_current * over_ring + gamma[0] * pp + e.current_ring * pr + gamma[1] * rr;
-  r.pull -=
+  r.pull +=
       e.current_gap * over_psi + e.ring_gap * over_ring + slope[0] * pp + cross_gap * pr + slope[1] * rr;
   r.pull_gap += bend[0] * pp + bend[1] * rr;
   r.current += gamma[0] * over_psi + e.current_ring * over_ring;

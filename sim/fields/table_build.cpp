@@ -13,6 +13,8 @@
 namespace powbench::sim {
 namespace {
 
+constexpr double mesh_share = 0.4;  ///< of the wanted error, for the mesh
+
 std::size_t index(int i) {
   return static_cast<std::size_t>(i);
 }
@@ -87,7 +89,7 @@ class Sweep {
   void store(const FieldPoint& point) {
     const auto& r = point.response;
     if (ring_)
-      slice_.nodes.insert(slice_.nodes.end(), {r.energy, r.current, r.ring_current, r.current_ring, -r.pull,
+      slice_.nodes.insert(slice_.nodes.end(), {r.energy, r.current, r.ring_current, r.current_ring, r.pull,
                                                r.current_gap, r.ring_gap, 0});
     else
       slice_.nodes.insert(slice_.nodes.end(), {r.energy, r.current, r.pull, r.current_gap});
@@ -170,7 +172,7 @@ TablePlan plan_table(const MagnetDesign& d, const TableOptions& o) {
     const double ring = 2 * inner * d.shape.stack * d.shape.stack_factor * o.largest_field;
     for (int k = 0; k < nr; ++k) plan.ring.push_back(ring * (2.0 * k / (nr - 1) - 1));
   }
-  plan.field.sizes = sizes_for(0.6 * o.accuracy);
+  plan.field.sizes = sizes_for(mesh_share * o.accuracy);
   plan.field.largest_gap = o.largest_gap;
   plan.field.newton.tolerance = 1e-8;
   return plan;
@@ -210,7 +212,7 @@ PotentialTable build_table(const MagnetDesign& d, const TableOptions& o, Team& t
   sum.unknowns = prototype.unknowns();
   if (ring) fill_triple(t);
   estimate_errors(t);
-  t.mesh_error = 0.6 * o.accuracy;
+  t.mesh_error = mesh_share * o.accuracy;
   t.design_hash = table_hash(d, o);
   t.description = describe(d, plan, sum.unknowns);
   if (report) *report = sum;

@@ -1,0 +1,25 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+/// Fields whose solution is known in closed form, each solved by the finite elements of sim/fields.
+
+namespace powbench::bench {
+
+struct AnalyticResult {
+  std::string name, quantity;
+  double exact = 0, found = 0;
+  int unknowns = 0;
+  double limit = 0.005;  ///< relative error allowed
+
+  double error() const { return found / exact - 1; }
+};
+
+/// The loop of a solenoid of zero thickness; field of a cylinder and of a sphere; a slot beside an air gap.
+std::vector<AnalyticResult> static_cases();
+
+/// Skin effect in a wire, a lamination, a cylinder and a sphere; a ring in an alternating field.
+std::vector<AnalyticResult> alternating_cases();
+
+}  // namespace powbench::bench
