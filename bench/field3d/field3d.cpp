@@ -286,7 +286,7 @@ int main(int argc, char** argv) {
   solenoids(table);
   team20(table, 2);
   if (fine) team20(table, 1.3);
-  team13(table, fine ? 1.3 : 2);
+  team13(table, fine ? 1 : 1.6);
   plane(table);
   core(table, fine);
   std::printf(

@@ -113,10 +113,9 @@ std::string core_picture(const sim::MagnetField3& field, const sim::FieldPoint3&
       printed("<svg xmlns='http://www.w3.org/2000/svg' viewBox='0 0 %.0f %.0f' ", wide, high) +
       "font-family='sans-serif' font-size='13'>\n<rect width='100%' height='100%' fill='white'/>\n";
   char title[200];
-  std::snprintf(title, sizeof title,
-                "|B| at gap %.1f mm, %.2f A: pull %.1f N, flux linkage %.3f Wb (%d unknowns)", gap * 1e3,
-                point.response.current, point.response.pull, point.psi, field.unknowns());
-  label(svg, 20, 24, title, "font-size='16'");
+  std::snprintf(title, sizeof title, "|B| at gap %.1f mm, %.2f A: pull %.1f N, %.3f Wb", gap * 1e3,
+                point.response.current, point.response.pull, point.psi);
+  label(svg, 20, 24, title, "font-size='15'");
   label(svg, side.left, 50, "middle of the stack: x from the axis, z up");
   label(svg, end.left, 50, "middle of the window: y along the stack, z up");
   paint(svg, side, probe);
