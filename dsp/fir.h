@@ -9,6 +9,7 @@
 #include "dsp/fft.h"
 #include "dsp/filter_design.h"
 #include "dsp/large_fft.h"
+#include "dsp/pair_convolver.h"
 #include "dsp/signal.h"
 
 /// Linear-phase FIR filters by overlap-save, and filters that multiply the spectrum of a whole record. Both have
@@ -22,7 +23,8 @@ namespace powbench::dsp {
 std::vector<double> design_fir(FilterKind, double low_hertz, double high_hertz, double rate,
                                std::size_t taps);
 
-/// y[n] = sum h[k] x[n + (M - 1) / 2 - k], with zeros outside the record: a block of spectra at a time.
+/// y[n] = sum h[k] x[n + (M - 1) / 2 - k], with zeros outside the record: a block of spectra at a time, or two of them in one
+/// complex transform (pair_convolver.h). Both ways differ by rounding: below 1e-15 of the largest sample in the blocks.
 class OverlapSave {
  public:
   /// An odd number M of taps. Throws std::invalid_argument otherwise, or when one is not finite.
@@ -30,15 +32,21 @@ class OverlapSave {
 
   std::size_t taps() const { return taps_.size(); }
   std::size_t edge() const { return (taps_.size() - 1) / 2; }  ///< samples at either end that saw the outside
-  std::size_t block() const { return fft_.size(); }
+  std::size_t block() const { return length_; }
 
   /// Any lengths, also below M; `out` as long as `in` and not the same memory.
   void run(std::span<const double> in, std::span<double> out);
 
  private:
+  void run_pairs(std::span<const double> in, std::span<double> out);
+  void run_one(std::span<const double> in, std::span<double> out);
+
   std::vector<double> taps_;
-  RealFft fft_;
+  std::size_t length_;                          ///< of a block
+  std::optional<PairConvolver> pair_;           ///< where the processor has its vectors, else
+  std::optional<RealFft> fft_;                  ///< with
   std::vector<std::complex<double>> response_;  ///< of the taps, with 1 / block
+  std::vector<double> edge_;  ///< pairs only: two blocks at the ends of a record, and their results
 };
 
 /// OverlapSave on a signal: `mask_edge` on the invalid edges; FilterMemoryError when the record has no more

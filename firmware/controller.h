@@ -64,9 +64,9 @@ class Controller {
   /// block's time. Edges as FireControl::step().
   std::span<const GateEdge> control(const Block& block) {
     keep_latest(block);
-    if (const auto verdict = load_shared(guard_verdict_); verdict != Verdict::none) {
-      guard_verdict_ = Verdict::none;
-      fire_.config_damaged(verdict == Verdict::damaged || !config_error_.empty());
+    if (const auto verdict = load_shared(guard_verdict_); verdict != no_verdict) {
+      guard_verdict_ = no_verdict;
+      fire_.config_damaged(verdict == damaged || !config_error_.empty());
     }
     return fire_.step(block);
   }
@@ -76,7 +76,7 @@ class Controller {
   void background() {
     mains_.work();
     recorder_.count_in();
-    if (guard_.step()) store_shared(guard_verdict_, guard_.intact() ? Verdict::intact : Verdict::damaged);
+    if (guard_.step()) store_shared(guard_verdict_, guard_.intact() ? intact : damaged);
   }
 
   /// Both, where there is only one level.
@@ -111,7 +111,7 @@ class Controller {
   std::int16_t latest(Channel c) const { return latest_[index(c)]; }
 
  private:
-  enum class Verdict : std::uint8_t { none, intact, damaged };
+  static constexpr std::uint8_t no_verdict = 0, intact = 1, damaged = 2;
 
   void keep_latest(const Block& block) {
     const auto scan = block.scans.last(channel_count);
@@ -124,7 +124,7 @@ class Controller {
   Recorder recorder_;
   FireControl fire_;
   ConfigGuard guard_;
-  Verdict guard_verdict_ = Verdict::none;  ///< from the background, not yet seen
+  std::uint8_t guard_verdict_ = no_verdict;  ///< from the background, not yet seen
   std::string_view config_error_;
   std::array<std::int16_t, channel_count> latest_{};
 };

@@ -27,7 +27,7 @@ struct PhaseTrackerConfig {
 ///    Commutation notches are repaired (MainsRing).
 /// 2. Every millisecond the phasor of the last two cycles is taken with a Hann window whose length follows
 ///    the frequency.
-/// 3. The phases of the last 1.2 cycles (a mains that repeats itself) to 3.1 cycles (a noisy one) are fitted
+/// 3. The phases of the last 0.9 cycles (a mains that repeats itself), 18 ms at least, to 3.1 cycles (a noisy one) are fitted
 ///    with a parabola in time, whose bend is held back by the noise, and the parabola is evaluated at the
 ///    newest sample.
 /// 4. The waveform is compared with that of a cycle ago: an event is noticed within a few milliseconds,

@@ -18,6 +18,9 @@ ContactorModel::ContactorModel(const Specimen& specimen, const Mains& mains, con
   const double omega = 2 * pi * base.hertz;
   base_rate_ = base.mass * omega * omega;
   base_damping_ = 2 * base.damping * base.mass * omega;
+  const double omega_core = 2 * pi * base.core_hertz;
+  buffer_rate_ = base.core_mass * omega_core * omega_core;
+  buffer_damping_ = 2 * base.core_damping * base.core_mass * omega_core;
   const auto& core = specimen_.core;
   const double c = 2 * damping_ratio(core.stop_restitution) * std::sqrt(core.stop_stiffness * core.mass);
   add_contact(core.stop_stiffness, c);
@@ -61,12 +64,19 @@ void ContactorModel::add_groups() {
     next += 2 * parts;
     groups_.push_back(g);
   }
+  if (specimen_.base.core_mass > 0) {
+    static_core_ = next;
+    const auto at = static_cast<std::size_t>(next);
+    scale_[at] = 1e-3;
+    scale_[at + 1] = 1;
+    next += 2;
+  }
   ledger_ = next;
 }
 
 void ContactorModel::penetrations(const double* s, double* pen, double* rate) const {
   pen[0] = -separation(s);
-  rate[0] = s[v] - s[w];
+  rate[0] = s[v] - s[static_core_ + 1];
   pen[1] = open_stop_depth_ - s[x];
   rate[1] = -s[v];
   const auto& b = specimen_.bridges;
@@ -104,7 +114,12 @@ void ContactorModel::forces(const double* s, Forces& f) const {
   const auto& b = specimen_.bridges;
   f.core = f.field.pull - specimen_.core.return_preload - specimen_.core.return_rate * s[x] + f.contact[1] -
            f.contact[0];
-  f.base = -f.field.pull - base_rate_ * s[z] - base_damping_ * s[w] + f.contact[0];
+  const double on_static_core = f.contact[0] - f.field.pull;
+  const double buffer =
+      floats() ? buffer_rate_ * (s[static_core_] - s[z]) + buffer_damping_ * (s[static_core_ + 1] - s[w])
+               : on_static_core;
+  f.static_core = on_static_core - buffer;
+  f.base = buffer - base_rate_ * s[z] - base_damping_ * s[w];
   for (const auto& g : groups_) {
     const double* c = f.contact + g.first_contact;
     const double spring = b.preload + b.rate * (s[x] - s[g.state]);
@@ -143,6 +158,10 @@ double ContactorModel::losses(const double* s, const Forces& f) const {
     return contacts_[static_cast<std::size_t>(k)].loss(f.pen[k], f.rate[k], f.contact[k]);
   };
   sum += lost(0) + lost(1);
+  if (floats()) {
+    const double rate = s[static_core_ + 1] - s[w];
+    sum += buffer_damping_ * rate * rate;
+  }
   for (const auto& g : groups_)
     for (int k = 0; k < (g.tilts ? 4 : 2); ++k) sum += g.count * lost(g.first_contact + k);
   return sum;
@@ -153,7 +172,7 @@ void ContactorModel::derivative(double t, const double* s, double* ds) const {
   forces(s, f);
   const bool on = coil_ != Coil::open;
   const double voltage = on ? mains(t) : 0.0;
-  flux_rates(f.field, voltage, s[w] - s[v], ds);
+  flux_rates(f.field, voltage, s[static_core_ + 1] - s[v], ds);
 
   const auto& core = specimen_.core;
   ds[x] = s[v];
@@ -173,6 +192,10 @@ void ContactorModel::derivative(double t, const double* s, double* ds) const {
   }
   ds[z] = s[w];
   ds[w] = f.base / specimen_.base.mass;
+  if (floats()) {
+    ds[static_core_] = s[static_core_ + 1];
+    ds[static_core_ + 1] = f.static_core / specimen_.base.core_mass;
+  }
 
   const auto& b = specimen_.bridges;
   for (const auto& g : groups_) {

@@ -10,14 +10,17 @@
 
 /// The contactor as a system with modes for `EventIntegrator`. One data model:
 ///
-///   states   phi, phi2 | x, v (core) | z, w (base) | per bridge group y, y' [, tilt, tilt'] | ledger: 4
-///   energies modes    coil open / closed / closed until the current's next zero | each contact pressed or
+///   states   phi, phi2 | x, v (core) | z, w (base) | per bridge group y, y' [, tilt, tilt'] | [b, b' (static core
+///            on its buffer)] | ledger: 4 energies
+///   modes    coil open / closed / closed until the current's next zero | each contact pressed or
 ///   free | friction guards   one per contact, one for friction, one for the current zero
 ///
-/// Equations (SI, + = closing direction, s = travel - (x - z)):
+/// Equations (SI, + = closing direction, s = travel - (x - b); b = z where the static core is part of the base):
 ///   N phi' + L i' = u - R i,   phi2' = -R_sh i_sh                     fluxes; with the coil open i = 0
 ///   instead M x''   = pull - F_r0 - k_r x - sum n (F_c0 + k_c (x - y) - F_seat) + F_open - F_stop - friction
 ///   M_h z'' = -pull - k_h z - c_h z' + F_stop + sum n (F_A + F_B)
+///             with a buffer F_b = k_s (b - z) + c_s (b' - z') in place of F_stop - pull, and
+///   M_s b'' = -pull + F_stop - F_b
 ///   m y''   = F_c0 + k_c (x - y) - F_seat - F_A - F_B                   one bridge
 ///   J tilt''= -l (F_A - F_B) - l_s (F_seat1 - F_seat2)                  only where the breaks differ
 /// Equal bridges are one group that counts n times; a group whose breaks are equal has no tilt.
@@ -27,7 +30,7 @@ namespace powbench::sim {
 class ContactorModel {
  public:
   static constexpr int max_poles = 8;
-  static constexpr int capacity = 6 + 4 * max_poles + 4;
+  static constexpr int capacity = 6 + 4 * max_poles + 2 + 4;
   static constexpr int guard_capacity = 2 + 4 * max_poles + 2;
   using State = std::array<double, capacity>;
 
@@ -82,12 +85,14 @@ class ContactorModel {
     double contact[guard_capacity];
     double core;  ///< on the core, without friction
     double base;
+    double static_core;  ///< only where it floats
   };
 
   void penetrations(const double* s, double* pen, double* rate) const;
   void forces(const double* s, Forces&) const;
   double core_force(const double* s) const;  ///< N, without friction
-  double separation(const double* s) const { return specimen_.core.travel - (s[x] - s[z]); }
+  double separation(const double* s) const { return specimen_.core.travel - (s[x] - s[static_core_]); }
+  bool floats() const { return static_core_ != z; }
   double second_flux(const double* s) const {
     return circuit_.has_ring() ? s[phi2] : circuit_.shaded_share() * s[phi];
   }
@@ -104,8 +109,11 @@ class ContactorModel {
   MagneticCircuit circuit_;
   double resistance_;  ///< coil, warm, with the source, ohm
   double source_resistance_;
-  double base_rate_;     ///< N/m
-  double base_damping_;  ///< N s/m
+  double base_rate_;           ///< N/m
+  double base_damping_;        ///< N s/m
+  double buffer_rate_ = 0;     ///< N/m
+  double buffer_damping_ = 0;  ///< N s/m
+  int static_core_ = z;        ///< its state: displacement, velocity next to it
   double open_stop_depth_;
   double seat_depth_;
   std::vector<Group> groups_;

@@ -26,6 +26,11 @@ double ContactorModel::stored_energy(const double* s) const {
   double e = circuit_.energy(s[phi], second_flux(s), separation(s)) + 0.5 * specimen_.coil.leakage * i * i;
   e += 0.5 * core.mass * s[v] * s[v] + s[x] * (core.return_preload + 0.5 * core.return_rate * s[x]);
   e += 0.5 * specimen_.base.mass * s[w] * s[w] + 0.5 * base_rate_ * s[z] * s[z];
+  if (floats()) {
+    const double squeeze = s[static_core_] - s[z];
+    const double speed = s[static_core_ + 1];
+    e += 0.5 * specimen_.base.core_mass * speed * speed + 0.5 * buffer_rate_ * squeeze * squeeze;
+  }
   e += contacts_[0].stored(pen[0]) + contacts_[1].stored(pen[1]) - contacts_[1].stored(open_stop_depth_);
   for (const auto& g : groups_) {
     const double* q = s + g.state;
@@ -63,7 +68,7 @@ void ContactorModel::sample(double t, const double* s, PlantSample& out) const {
     out.coil_voltage = out.mains_voltage - source_resistance_ * out.coil_current;
   } else {
     double rates[2];
-    flux_rates(f.field, 0, s[w] - s[v], rates);
+    flux_rates(f.field, 0, s[static_core_ + 1] - s[v], rates);
     out.coil_voltage = specimen_.coil.turns * rates[phi];
   }
   out.pull = f.field.pull;

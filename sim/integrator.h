@@ -36,6 +36,9 @@ class EventIntegrator {
   EventIntegrator(System& system, double tolerance, double largest_step)
       : system_(&system), tolerance_(tolerance), largest_step_(largest_step) {}
 
+  /// Goes on with another system in the same state: what a copy of this integrator needs.
+  void attach(System& system) { system_ = &system; }
+
   /// Starts anew at (t, y). The first step is tried with `step`.
   void restart(double t, const State& y, double step) {
     y_ = y;

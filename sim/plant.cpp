@@ -16,6 +16,14 @@ struct Plant::Impl {
       : model(specimen, mains, options), integrator(model, options.relative_tolerance, 0.05 / mains.hertz) {
     model.events().reserve(256);
   }
+  Impl(const Impl& other)
+      : model(other.model),
+        integrator(other.integrator),
+        rest_state(other.rest_state),
+        now(other.now),
+        at_rest(other.at_rest) {
+    integrator.attach(model);
+  }
 
   ContactorModel model;
   EventIntegrator<ContactorModel> integrator;
@@ -84,9 +92,14 @@ Plant::Plant(const Specimen& specimen, const Mains& mains, const PlantOptions& o
     throw std::invalid_argument("relative tolerance: allowed 1e-14 .. 1e-2");
   impl_ = std::make_unique<Impl>(specimen, mains, options);
 }
+Plant::Plant(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
 Plant::~Plant() = default;
 Plant::Plant(Plant&& other) noexcept = default;
 Plant& Plant::operator=(Plant&& other) noexcept = default;
+
+Plant Plant::copy() const {
+  return Plant(std::make_unique<Impl>(*impl_));
+}
 
 double Plant::now() const {
   return impl_->now;

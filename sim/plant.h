@@ -66,6 +66,9 @@ class Plant {
   Plant(Plant&&) noexcept;
   Plant& operator=(Plant&&) noexcept;
 
+  /// A second plant in the same state: both go on with the same bits.
+  Plant copy() const;
+
   double now() const;  ///< s
 
   /// Gate of the coil switch, from now() on. On: closes at once. Off: opens at the next zero of the current
@@ -87,6 +90,7 @@ class Plant {
 
  private:
   struct Impl;
+  explicit Plant(std::unique_ptr<Impl>);
   std::unique_ptr<Impl> impl_;
 };
 

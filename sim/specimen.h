@@ -59,11 +59,15 @@ struct Bridges {
   double gap_spread = 0.0;  ///< m: each pole opens this much wider than the one before; the first is measured
 };
 
-/// Static core and fixed contacts as one floating mass on the mounting.
+/// Static core and fixed contacts as one floating mass on the mounting; or, with a `core_mass`, the static core as a
+/// second mass on buffer springs in the housing that carries the fixed contacts.
 struct Base {
-  double mass = 0.100;     ///< M_h, kg
-  double hertz = 137.5;    ///< f_h: mounting mode
-  double damping = 0.020;  ///< z_h
+  double mass = 0.100;         ///< M_h, kg
+  double hertz = 137.5;        ///< f_h: mounting mode
+  double damping = 0.020;      ///< z_h
+  double core_mass = 0;        ///< M_s, kg: static core on its buffer; 0 = it is part of M_h
+  double core_hertz = 250;     ///< f_s: mode of M_s on the buffer, housing held
+  double core_damping = 0.05;  ///< z_s
 };
 
 struct Specimen {

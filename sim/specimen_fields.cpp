@@ -51,7 +51,11 @@ namespace {
     "each pole opens this much wider than the one before")                                                   \
   X(base, mass, "mass_g", 1e-3, 1, 1e6, "M_h, static core and fixed contacts")                               \
   X(base, hertz, "mode_Hz", 1, 0.1, 1e5, "f_h, mode of the base on its mounting")                            \
-  X(base, damping, "damping", 1, 0, 2, "z_h, damping ratio of that mode")
+  X(base, damping, "damping", 1, 0, 2, "z_h, damping ratio of that mode")                                    \
+  X(base, core_mass, "core_mass_g", 1e-3, 0, 1e6,                                                            \
+    "M_s, static core on buffer springs; 0 = part of the base")                                              \
+  X(base, core_hertz, "core_mode_Hz", 1, 0.1, 1e5, "f_s, mode of the static core on its buffer")             \
+  X(base, core_damping, "core_damping", 1, 0, 2, "z_s, damping ratio of that mode")
 
 constexpr std::array table{
 #define POWBENCH_X(part, member, key, unit, low, high, meaning)                                         \

@@ -5,6 +5,7 @@
 #include <functional>
 
 #include "core/version.h"
+#include "host/cli/study.h"
 #include "host/cli/verbs.h"
 #include "host/config/bad_input.h"
 #include "host/store/store.h"
@@ -194,6 +195,7 @@ void add_study_verbs(CLI::App& app) {
                         tables, show_tables);
   show->add_option("--specimen", tables->specimen_file,
                    "specimen file (TOML); the reference contactor if left out");
+  show->add_option("--fit", tables->fit_file, "fit file of `powbench fit`: its held-out predictions");
   show->add_flag("--json", tables->json, "JSON to stdout");
   auto args = std::make_shared<DemoArgs>();
   CLI::App* all =
@@ -202,6 +204,84 @@ void add_study_verbs(CLI::App& app) {
       ->capture_default_str();
   all->add_option("--rig", args->rig, "another rig than the simulated one")->capture_default_str();
   add_progress(all, args->progress);
+}
+
+void add_fit_verb(CLI::App& app) {
+  auto fit = std::make_shared<FitArgs>();
+  CLI::App* v = verb(
+      app, "fit", "Identify a specimen from a measured campaign or, without --db, from the published tables",
+      fit, fit_specimen);
+  v->add_option("--db", fit->database, "store with the measured campaign");
+  v->add_option("--campaign", fit->campaign, "campaign id; the newest if left out");
+  v->add_option("--specimen", fit->specimen_file, "specimen file (TOML) with the numbers that are not free");
+  v->add_option("--free", fit->free,
+                "free number and its bounds, NAME=LOW:HIGH in the unit of the specimen file");
+  v->add_option("--hold-out", fit->hold_out, "closing angles in degrees that are predicted, never used")
+      ->delimiter(',');
+  v->add_flag("--leave-one-out", fit->leave_one_out, "predict every angle from the others, one fit each");
+  v->add_option("--evaluations", fit->evaluations, "specimens tried in the global search of each fit")
+      ->check(CLI::Range(100, 100'000'000))
+      ->capture_default_str();
+  v->add_option("--ensemble", fit->ensemble, "fits to shifted data for the bands")
+      ->check(CLI::Range(0, 1000))
+      ->capture_default_str();
+  v->add_option("--seed", fit->seed, "seed of the search")->capture_default_str();
+  v->add_option("-j,--threads", fit->threads, "threads; 0 = all cores")
+      ->check(CLI::Range(0, 1024))
+      ->capture_default_str();
+  v->add_option("--state", fit->state_file,
+                "file that keeps the search, to go on from after an interruption");
+  v->add_option("-o,--output", fit->output, "specimen file to write");
+  v->add_option("--name", fit->name, "name of the specimen written");
+  v->add_option("--fit", fit->fit_file,
+                "fit file to write: every specimen found, for `powbench tables --fit`");
+  v->add_flag("--json", fit->json, "JSON to stdout");
+  add_progress(v, fit->progress);
+}
+
+void add_sweep_verb(CLI::App& app) {
+  auto args = std::make_shared<SweepArgs>();
+  CLI::App* v = verb(app, "sweep", "Simulate many closings: sweeps, sensitivities, the best closing angle",
+                     args, sweep);
+  v->add_option("--specimen", args->specimen_file,
+                "specimen file (TOML); the reference contactor if left out");
+  v->add_option("--vary", args->vary,
+                "NAME=LOW:HIGH[:STEPS] or NAME~MEAN:DEVIATION; NAME is angle_deg, supply_volts, mains_hertz, "
+                "ambient_degC or section.key of the specimen file");
+  v->add_option("--sampling", args->sampling, "grid, latin or monte-carlo")
+      ->check(CLI::IsMember({"grid", "latin", "monte-carlo"}))
+      ->capture_default_str();
+  v->add_option("--points", args->points, "closings of latin and monte-carlo")->capture_default_str();
+  v->add_option("--seed", args->seed, "seed of the points")->capture_default_str();
+  v->add_option("--angle", args->angle_deg, "closing angle in degrees where it does not vary")
+      ->capture_default_str();
+  v->add_option("--volts", args->supply_volts, "supply, V rms, where it does not vary")
+      ->capture_default_str();
+  v->add_option("--ambient", args->ambient_degC, "coil temperature, degC, where it does not vary")
+      ->capture_default_str();
+  v->add_option(
+       "--metric", args->metric,
+       "touch, bounce, settled, seat, openings, open_time, touch_velocity, seat_velocity, first_peak or "
+       "impulse: for --sensitivity and --best-angle")
+      ->capture_default_str();
+  v->add_flag("--forces", args->forces, "first_peak and impulse too");
+  v->add_flag("--sensitivity", args->sensitivity,
+              "how the metric moves with mains, temperature, angle, friction, mass and gap");
+  v->add_flag("--best-angle", args->best_angle,
+              "the closing angle with the smallest metric over a device with tolerances (--vary)");
+  v->add_option("--angles", args->angles, "closing angles over half a period for --sensitivity, --best-angle")
+      ->check(CLI::Range(1, 3600))
+      ->capture_default_str();
+  v->add_option("--draws", args->draws, "devices drawn for --best-angle")
+      ->check(CLI::Range(2, 100'000))
+      ->capture_default_str();
+  v->add_option("--db", args->database, "store to write; made if missing; an interrupted sweep goes on")
+      ->capture_default_str();
+  v->add_option("-j,--threads", args->threads, "threads; 0 = all cores")
+      ->check(CLI::Range(0, 1024))
+      ->capture_default_str();
+  v->add_flag("--json", args->json, "JSON to stdout");
+  add_progress(v, args->progress);
 }
 
 int leave(Exit code) {
@@ -231,6 +311,8 @@ int main(int argc, char** argv) {
   add_result_verbs(app);
   add_import_verb(app);
   add_study_verbs(app);
+  add_fit_verb(app);
+  add_sweep_verb(app);
 
   try {
     app.parse(argc, argv);

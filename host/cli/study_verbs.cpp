@@ -8,13 +8,21 @@
 #include "host/cli/verbs.h"
 #include "host/paper/simulator.h"
 #include "host/paper/table_output.h"
+#include "host/study/held_out.h"
 
 namespace powbench::host {
 
 Exit show_tables(const TablesArgs& args) {
   const sim::Specimen specimen =
       args.specimen_file.empty() ? sim::Specimen{} : read_specimen(args.specimen_file);
-  const auto rows = evaluate_tables(simulator_provider(specimen));
+  ClosingProvider held_out;
+  if (!args.fit_file.empty()) {
+    std::ifstream in(args.fit_file, std::ios::binary);
+    if (!in) throw BadInput({args.fit_file + ": cannot be read"});
+    const std::string text{std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
+    held_out = held_out_provider(parse_fit_file(text, args.fit_file));
+  }
+  const auto rows = evaluate_tables(simulator_provider(specimen), held_out);
   fmt::print("{}", args.json ? tables_json(rows) + "\n" : tables_text(rows));
   return Exit::pass;
 }

@@ -102,6 +102,7 @@ Exit export_shot(const ExportArgs&);
 
 struct TablesArgs {
   std::string specimen_file;
+  std::string fit_file;  ///< of `powbench fit`: held-out predictions; "" = the reference's own
   bool json = false;
 };
 Exit show_tables(const TablesArgs&);

@@ -38,7 +38,10 @@ void add_note(TableRow& row, const std::string& text) {
 }
 
 TableRow evaluate(const PublishedRow& published, const PublishedView& view) {
-  TableRow row{published, unknown, unknown, published.excluded, published.note};
+  TableRow row;
+  row.published = published;
+  row.excluded = published.excluded;
+  row.note = published.note;
   row.ours = value_of(view, published.quantity) / si_per(published.unit);
   row.error_percent = relative_error_percent(row.ours, published.measurement);
   const bool curve_point = published.quantity == "i_m" || published.quantity == "x_m";
@@ -72,16 +75,26 @@ PublishedView published_view(const Events& events) {
   return v;
 }
 
-std::vector<TableRow> evaluate_tables(const ClosingProvider& closing) {
-  std::map<double, PublishedView> views;
-  const auto view_at = [&](double theta_deg) -> const PublishedView& {
-    const auto found = views.find(theta_deg);
-    return found != views.end() ? found->second : views.emplace(theta_deg, closing(theta_deg)).first->second;
+std::vector<TableRow> evaluate_tables(const ClosingProvider& closing, const ClosingProvider& held_out) {
+  using Views = std::map<double, PublishedView>;
+  Views views;
+  Views blind;
+  const auto at = [](Views& known, const ClosingProvider& provider,
+                     double theta_deg) -> const PublishedView& {
+    const auto found = known.find(theta_deg);
+    return found != known.end() ? found->second : known.emplace(theta_deg, provider(theta_deg)).first->second;
   };
   std::vector<TableRow> rows;
   for (const auto& published : published_rows()) {
     const bool angle_known = std::isfinite(published.theta_deg);
-    rows.push_back(evaluate(published, view_at(angle_known ? published.theta_deg : angle_of_statements_deg)));
+    const double theta_deg = angle_known ? published.theta_deg : angle_of_statements_deg;
+    rows.push_back(evaluate(published, at(views, closing, theta_deg)));
+    if (held_out && published.table > 0) {
+      const double value = value_of(at(blind, held_out, theta_deg), published.quantity);
+      rows.back().held_out = value / si_per(published.unit);
+      rows.back().held_out_error_percent =
+          relative_error_percent(rows.back().held_out, published.measurement);
+    }
     if (!angle_known) add_note(rows.back(), "ours at 0 deg");
   }
   return rows;
@@ -95,6 +108,12 @@ std::vector<TableSummary> summarise(const std::vector<TableRow>& rows) {
                           [&](const TableSummary& t) { return t.quantity == row.published.quantity; });
     if (s == all.end()) s = all.insert(all.end(), TableSummary{row.published.quantity});
     if (row.excluded) ++s->excluded;
+    if (!row.excluded && std::isfinite(row.held_out_error_percent)) {
+      const bool first_held = s->held_out_rows++ == 0;
+      s->held_out_mean = (first_held ? 0 : s->held_out_mean) + row.held_out_error_percent;
+      s->held_out_max =
+          first_held ? row.held_out_error_percent : std::max(s->held_out_max, row.held_out_error_percent);
+    }
     if (row.excluded || !std::isfinite(row.error_percent)) continue;
     const double paper = row.published.recomputed_error_percent;
     const bool first = s->rows++ == 0;
@@ -106,6 +125,7 @@ std::vector<TableSummary> summarise(const std::vector<TableRow>& rows) {
   for (auto& s : all) {
     s.ours_mean /= s.rows;
     s.paper_mean /= s.rows;
+    if (s.held_out_rows > 0) s.held_out_mean /= s.held_out_rows;
   }
   return all;
 }

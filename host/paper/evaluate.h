@@ -39,12 +39,15 @@ struct TableRow {
   PublishedRow published;
   double ours = unknown;           ///< NaN = no comparable value exists; `note` says why
   double error_percent = unknown;  ///< ours against the published measurement
-  bool excluded = false;           ///< takes no part in the summary; `note` says why
+  double held_out = unknown;       ///< prediction of a specimen identified without this angle; NaN = none
+  double held_out_error_percent = unknown;
+  bool excluded = false;  ///< takes no part in the summary; `note` says why
   std::string note;
 };
 
-/// Every published row in its order. Statements without a closing angle are read at 0 deg.
-std::vector<TableRow> evaluate_tables(const ClosingProvider&);
+/// Every published row in its order. Statements without a closing angle are read at 0 deg. `held_out`, where given,
+/// predicts an angle from closings at the others; its views may be NaN.
+std::vector<TableRow> evaluate_tables(const ClosingProvider&, const ClosingProvider& held_out = {});
 
 /// Mean and largest error of one quantity over the rows that are not excluded and have an error, in percent.
 struct TableSummary {
@@ -52,6 +55,8 @@ struct TableSummary {
   int rows = 0;      ///< rows behind the means
   int excluded = 0;  ///< rows left out
   double ours_mean = unknown, ours_max = unknown;
+  int held_out_rows = 0;
+  double held_out_mean = unknown, held_out_max = unknown;
   double paper_mean = unknown,
          paper_max = unknown;  ///< the paper's simulation over the same rows, recomputed
 };

@@ -9,7 +9,8 @@
 namespace powbench::host {
 namespace {
 
-constexpr const char* row_format = "{:>5} {:>5}  {:<17} {:<3} {:>9} {:>9} {:>8} {:>8} {:>9} {:>8}  {}\n";
+constexpr const char* row_format =
+    "{:>5} {:>5}  {:<17} {:<3} {:>9} {:>9} {:>8} {:>8} {:>8} {:>7} {:>8} {:>7}  {}\n";
 
 std::string text_of(double value, int decimals) {
   return std::isfinite(value) ? fmt::format("{:.{}f}", value, decimals) : std::string("-");
@@ -29,11 +30,13 @@ std::string footnote(std::vector<std::string>& notes, const std::string& note) {
 
 std::string summary_text(const std::vector<TableRow>& rows) {
   std::string out = "\nrelative error, rows without mark x\n";
-  out += fmt::format("{:<12} {:>5} {:>9}   {:>10} {:>10}   {:>10} {:>10}\n", "quantity", "rows", "excluded",
-                     "ours mean", "ours max", "paper mean", "paper max");
+  out += fmt::format("{:<12} {:>5} {:>9}   {:>10} {:>10}   {:>13} {:>12}   {:>10} {:>10}\n", "quantity",
+                     "rows", "excluded", "ours mean", "ours max", "held out mean", "held out max",
+                     "paper mean", "paper max");
   for (const auto& s : summarise(rows))
-    out += fmt::format("{:<12} {:>5} {:>9}   {:>8} % {:>8} %   {:>8} % {:>8} %\n", s.quantity, s.rows,
-                       s.excluded, text_of(s.ours_mean, 2), text_of(s.ours_max, 2), text_of(s.paper_mean, 2),
+    out += fmt::format("{:<12} {:>5} {:>9}   {:>8} % {:>8} %   {:>11} % {:>10} %   {:>8} % {:>8} %\n",
+                       s.quantity, s.rows, s.excluded, text_of(s.ours_mean, 2), text_of(s.ours_max, 2),
+                       text_of(s.held_out_mean, 2), text_of(s.held_out_max, 2), text_of(s.paper_mean, 2),
                        text_of(s.paper_max, 2));
   return out;
 }
@@ -54,21 +57,23 @@ std::string tables_text(const std::vector<TableRow>& rows) {
       paper = p.paper;
       out += fmt::format("{}{}\n\n", out.empty() ? "" : "\n", paper);
       out += fmt::format(row_format, "table", "theta", "quantity", "", "paper sim", "paper mea", "printed",
-                         "recomp.", "ours", "error", "note");
-      out += fmt::format(row_format, "", "deg", "", "", "", "", "%", "%", "", "%", "");
+                         "recomp.", "ours", "error", "held out", "error", "note");
+      out += fmt::format(row_format, "", "deg", "", "", "", "", "%", "%", "", "%", "", "%", "");
     }
     const int decimals = decimals_of(p);
-    out +=
-        fmt::format(row_format, p.table > 0 ? std::to_string(p.table) : "-", text_of(p.theta_deg, 0),
-                    p.quantity, p.unit, text_of(p.simulation, decimals), text_of(p.measurement, decimals),
-                    text_of(p.printed_error_percent, 2) + (p.misprinted() ? "*" : " "),
-                    text_of(p.recomputed_error_percent, 2), text_of(row.ours, decimals),
-                    text_of(row.error_percent, 2), (row.excluded ? "x " : "  ") + footnote(notes, row.note));
+    out += fmt::format(row_format, p.table > 0 ? std::to_string(p.table) : "-", text_of(p.theta_deg, 0),
+                       p.quantity, p.unit, text_of(p.simulation, decimals), text_of(p.measurement, decimals),
+                       text_of(p.printed_error_percent, 2) + (p.misprinted() ? "*" : " "),
+                       text_of(p.recomputed_error_percent, 2), text_of(row.ours, decimals),
+                       text_of(row.error_percent, 2), text_of(row.held_out, decimals),
+                       text_of(row.held_out_error_percent, 2),
+                       (row.excluded ? "x " : "  ") + footnote(notes, row.note));
   }
   out += summary_text(rows);
   out +=
       "\nerror = |ours - paper measurement| / |paper measurement|; * printed error recomputed differently;";
   out += " x excluded from the summary\n";
+  out += "held out = median of specimens identified without the angle of the row (`powbench fit`)\n";
   for (std::size_t i = 0; i < notes.size(); ++i) out += fmt::format("({}) {}\n", i + 1, notes[i]);
   return out;
 }
@@ -88,6 +93,8 @@ std::string tables_json(const std::vector<TableRow>& rows) {
     entry["published_error_percent"] = json_of(p.printed_error_percent);
     entry["ours"] = json_of(row.ours);
     entry["error_percent"] = json_of(row.error_percent);
+    entry["held_out"] = json_of(row.held_out);
+    entry["held_out_error_percent"] = json_of(row.held_out_error_percent);
     entry["excluded"] = row.excluded;
     entry["recomputed_published_error_percent"] = json_of(p.recomputed_error_percent);
     entry["note"] = row.note;

@@ -8,6 +8,7 @@
 #include "dsp/canceller.h"
 #include "dsp/cascade.h"
 #include "dsp/fir.h"
+#include "dsp/pair_convolver.h"
 #include "dsp/sos.h"
 #include "dsp/spectrum.h"
 
@@ -66,6 +67,32 @@ TEST_CASE("windowed-sinc taps agree with the reference to 1e-12") {
   CHECK_THROWS_AS(design_fir(FilterKind::band, 5e3, 20e3, 100e3, 30), FilterDesignError);
   CHECK_THROWS_AS(design_fir(FilterKind::band, 20e3, 5e3, 100e3, 31), FilterDesignError);
   CHECK_THROWS_AS(design_fir(FilterKind::low, 0, std::nan(""), 100e3, 31), FilterDesignError);
+}
+
+TEST_CASE("two blocks in one transform are two circular convolutions") {
+  if (!PairConvolver::available()) return;
+  for (std::size_t n = 256; n <= 65536; n *= 2) {  // every mixture of radices
+    const std::size_t taps = n == 256 ? 256 : 101;
+    const auto h = noise(taps, 3), a = noise(n, 4), b = noise(n, 5);  // not symmetric
+    PairConvolver pair(n, h);
+    for (const std::size_t skip : {std::size_t{0}, taps - 1, n / 2 + 3}) {
+      std::vector<double> ya(n - skip), yb(n - skip);
+      pair.run(a.data(), b.data(), ya.data(), yb.data(), skip);
+      double worst = 0;
+      for (std::size_t j = skip; j < n; j += 1 + n / 97) {
+        double sa = 0, sb = 0;
+        for (std::size_t k = 0; k < taps; ++k) {
+          sa += h[k] * a[(j + n - k) % n];
+          sb += h[k] * b[(j + n - k) % n];
+        }
+        worst = std::max({worst, std::abs(sa - ya[j - skip]), std::abs(sb - yb[j - skip])});
+      }
+      CHECK(worst < 1e-12);
+    }
+  }
+  CHECK_THROWS_AS(PairConvolver(300, noise(3, 1)), std::invalid_argument);
+  CHECK_THROWS_AS(PairConvolver(128, noise(3, 1)), std::invalid_argument);
+  CHECK_THROWS_AS(PairConvolver(256, noise(257, 1)), std::invalid_argument);
 }
 
 TEST_CASE("overlap-save is the direct convolution, for every length of record") {

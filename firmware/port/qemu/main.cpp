@@ -14,6 +14,7 @@ extern "C" {
 extern std::uint32_t image_stack_begin[], image_stack_end[];
 void sample_block_handler();
 void background_handler();
+[[noreturn]] void processor_fault(const std::uint32_t* frame);
 int run_bench();
 }
 
@@ -131,6 +132,11 @@ EmulatedBoard board;
 lockstep::LockstepBoard bench(board, record_storage, outgoing);
 
 }  // namespace
+
+/// Without its plant the emulated board has nothing to be safe for: the emulator ends and says why.
+[[noreturn]] void processor_fault(const std::uint32_t*) {
+  semihosting::exit(exit_processor_fault);
+}
 
 void sample_block_handler() {
   Handover& h = handover;

@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <span>
+#include <string_view>
 
 /// ARM semihosting: the debugger (here the emulator) does input and output for the processor. Reference: Arm,
 /// "Semihosting for AArch32 and AArch64". Never part of an image for real hardware, where it would halt.
@@ -40,6 +41,20 @@ inline bool write(std::int32_t handle, std::span<const std::uint8_t> from) {
                                  reinterpret_cast<std::uintptr_t>(from.data()),
                                  static_cast<std::uint32_t>(from.size())};
   return call(0x05, block) == 0;
+}
+
+/// The words after `arg=` on the emulator's command line; empty: none, or too long.
+inline std::string_view arguments(std::span<char> memory) {
+  struct {
+    char* text;
+    std::uint32_t length;
+  } block{memory.data(), static_cast<std::uint32_t>(memory.size())};
+  return call(0x15, &block) == 0 ? std::string_view(block.text, block.length) : std::string_view();
+}
+
+/// Text ending in a zero, to the emulator's console.
+inline void say(const char* text) {
+  call(0x04, text);
 }
 
 /// Ends the emulation with an exit code.

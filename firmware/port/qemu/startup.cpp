@@ -30,8 +30,13 @@ void background_handler();
   powbench::firmware::semihosting::exit(static_cast<std::uint32_t>(run_bench()));
 }
 
-[[noreturn]] void fault_handler() {
-  powbench::firmware::semihosting::exit(powbench::firmware::exit_processor_fault);
+[[noreturn]] void processor_fault(const std::uint32_t* frame);
+
+/// `frame`: what the processor has stacked.
+[[gnu::naked]] void fault_handler() {
+  asm volatile(
+      "mov r0, sp\n\t"
+      "b processor_fault");
 }
 
 using Vector = void (*)();

@@ -1,0 +1,191 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+#include <thread>
+
+#include "host/cli/gather.h"
+#include "host/cli/scene.h"
+#include "host/cli/study.h"
+#include "host/run/stop.h"
+#include "host/study/fit_text.h"
+#include "host/study/problem.h"
+
+namespace powbench::host {
+namespace {
+
+/// One part of NAME=LOW:HIGH, a number as TOML writes it.
+double bound(const std::string& text, const std::string& whole) {
+  char* end = nullptr;
+  const double value = std::strtod(text.c_str(), &end);
+  if (text.empty() || *end != '\0')
+    throw BadInput({"--free " + whole + ": '" + text +
+                    "' is not a number; allowed NAME=LOW:HIGH, such as "
+                    "core.friction_N=0.5:3"});
+  return value;
+}
+
+/// The free numbers of a device that is known but for its tolerances: around `base`.
+std::vector<sim::Parameter> tolerances(const sim::Specimen& base) {
+  struct Around {
+    const char* name;
+    double share;
+  };
+  constexpr Around list[] = {{"coil.resistance_ohm", 0.15},
+                             {"core.return_preload_N", 0.2},
+                             {"core.return_rate_N_per_m", 0.2},
+                             {"core.friction_N", 0.5},
+                             {"core.mass_g", 0.05},
+                             {"bridges.gap_mm", 0.08},
+                             {"bridges.preload_N", 0.2},
+                             {"bridges.contact_restitution", 0.2},
+                             {"base.mode_Hz", 0.1},
+                             {"base.damping", 0.5}};
+  std::vector<sim::Parameter> out;
+  for (const auto& a : list) {
+    const auto& f = sim::specimen_field(a.name);
+    const double value = f.get(base) / f.si_per_unit;
+    out.push_back(sim::parameter(a.name, std::max(f.low, value * (1 - a.share)),
+                                 std::min(f.high, value * (1 + a.share))));
+  }
+  return out;
+}
+
+std::string text_of_file(const std::string& path) {
+  std::ifstream in(path, std::ios::binary);
+  if (!in) throw BadInput({path + ": cannot be read"});
+  std::ostringstream text;
+  text << in.rdbuf();
+  return text.str();
+}
+
+/// In one piece: a state must never be half a state.
+void replace_file(const std::string& path, const std::string& text) {
+  const std::string next = path + ".new";
+  std::ofstream out(next, std::ios::binary);
+  out << text;
+  out.close();
+  std::error_code failed;
+  if (out) std::filesystem::rename(next, path, failed);
+  if (!out || failed) throw StoreError(path + ": cannot be written; check the folder and the disk");
+}
+
+struct Source {
+  FitJob job;
+  std::vector<sim::MeasuredClosing> closings;  ///< also those that are held out
+};
+
+Source published_source(const FitArgs& args) {
+  Source s;
+  s.closings = published_closings();
+  s.job.problem.parameters = sim::catalogue_parameters();
+  s.job.problem.plausible = sim::catalogue_ranges();
+  s.job.problem.base = args.specimen_file.empty() ? sim::Specimen{} : read_specimen(args.specimen_file);
+  if (s.job.problem.base.base.core_mass == 0) s.job.problem.base.base.core_mass = 0.2;
+  return s;
+}
+
+Source campaign_source(const FitArgs& args) {
+  const Store store(args.database, Store::Mode::read_only);
+  const CampaignInfo info = store.campaign(args.campaign);
+  const Plan plan = parse_plan(info.plan, "stored plan");
+  Conditions conditions;
+  conditions.supply_volts = plan.supply_volts;
+  conditions.mains_hertz = plan.mains_hertz;
+  conditions.ambient = plan.ambient;
+  conditions.hold_time = plan.hold_time;
+  Source s;
+  s.closings = campaign_closings(gather_angles(store, info.id), conditions, {0.002, 0.002, 0.02});
+  if (s.closings.empty())
+    throw BadInput({args.database + ": campaign " + std::to_string(info.id) + " holds no measured closing"});
+  s.job.problem.base = args.specimen_file.empty() ? parse_specimen(info.specimen, "stored specimen")
+                                                  : read_specimen(args.specimen_file);
+  s.job.problem.parameters = tolerances(s.job.problem.base);
+  s.job.problem.edge = 0;
+  return s;
+}
+
+void take_options(const FitArgs& args, Source& s) {
+  if (!args.free.empty()) s.job.problem.parameters.clear();
+  for (const auto& text : args.free) {
+    const auto equals = text.find('=');
+    const auto colon = text.find(':', equals == std::string::npos ? 0 : equals);
+    if (equals == std::string::npos || colon == std::string::npos)
+      throw BadInput({"--free " + text + ": allowed NAME=LOW:HIGH, such as core.friction_N=0.5:3"});
+    try {
+      s.job.problem.parameters.push_back(
+          sim::parameter(text.substr(0, equals), bound(text.substr(equals + 1, colon - equals - 1), text),
+                         bound(text.substr(colon + 1), text)));
+    } catch (const std::invalid_argument& e) {
+      throw BadInput({std::string("--free ") + e.what()});
+    }
+  }
+  std::vector<double> unseen;
+  for (const double a : args.hold_out) unseen.push_back(radians(a));
+  s.job.problem.closings = without(s.closings, unseen);
+  if (s.job.problem.closings.empty()) throw BadInput({"--hold-out leaves no closing to fit to"});
+  if (args.leave_one_out)
+    for (const auto& m : s.job.problem.closings) s.job.held_out.push_back(m.conditions.closing_angle);
+  s.job.options.evaluations = args.evaluations;
+  s.job.options.ensemble = args.ensemble;
+  s.job.options.seed = args.seed;
+}
+
+/// Angles that no fit has seen are predicted by the fit to all others.
+void predict_unseen(const FitArgs& args, FitFile& file) {
+  for (const double angle : args.hold_out) {
+    FitFold blind = file.folds.back();
+    blind.held_out = angle;
+    file.folds.insert(file.folds.begin(), blind);
+  }
+}
+
+}  // namespace
+
+Exit fit_specimen(const FitArgs& args) {
+  Source source = args.database.empty() ? published_source(args) : campaign_source(args);
+  take_options(args, source);
+  FitState state;
+  if (!args.state_file.empty() && std::filesystem::exists(args.state_file))
+    state = parse_fit_state(text_of_file(args.state_file), args.state_file);
+  const int threads =
+      args.threads > 0 ? args.threads : static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
+  sim::Team team(threads);
+  const StopOnSignal stop;
+  const auto per_fit = static_cast<std::size_t>(args.evaluations);
+  Progress progress("fit", per_fit * (1 + source.job.held_out.size()), progress_style(args.progress));
+  auto saved = std::chrono::steady_clock::now();
+  const auto watch = [&](std::size_t fit, std::size_t fits, long used, long, double best,
+                         const FitState& now) {
+    progress.update(fit * per_fit + static_cast<std::size_t>(used),
+                    fmt::format("fit {} of {}, misfit {:.2f}", fit + 1, fits, best));
+    const bool asked = StopOnSignal::asked();
+    const auto t = std::chrono::steady_clock::now();
+    if (!args.state_file.empty() && (asked || t - saved > std::chrono::seconds(2))) {
+      replace_file(args.state_file, to_json(now));
+      saved = t;
+    }
+    return !asked;
+  };
+  FitReport report = run_fits(source.job, team, watch, state);
+  progress.finish();
+  if (!args.state_file.empty()) replace_file(args.state_file, to_json(report.state));
+  if (report.stopped) {
+    fmt::print(stderr, "stopped{}\n",
+               args.state_file.empty() ? "" : "; the same command goes on from " + args.state_file);
+    return Exit::interrupted;
+  }
+  predict_unseen(args, report.file);
+  const auto cells = fit_cells(report.file, source.closings);
+  fmt::print("{}", args.json ? fit_json(source.job, report, cells) : fit_text(source.job, report, cells));
+  sim::Specimen best = specimens(report.file, report.file.folds.back()).front();
+  best.name = args.name.empty() ? best.name + "-fitted" : args.name;
+  if (!args.output.empty()) replace_file(args.output, resolved_text(best));
+  if (!args.fit_file.empty()) replace_file(args.fit_file, to_json(report.file));
+  return Exit::pass;
+}
+
+}  // namespace powbench::host

@@ -1,0 +1,50 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/outcome.h"
+
+/// Verbs that need many simulated closings.
+
+namespace powbench::host {
+
+struct FitArgs {
+  std::string database;  ///< "" = the published tables
+  std::optional<std::int64_t> campaign;
+  std::string specimen_file;      ///< numbers that are not free; "" = built-in, or the campaign's
+  std::vector<std::string> free;  ///< NAME=LOW:HIGH
+  std::vector<double> hold_out;   ///< degrees: never used, predicted
+  bool leave_one_out = false;
+  long evaluations = 20'000;
+  int ensemble = 10;
+  std::uint64_t seed = 1;
+  int threads = 0;
+  std::string state_file, output, fit_file, name;
+  bool json = false;
+  std::string progress = "auto";
+};
+Exit fit_specimen(const FitArgs&);
+
+struct SweepArgs {
+  std::string specimen_file;      ///< "" = built-in reference
+  std::vector<std::string> vary;  ///< NAME=LOW:HIGH[:STEPS], or NAME~MEAN:DEVIATION
+  std::string sampling = "latin";
+  std::int64_t points = 1000;
+  std::uint64_t seed = 1;
+  double angle_deg = 0, supply_volts = 230, ambient_degC = 20;
+  std::string metric = "bounce";
+  bool forces = false;       ///< first_peak and impulse too: three times dearer
+  bool sensitivity = false;  ///< table of derivatives instead of a sweep
+  bool best_angle = false;   ///< search instead of a sweep
+  int angles = 90, draws = 60;
+  std::string database = "powbench.db";
+  int threads = 0;
+  bool json = false;
+  std::string progress = "auto";
+};
+Exit sweep(const SweepArgs&);
+
+}  // namespace powbench::host

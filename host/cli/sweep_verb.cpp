@@ -1,0 +1,200 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <charconv>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <thread>
+
+#include "core/version.h"
+#include "host/cli/scene.h"
+#include "host/cli/study.h"
+#include "host/run/stop.h"
+#include "host/store/hash.h"
+#include "host/store/sweep_store.h"
+#include "host/study/sweep_text.h"
+#include "sim/validate.h"
+
+namespace powbench::host {
+namespace {
+
+std::vector<double> numbers(std::string_view text, const std::string& whole) {
+  std::vector<double> list;
+  while (true) {
+    const auto colon = text.find(':');
+    const std::string_view part = text.substr(0, colon);
+    double value = 0;
+    const auto read = std::from_chars(part.data(), part.data() + part.size(), value);
+    if (part.empty() || read.ec != std::errc() || read.ptr != part.data() + part.size())
+      throw BadInput({"--vary " + whole + ": '" + std::string(part) +
+                      "' is not a number; allowed NAME=LOW:HIGH[:STEPS] or NAME~MEAN:DEVIATION"});
+    list.push_back(value);
+    if (colon == std::string_view::npos) return list;
+    text.remove_prefix(colon + 1);
+  }
+}
+
+sim::Axis axis(const std::string& text) {
+  const auto mark = text.find_first_of("=~");
+  if (mark == std::string::npos)
+    throw BadInput({"--vary " + text + ": allowed NAME=LOW:HIGH[:STEPS] or NAME~MEAN:DEVIATION"});
+  const auto list = numbers(std::string_view(text).substr(mark + 1), text);
+  const bool normal = text[mark] == '~';
+  if (list.size() < 2 || list.size() > (normal ? 2U : 3U))
+    throw BadInput({"--vary " + text + ": allowed NAME=LOW:HIGH[:STEPS] or NAME~MEAN:DEVIATION"});
+  try {
+    const std::string name = text.substr(0, mark);
+    if (normal) return sim::normal_axis(name, list[0], list[1]);
+    return sim::uniform_axis(name, list[0], list[1], list.size() > 2 ? static_cast<int>(list[2]) : 5);
+  } catch (const std::invalid_argument& e) {
+    throw BadInput({std::string("--vary ") + e.what()});
+  }
+}
+
+/// What scatters from shot to shot and from device to device where the user names nothing.
+std::vector<std::string> usual_tolerances(const SweepArgs& args, const sim::Specimen& s) {
+  return {fmt::format("supply_volts~{}:{}", args.supply_volts, 0.01 * args.supply_volts),
+          fmt::format("ambient_degC~{}:5", args.ambient_degC),
+          fmt::format("core.friction_N~{:.6g}:{:.6g}", s.core.friction, 0.1 * s.core.friction),
+          fmt::format("bridges.gap_mm~{:.6g}:0.02", s.bridges.gap * 1e3)};
+}
+
+struct Study {
+  sim::Case base;
+  std::vector<sim::Axis> axes;
+  sim::MetricOptions options;
+  const sim::MetricInfo* metric = nullptr;
+};
+
+Study prepare(const SweepArgs& args) {
+  Study s;
+  s.base.specimen = args.specimen_file.empty() ? sim::Specimen{} : read_specimen(args.specimen_file);
+  s.base.conditions.closing_angle = radians(args.angle_deg);
+  s.base.conditions.supply_volts = args.supply_volts;
+  s.base.conditions.ambient = args.ambient_degC + zero_celsius;
+  s.metric = sim::find_metric(args.metric);
+  if (s.metric == nullptr) throw BadInput({"--metric " + args.metric + ": allowed " + metric_columns()});
+  auto vary = args.vary;
+  if (vary.empty() && args.best_angle) vary = usual_tolerances(args, s.base.specimen);
+  if (vary.empty() && !args.sensitivity)
+    throw BadInput({"--vary: name at least one variable, such as angle_deg=0:180:37"});
+  for (const auto& text : vary) s.axes.push_back(axis(text));
+  const bool needs_forces = args.metric == "first_peak" || args.metric == "impulse";
+  if (args.forces || needs_forces) s.options.sample_dt = 5e-6;
+  return s;
+}
+
+std::string design_text(const SweepArgs& args, const Study& s) {
+  nlohmann::ordered_json j{{"specimen", resolved_text(s.base.specimen)},
+                           {"angle_deg", args.angle_deg},
+                           {"supply_volts", args.supply_volts},
+                           {"ambient_degC", args.ambient_degC},
+                           {"vary", args.vary},
+                           {"sampling", args.sampling},
+                           {"points", args.points},
+                           {"seed", args.seed},
+                           {"forces", s.options.sample_dt > 0},
+                           {"program", program_version}};
+  return j.dump();
+}
+
+Exit run_sweep(const SweepArgs& args, const Study& s, sim::Team& team) {
+  const std::map<std::string, sim::Sampling> samplings{{"grid", sim::Sampling::grid},
+                                                       {"latin", sim::Sampling::latin},
+                                                       {"monte-carlo", sim::Sampling::monte_carlo}};
+  const sim::Design design(s.axes, samplings.at(args.sampling), args.points, args.seed);
+  for (const double end :
+       {0.0, 1.0}) {  // corners: a specimen that does not exist is told before anything runs
+    std::vector<double> corner;
+    for (const auto& a : s.axes) corner.push_back(a.at(end));
+    const auto wrong = sim::validate(design.apply(s.base, corner).specimen);
+    if (!wrong.empty())
+      throw BadInput(
+          {"--vary reaches " + wrong[0].key + " = " + wrong[0].value + ": allowed " + wrong[0].range});
+  }
+  SweepStore store(args.database);
+  SweepInfo info;
+  info.design = design_text(args, s);
+  info.design_hash = sha256_hex(info.design);
+  info.points = design.size();
+  info.columns = metric_columns();
+  info.program_version = program_version;
+  const std::int64_t id = store.open_sweep(info);
+
+  const std::size_t width = sim::metric_table.size();
+  std::vector<std::vector<double>> rows(static_cast<std::size_t>(design.size()));
+  std::vector<bool> known(rows.size(), false);
+  for (const auto& b : store.blocks(id))
+    for (std::int64_t k = 0; k < b.count; ++k) {
+      const auto from = b.numbers.begin() + static_cast<std::ptrdiff_t>(static_cast<std::size_t>(k) * width);
+      rows[static_cast<std::size_t>(b.first + k)].assign(from, from + static_cast<std::ptrdiff_t>(width));
+      known[static_cast<std::size_t>(b.first + k)] = true;
+    }
+  constexpr std::int64_t block = 500;
+  Progress progress("sweep", rows.size(), progress_style(args.progress));
+  for (std::int64_t first = 0; first < design.size(); first += block) {
+    if (known[static_cast<std::size_t>(first)]) continue;
+    if (StopOnSignal::asked()) {
+      fmt::print(stderr, "stopped; the same command goes on with sweep {} in {}\n", id, args.database);
+      return Exit::interrupted;
+    }
+    const std::int64_t count = std::min(block, design.size() - first);
+    std::vector<double> flat;
+    const auto results = sim::run_points(design, s.base, first, count, s.options, team);
+    for (std::size_t k = 0; k < results.size(); ++k) {
+      auto& row = rows[static_cast<std::size_t>(first) + k] = metric_values(results[k]);
+      flat.insert(flat.end(), row.begin(), row.end());
+    }
+    store.put(id, first, count, flat);
+    progress.update(static_cast<std::size_t>(first + count));
+  }
+  progress.finish();
+  fmt::print(stderr, "sweep {} in {}\n", id, args.database);
+  fmt::print("{}", args.json ? sweep_json(design, rows, true) : sweep_text(rows));
+  return Exit::pass;
+}
+
+Exit run_sensitivity(const SweepArgs& args, const Study& s, sim::Team& team) {
+  std::vector<double> angles;
+  for (int k = 0; k < args.angles; ++k) angles.push_back(pi * k / args.angles);
+  const auto steps = sim::usual_steps();
+  const auto rows = sim::sensitivities(s.base, angles, steps, *s.metric, s.options, team);
+  fmt::print("{}", args.json ? sensitivity_json(rows, *s.metric) : sensitivity_text(rows, *s.metric));
+  return Exit::pass;
+}
+
+Exit run_best_angle(const SweepArgs& args, const Study& s, sim::Team& team) {
+  sim::BestAngleOptions options;
+  options.angles = args.angles;
+  options.draws = args.draws;
+  options.seed = args.seed;
+  const auto total = static_cast<std::size_t>(args.angles) * static_cast<std::size_t>(args.draws);
+  Progress progress("best angle", total, progress_style(args.progress));
+  const auto best = sim::best_angle(s.base, s.axes, *s.metric, s.options, options, team,
+                                    [&](std::int64_t done, std::int64_t) {
+                                      progress.update(static_cast<std::size_t>(done));
+                                      return !StopOnSignal::asked();
+                                    });
+  progress.finish();
+  if (best.mean.empty()) return Exit::interrupted;
+  fmt::print("{}", args.json ? best_angle_json(best, *s.metric) : best_angle_text(best, *s.metric));
+  return Exit::pass;
+}
+
+}  // namespace
+
+Exit sweep(const SweepArgs& args) {
+  const Study s = prepare(args);
+  sim::Team team(args.threads > 0 ? args.threads
+                                  : static_cast<int>(std::max(1U, std::thread::hardware_concurrency())));
+  const StopOnSignal stop;
+  try {
+    if (args.sensitivity) return run_sensitivity(args, s, team);
+    if (args.best_angle) return run_best_angle(args, s, team);
+    return run_sweep(args, s, team);
+  } catch (const std::invalid_argument& e) {
+    throw BadInput({std::string("sweep: ") + e.what()});
+  }
+}
+
+}  // namespace powbench::host

@@ -1,0 +1,130 @@
+#include "host/store/sweep_store.h"
+
+#include <bit>
+#include <cstring>
+#include <ctime>
+
+#include "host/store/open.h"
+#include "host/store/seal.h"
+#include "host/store/sqlite.h"
+
+namespace powbench::host {
+
+using sqlite::Database;
+using sqlite::Statement;
+using sqlite::Transaction;
+
+static_assert(std::endian::native == std::endian::little, "blobs hold little-endian numbers");
+
+namespace {
+
+std::string seal_of(const SweepInfo& s) {
+  return Seal()
+      .add(s.created)
+      .add(s.design)
+      .add(s.design_hash)
+      .add(s.points)
+      .add(s.columns)
+      .add(s.program_version)
+      .hex();
+}
+
+std::string seal_of(std::int64_t sweep, std::int64_t first, std::int64_t count,
+                    std::span<const std::uint8_t> bytes) {
+  return Seal()
+      .add(sweep)
+      .add(first)
+      .add(count)
+      .add(std::string_view(reinterpret_cast<const char*>(bytes.data()), bytes.size()))
+      .hex();
+}
+
+[[noreturn]] void damaged(const std::string& what) {
+  throw StoreError("the file is damaged: " + what + " does not match its checksum; restore it from a copy");
+}
+
+}  // namespace
+
+struct SweepStore::Impl {
+  Database db;
+};
+
+SweepStore::SweepStore(const std::string& path)
+    : impl_(new Impl{open_store(path, Store::Mode::read_write)}) {}
+SweepStore::~SweepStore() = default;
+
+std::int64_t SweepStore::open_sweep(const SweepInfo& given) {
+  Database& db = impl_->db;
+  Transaction t(db);
+  for (const auto& s : sweeps())
+    if (s.design_hash == given.design_hash) return s.id;
+  SweepInfo info = given;
+  const std::time_t now = std::time(nullptr);
+  std::tm tm{};
+  gmtime_r(&now, &tm);
+  char text[32];
+  std::strftime(text, sizeof text, "%Y-%m-%dT%H:%M:%SZ", &tm);
+  info.created = text;
+  Statement(db,
+            "INSERT INTO sweep (created, design, design_hash, points, columns, program_version, seal) "
+            "VALUES (?, ?, ?, ?, ?, ?, ?)")
+      .bind(info.created)
+      .bind(info.design)
+      .bind(info.design_hash)
+      .bind(info.points)
+      .bind(info.columns)
+      .bind(info.program_version)
+      .bind(seal_of(info))
+      .run();
+  const std::int64_t id = db.last_id();
+  t.commit();
+  return id;
+}
+
+std::vector<SweepInfo> SweepStore::sweeps() const {
+  std::vector<SweepInfo> list;
+  Statement s(impl_->db,
+              "SELECT id, created, design, design_hash, points, columns, program_version, seal FROM sweep "
+              "ORDER BY id");
+  while (s.step()) {
+    list.push_back({s.integer(0), s.text(1), s.text(2), s.text(3), s.integer(4), s.text(5), s.text(6)});
+    if (seal_of(list.back()) != s.text(7)) damaged("sweep " + std::to_string(list.back().id));
+  }
+  return list;
+}
+
+void SweepStore::put(std::int64_t sweep, std::int64_t first, std::int64_t count,
+                     std::span<const double> numbers) {
+  const std::span<const std::uint8_t> bytes(reinterpret_cast<const std::uint8_t*>(numbers.data()),
+                                            numbers.size_bytes());
+  Transaction t(impl_->db);
+  Statement(
+      impl_->db,
+      "INSERT OR IGNORE INTO sweep_block (sweep_id, first, count, seal, numbers) VALUES (?, ?, ?, ?, ?)")
+      .bind(sweep)
+      .bind(first)
+      .bind(count)
+      .bind(seal_of(sweep, first, count, bytes))
+      .bind_blob(bytes)
+      .run();
+  t.commit();
+}
+
+std::vector<SweepBlock> SweepStore::blocks(std::int64_t sweep) const {
+  std::vector<SweepBlock> list;
+  Statement s(impl_->db,
+              "SELECT first, count, seal, numbers FROM sweep_block WHERE sweep_id = ? ORDER BY first");
+  s.bind(sweep);
+  while (s.step()) {
+    SweepBlock b{s.integer(0), s.integer(1), {}};
+    const auto bytes = s.blob(3);
+    if (seal_of(sweep, b.first, b.count, bytes) != s.text(2))
+      damaged("block " + std::to_string(b.first) + " of sweep " + std::to_string(sweep));
+    b.numbers.resize(bytes.size() / sizeof(double));
+    std::memcpy(b.numbers.data(), bytes.data(), b.numbers.size() * sizeof(double));
+    list.push_back(std::move(b));
+  }
+  return list;
+}
+
+}  // namespace powbench::host

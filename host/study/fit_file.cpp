@@ -1,0 +1,136 @@
+#include "host/study/fit_file.h"
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "host/config/bad_input.h"
+#include "host/config/specimen_file.h"
+#include "sim/study/parameter.h"
+
+namespace powbench::host {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json json_of(const FitFold& f) {
+  Json j;
+  j["held_out_deg"] = f.held_out ? Json(*f.held_out) : Json(nullptr);
+  j["misfit"] = rounded(f.misfit);
+  j["members"] = f.members;
+  return j;
+}
+
+FitFold fold_of(const Json& j) {
+  FitFold f;
+  if (!j.at("held_out_deg").is_null()) f.held_out = j.at("held_out_deg").get<double>();
+  f.misfit = j.at("misfit").get<double>();
+  f.members = j.at("members").get<std::vector<std::vector<double>>>();
+  return f;
+}
+
+Json json_of(const sim::Evolution::State& s) {
+  Json j;
+  j["generation"] = s.generation;
+  j["used"] = s.used;
+  j["memory_scale"] = s.memory_scale;
+  j["memory_crossing"] = s.memory_crossing;
+  j["memory_next"] = s.memory_next;
+  j["archive"] = s.archive;
+  j["population"] = Json::array();
+  for (const auto& c : s.population) j["population"].push_back({{"value", c.value}, {"point", c.point}});
+  return j;
+}
+
+sim::Evolution::State evolution_of(const Json& j) {
+  sim::Evolution::State s;
+  s.generation = j.at("generation").get<std::uint64_t>();
+  s.used = j.at("used").get<long>();
+  s.memory_scale = j.at("memory_scale").get<std::vector<double>>();
+  s.memory_crossing = j.at("memory_crossing").get<std::vector<double>>();
+  s.memory_next = j.at("memory_next").get<std::size_t>();
+  s.archive = j.at("archive").get<std::vector<std::vector<double>>>();
+  for (const auto& c : j.at("population"))
+    s.population.push_back({c.at("point").get<std::vector<double>>(), c.at("value").get<double>()});
+  return s;
+}
+
+/// Reads with `read`; whatever is wrong becomes one sentence.
+template <class Read>
+auto read_json(const std::string& text, const std::string& file, const char* kind, Read read) {
+  try {
+    const Json j = Json::parse(text);
+    if (j.at("kind").get<std::string>() != kind) throw std::invalid_argument("another kind of file");
+    return read(j);
+  } catch (const std::exception& e) {
+    throw BadInput({file + ": not a " + kind + " file of powbench: " + e.what()});
+  }
+}
+
+}  // namespace
+
+double rounded(double value) {
+  if (value == 0 || !std::isfinite(value)) return value;
+  const double scale = std::pow(10.0, 7 - std::floor(std::log10(std::fabs(value))));
+  return std::round(value * scale) / scale;
+}
+
+std::vector<sim::Specimen> specimens(const FitFile& file, const FitFold& fold) {
+  const sim::Specimen base = parse_specimen(file.base, "base of the fit");
+  std::vector<sim::Specimen> list;
+  for (const auto& values : fold.members) {
+    sim::Specimen s = base;
+    for (std::size_t i = 0; i < file.names.size() && i < values.size(); ++i) {
+      const auto& field = sim::specimen_field(file.names[i]);
+      field.set(s, values[i] * field.si_per_unit);
+    }
+    list.push_back(std::move(s));
+  }
+  return list;
+}
+
+std::string to_json(const FitFile& f) {
+  Json j;
+  j["kind"] = "fit";
+  j["base"] = f.base;
+  j["names"] = f.names;
+  j["folds"] = Json::array();
+  for (const auto& fold : f.folds) j["folds"].push_back(json_of(fold));
+  return j.dump(1) + "\n";
+}
+
+FitFile parse_fit_file(const std::string& text, const std::string& file) {
+  return read_json(text, file, "fit", [](const Json& j) {
+    FitFile f;
+    f.base = j.at("base").get<std::string>();
+    f.names = j.at("names").get<std::vector<std::string>>();
+    for (const auto& name : f.names) sim::specimen_field(name);
+    for (const auto& fold : j.at("folds")) f.folds.push_back(fold_of(fold));
+    for (const auto& fold : f.folds)
+      for (const auto& values : fold.members)
+        if (values.size() != f.names.size())
+          throw std::invalid_argument("a member has too few or too many numbers");
+    return f;
+  });
+}
+
+std::string to_json(const FitState& s) {
+  Json j;
+  j["kind"] = "fit-state";
+  j["problem"] = s.problem;
+  j["done"] = Json::array();
+  for (const auto& fold : s.done) j["done"].push_back(json_of(fold));
+  j["running"] = s.running ? json_of(*s.running) : Json(nullptr);
+  return j.dump() + "\n";
+}
+
+FitState parse_fit_state(const std::string& text, const std::string& file) {
+  return read_json(text, file, "fit-state", [](const Json& j) {
+    FitState s;
+    s.problem = j.at("problem").get<std::string>();
+    for (const auto& fold : j.at("done")) s.done.push_back(fold_of(fold));
+    if (!j.at("running").is_null()) s.running = evolution_of(j.at("running"));
+    return s;
+  });
+}
+
+}  // namespace powbench::host

@@ -1,0 +1,59 @@
+#include "host/study/held_out.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "sim/closing.h"
+
+namespace powbench::host {
+namespace {
+
+constexpr double duration = 0.060;  // s
+
+double quantile(const std::vector<double>& sorted, double share) {
+  const double at = share * static_cast<double>(sorted.size() - 1);
+  const auto k = static_cast<std::size_t>(at);
+  if (k + 1 >= sorted.size()) return sorted.back();
+  return sorted[k] + (at - std::floor(at)) * (sorted[k + 1] - sorted[k]);
+}
+
+Band band(std::vector<double> values, std::size_t asked) {
+  if (values.empty() || 2 * values.size() < asked) return {};
+  std::sort(values.begin(), values.end());
+  return {quantile(values, 0.16), quantile(values, 0.5), quantile(values, 0.84)};
+}
+
+}  // namespace
+
+Prediction predict(std::span<const sim::Specimen> list, const Conditions& conditions) {
+  std::vector<double> touch, bounce, settled, seat;
+  for (const auto& s : list) {
+    const auto t = sim::simulate(s, conditions, duration, 0).truth;
+    if (!t.touch || !t.core_seat) continue;
+    touch.push_back(*t.touch);
+    bounce.push_back(*t.settled - *t.touch);
+    settled.push_back(*t.settled);
+    seat.push_back(*t.core_seat);
+  }
+  return {band(touch, list.size()), band(bounce, list.size()), band(settled, list.size()),
+          band(seat, list.size())};
+}
+
+ClosingProvider held_out_provider(const FitFile& file, const Conditions& conditions) {
+  return [file, conditions](double theta_deg) {
+    PublishedView v;
+    for (const auto& fold : file.folds) {
+      if (!fold.held_out || std::fabs(std::remainder(*fold.held_out - theta_deg, 360)) > 1e-6) continue;
+      Conditions c = conditions;
+      c.closing_angle = radians(theta_deg);
+      const Prediction p = predict(specimens(file, fold), c);
+      v.t_ct1 = p.touch.median;
+      v.t_ct_bon = p.bounce.median;
+      v.t_ct2 = p.settled.median;
+      v.t_xt1 = p.seat.median;
+    }
+    return v;
+  };
+}
+
+}  // namespace powbench::host

@@ -1,0 +1,32 @@
+#pragma once
+
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "host/compare/compare.h"
+#include "sim/study/misfit.h"
+
+/// What is measured, as a problem of identification.
+
+namespace powbench::host {
+
+/// Standard deviations that a model of this kind deserves beside those of the measurement; relative but for the last.
+struct ModelDeviation {
+  double touch = 0.010;
+  double seat = 0.010;
+  double bounce = 0.05;
+  double core_bounce = 0.6e-3;  ///< s
+};
+
+/// The closings of table 2, measured values, 230 V 50 Hz. The core row of 90 deg is impossible as printed and left out.
+std::vector<sim::MeasuredClosing> published_closings(const ModelDeviation& = {});
+
+/// Mean touch, bounce and seat of every angle of a campaign. Deviations: that of the mean, with that of the model.
+std::vector<sim::MeasuredClosing> campaign_closings(std::span<const AngleGroup>, const Conditions&,
+                                                    const ModelDeviation&);
+
+/// Without the closings at the angles listed (rad, equal to 0.01 deg).
+std::vector<sim::MeasuredClosing> without(std::vector<sim::MeasuredClosing>, std::span<const double> angles);
+
+}  // namespace powbench::host

@@ -1,0 +1,33 @@
+#include "sim/mechanics/contact_law.h"
+
+#include <cmath>
+
+#include "core/units.h"
+
+namespace powbench::sim {
+
+double largest_depth(const ContactLaw& law, double mass, double speed) {
+  const double p = law.exponent + 1;
+  return std::pow(p * mass * speed * speed / (2 * law.stiffness), 1 / p);
+}
+
+double contact_time(const ContactLaw& law, double mass, double speed) {
+  const double p = law.exponent + 1;
+  const double beta = std::exp(std::lgamma(1 / p) - std::lgamma(1 / p + 0.5)) * std::sqrt(pi);
+  return 2 * largest_depth(law, mass, speed) / (speed * p) * beta;
+}
+
+double hunt_crossley_restitution(double lambda_v) {
+  if (lambda_v <= 0) return 1;
+  double low = 0;
+  double high = std::min(1.0, 1 / lambda_v);
+  for (int i = 0; i < 200; ++i) {
+    const double e = 0.5 * (low + high);
+    if (e <= low || e >= high) break;
+    const double f = std::log1p(lambda_v) - std::log1p(-lambda_v * e) - lambda_v * (1 + e);
+    (f < 0 ? low : high) = e;
+  }
+  return 0.5 * (low + high);
+}
+
+}  // namespace powbench::sim

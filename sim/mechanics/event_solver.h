@@ -1,0 +1,488 @@
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <type_traits>
+
+#include "sim/mechanics/crossing.h"
+#include "sim/mechanics/dop853.h"
+
+/// Integration of a system with modes: order 8 between events, each event located and landed upon.
+
+namespace powbench::sim {
+
+/// Event-locating integrator over a `System` with
+///   using Real; static constexpr int capacity, guard_capacity (<= 64)
+///   int size(); int guard_count(); int smooth_guards()
+///   Real scale(int i)                     tolerance of state i is tolerance * scale(i)
+///   void derivative(Real t, const Real* y, Real* dy)   per second; may write up to padded(size() + 2) values of dy
+///   void guards(Real t, const Real* y, const Real* dy, Guards&)     dy == nullptr: curves are not needed
+///   Real guard(int k, Real t, const Real* y, Real& rate)            one of them; rate only of a smooth one
+///   void flip(Real& t, Real* y, std::uint64_t which)    switches modes, and may jump states and time
+/// and, for contacts whose force has a root of their depth at its beginning and end,
+///   int choose_root(const Guards&, const Real* y, Real step, Real& root)    guard of the contact, or -1
+///   void follow_root(int guard)           from now on `root` is the square root of that contact's depth
+///   void set_root(Real root)
+///   Real depth_rate(const Real* y)        m/s, of the followed contact
+///   Real root_step(int guard, const Real* y)   length of a first step in s, sqrt(m)^-1 s
+///
+/// A force k d^1.5 is not smooth where d begins and ends, and no high order survives that. While a contact is
+/// followed, the independent variable s has dt = w ds with w = sqrt(d), and w is a state: dw/ds = d'/2. Then
+/// d^1.5 = w^3, the touch is a simple zero of w, and everything is smooth through both ends of the contact.
+///
+/// A step may overshoot: modes are locked while it lasts. The earliest crossing is bracketed on the quintic of
+/// each guard, refined on the dense output, and the state there is the start of the next step. Everything that
+/// crosses within `simultaneous` switches together, so the order of the guards does not matter. A guard that
+/// switches more than `lock_count` times within `lock_window` is ignored for a while that doubles.
+template <class System>
+class EventSolver {
+ public:
+  using Real = typename System::Real;
+  using GuardSet = Guards<Real, System::guard_capacity>;
+  static constexpr int capacity = dop853::padded(System::capacity + 2);
+
+  static constexpr Real smallest_step = Real(1e-13L);  ///< s, below: give up
+  static constexpr Real simultaneous = Real(1e-13L);   ///< s
+  static constexpr Real lock_window = Real(1e-9L);     ///< s
+  static constexpr Real longest_lock = Real(1e-4L);    ///< s
+  static constexpr int lock_count = 6;
+
+  /// Everything a run remembers between two steps: copying it is a restart that continues bit for bit.
+  struct Memory {
+    alignas(dop853::alignment) Real y[capacity] = {};      ///< states, time, root
+    alignas(dop853::alignment) Real slope[capacity] = {};  ///< dy/dt at y
+    Real time = 0;
+    Real step = 0;                 ///< s, next step without a followed contact
+    Real root_step = 0;            ///< next step in s of the followed contact
+    Real root_share = Real(0.2L);  ///< first step of a contact, over its natural length
+    Real last_error = Real(1e-4L);
+    Real error_time = 0;  ///< s
+    int root = -1;
+    bool slope_known = false;
+    std::uint64_t pending = 0;
+    int flips[System::guard_capacity] = {};
+    Real last_flip[System::guard_capacity];
+    Real locked_until[System::guard_capacity];
+    Real lock_length[System::guard_capacity];
+    std::int64_t evaluations = 0;
+    std::int64_t steps = 0;
+    std::int64_t rejected = 0;
+    std::int64_t events = 0;
+  };
+
+  EventSolver(System& system, Real tolerance, Real largest_step)
+      : system_(&system), tolerance_(tolerance), largest_step_(largest_step) {
+    std::fill_n(m_.last_flip, System::guard_capacity, Real(-1e300L));
+    std::fill_n(m_.locked_until, System::guard_capacity, Real(-1e300L));
+    std::fill_n(m_.lock_length, System::guard_capacity, lock_window);
+  }
+
+  /// Starts anew at (t, y). The first step is tried with `step` s.
+  void restart(Real t, const Real* y, Real step) {
+    n_ = system_->size();
+    rows_ = dop853::padded(n_ + 2);
+    std::fill_n(m_.y, capacity, Real(0));
+    std::copy_n(y, n_, m_.y);
+    m_.time = begin_ = t;
+    m_.step = std::min(step, largest_step_);
+    m_.root = -1;
+    m_.slope_known = false;
+    m_.pending = 0;
+    dense_ready_ = guards_known_ = false;
+    length_ = 0;
+    std::fill_n(inverse_, capacity, Real(0));
+    for (int i = 0; i < n_; ++i) inverse_[i] = 1 / (tolerance_ * system_->scale(i));
+  }
+
+  const Memory& memory() const { return m_; }
+  /// Continues from a copy; the system must be the copy that belongs to it. No dense output until the next step.
+  void resume(const Memory& memory) {
+    restart(memory.time, memory.y, memory.step);
+    m_ = memory;
+    system_->follow_root(m_.root);
+  }
+
+  Real begin() const { return begin_; }  ///< s: the dense output covers [begin, end]
+  Real end() const { return m_.time; }
+  const Real* end_state() const { return m_.y; }
+  std::int64_t evaluations() const { return m_.evaluations; }
+  std::int64_t steps() const { return m_.steps; }
+  std::int64_t rejected() const { return m_.rejected; }
+  std::int64_t events() const { return m_.events; }
+  Real last_step() const { return m_.time - begin_; }
+
+  /// State at `t` in [begin, end]; writes padded(size() + 2) values.
+  void state(Real t, Real* out) {
+    if (t >= m_.time) {
+      std::copy_n(m_.y, rows_, out);
+      return;
+    }
+    prepare_dense();
+    dop853::dense_state(rows_, share_of(t), start_, dense_, capacity, out);
+  }
+
+  /// Passes end(): switches what ended the step, then takes the next one. False: the step cannot be made small
+  /// enough.
+  bool extend() {
+    if (m_.pending != 0) {
+      note_flips();
+      m_.events += 1;
+      system_->flip(m_.time, m_.y, m_.pending);
+      m_.pending = 0;
+      m_.slope_known = guards_known_ = false;
+    }
+    begin_ = m_.time;
+    if (!m_.slope_known) {
+      derivative(m_.time, m_.y, m_.slope);
+      m_.slope_known = true;
+    }
+    if (!guards_known_) system_->guards(begin_, m_.y, m_.slope, sets_[now_]);
+    guards_known_ = false;
+    follow();
+    std::copy_n(m_.y, rows_, start_);
+    if (!step()) return false;
+    land();
+    return true;
+  }
+
+ private:
+  void derivative(Real t, const Real* y, Real* dy) {
+    system_->derivative(t, y, dy);
+    ++m_.evaluations;
+  }
+  bool followed() const { return m_.root >= 0; }
+
+  /// Decides which contact the next step follows, and how long the step is tried.
+  void follow() {
+    Real root = 0;
+    const int chosen = system_->choose_root(sets_[now_], m_.y, m_.step, root);
+    if (chosen < 0) {
+      m_.root = -1;
+    } else {
+      if (chosen != m_.root) {
+        const Real natural = system_->root_step(chosen, m_.y) * m_.root_share;
+        m_.root_step = root > 0 ? std::min(natural, m_.step / root) : natural;
+        m_.root = chosen;
+        fresh_ = true;
+      }
+      m_.y[n_ + 1] = root;
+    }
+    system_->follow_root(m_.root);
+    if (!followed()) m_.y[n_ + 1] = 0;
+    m_.y[n_] = 0;  // time within the step
+    inverse_[n_] = followed() ? 1 / (tolerance_ * Real(1e-3L)) : Real(0);
+    inverse_[n_ + 1] = followed() ? 1 / (tolerance_ * Real(0.1L)) : Real(0);
+  }
+
+  /// Slope in the independent variable of the step, from the one in time.
+  void slope_row(const Real* per_second, Real root, const Real* y, Real* row) {
+    for (int i = 0; i < rows_; ++i) row[i] = root * per_second[i];
+    row[n_] = root;
+    row[n_ + 1] = system_->depth_rate(y) / 2;
+    for (int i = n_ + 2; i < rows_; ++i) row[i] = 0;
+  }
+
+  void stage(int row, Real h) {
+    Real* y = work_;
+    dop853::argument(row, rows_, h, start_, k_, capacity, y);
+    Real* out = k_ + row * capacity;
+    if (!followed()) {
+      derivative(begin_ + static_cast<Real>(dop853::c[row]) * h, y, out);
+      out[n_] = 1;
+      for (int i = n_ + 1; i < rows_; ++i) out[i] = 0;
+      return;
+    }
+    const Real root = y[n_ + 1];
+    system_->set_root(root);
+    derivative(begin_ + y[n_], y, out);
+    slope_row(out, root, y, out);
+  }
+
+  /// Length in time that a step of length h would have, to first order.
+  Real limit(Real h) const {
+    if (!followed()) return std::min(h, largest_step_);
+    const Real root = start_[n_ + 1];
+    const Real bend = std::fabs(k_[n_ + 1]) / 2;
+    return h * (root + bend * h) > largest_step_ ? largest_step_ / (root + bend * h) : h;
+  }
+
+  bool step() {
+    if (followed()) {
+      system_->set_root(start_[n_ + 1]);
+      slope_row(m_.slope, start_[n_ + 1], start_, k_);
+    } else {
+      std::copy_n(m_.slope, rows_, k_);
+      k_[n_] = 1;
+      for (int i = n_ + 1; i < rows_; ++i) k_[i] = 0;
+    }
+    Real h = limit(followed() ? m_.root_step : m_.step);
+    for (bool again = false;; again = true) {
+      for (int row = 1; row < dop853::stages; ++row) stage(row, h);
+      const Real error = dop853::error(rows_, n_ + (followed() ? 2 : 0), h, k_, capacity, inverse_);
+      ++m_.steps;
+      if (error <= 1) {
+        accept(h, error, again);
+        return true;
+      }
+      ++m_.rejected;
+      const Real factor = Real(0.9L) * std::pow(error, Real(-1) / 8);
+      h *= std::isfinite(error) ? std::clamp(factor, Real(0.2L), Real(0.9L)) : Real(0.1L);
+      if (!(h > smallest_step * (followed() ? Real(1e-3L) : Real(1)))) return false;
+    }
+  }
+
+  void accept(Real h, Real error, bool again) {
+    dop853::argument(12, rows_, h, start_, k_, capacity, m_.y);
+    length_ = h;
+    m_.time = followed() ? begin_ + m_.y[n_] : begin_ + h;
+    const Real root = m_.y[n_ + 1];
+    system_->set_root(root);
+    derivative(m_.time, m_.y, m_.slope);
+    Real* last = k_ + 12 * capacity;
+    if (followed()) {
+      slope_row(m_.slope, root, m_.y, last);
+    } else {
+      std::copy_n(m_.slope, rows_, last);
+      last[n_] = 1;
+      for (int i = n_ + 1; i < rows_; ++i) last[i] = 0;
+    }
+    dense_ready_ = false;
+    const Real small = std::max(error, Real(1e-10L));
+    Real factor = Real(0.9L) * std::pow(small, Real(-0.7L) / 8) * std::pow(m_.last_error, Real(0.4L) / 8);
+    factor = std::clamp(factor, Real(0.2L), again ? Real(1) : Real(5));
+    m_.last_error = std::max(error, Real(1e-4L));
+    if (followed()) {
+      m_.root_step = h * factor;
+      if (fresh_)
+        m_.root_share = std::clamp(m_.root_share * (h * factor / first_root_step()), Real(0.02L), Real(3));
+      fresh_ = false;
+    } else {
+      m_.step = std::min(h * factor, largest_step_);
+    }
+  }
+  Real first_root_step() const { return system_->root_step(m_.root, start_) * m_.root_share; }
+
+  /// The quintic of guard k over the step just taken.
+  Bernstein<Real> curve(int k) const {
+    const GuardSet& g0 = sets_[now_];
+    const GuardSet& g1 = sets_[1 - now_];
+    if (k == m_.root) {
+      const Real a = start_[n_ + 1];
+      const Real b = m_.y[n_ + 1];
+      return quintic(a, length_ * g0.rate[k] / 2, length_ * length_ * a * g0.curve[k] / 2, b,
+                     length_ * g1.rate[k] / 2, length_ * length_ * b * g1.curve[k] / 2);
+    }
+    return quintic(g0.value[k], ends_.first * g0.rate[k],
+                   ends_.first * ends_.first * g0.curve[k] + ends_.first_bend * g0.rate[k], g1.value[k],
+                   ends_.last * g1.rate[k],
+                   ends_.last * ends_.last * g1.curve[k] + ends_.last_bend * g1.rate[k]);
+  }
+
+  void set_ends() {
+    if (!followed()) {
+      ends_ = {length_, 0, length_, 0};
+      return;
+    }
+    ends_ = {length_ * start_[n_ + 1], length_ * k_[n_ + 1] * length_, length_ * m_.y[n_ + 1],
+             length_ * k_[12 * capacity + n_ + 1] * length_};
+  }
+
+  bool locked(int k) const { return begin_ < m_.locked_until[k]; }
+
+  /// Ends the step at the earliest crossing, if there is one.
+  void land() {
+    GuardSet& g1 = sets_[1 - now_];
+    system_->guards(m_.time, m_.y, m_.slope, g1);
+    set_ends();
+    const std::uint64_t suspects = suspicious(g1);
+    if (suspects == 0) {
+      now_ = 1 - now_;
+      guards_known_ = true;
+      return;
+    }
+    prepare_dense();
+    Real first = 2;
+    int which = -1;
+    const int all = system_->guard_count();
+    if (followed() && (suspects >> m_.root & 1U) != 0) {  // beyond its zero the time runs backwards
+      first = refine(m_.root, brackets_[m_.root], 1);
+      if (first <= 1) which = m_.root;
+    }
+    for (int k = 0; k < all; ++k) {
+      if ((suspects >> k & 1U) == 0 || k == m_.root || brackets_[k].low >= first) continue;
+      brackets_[k].high = std::min(brackets_[k].high, first);
+      const Real x = refine(k, brackets_[k], std::min(first, Real(1)));
+      if (x >= first) continue;
+      first = x;
+      which = k;
+    }
+    if (which >= 0) land_at(first, which, suspects);
+  }
+
+  /// The guards that may turn negative within the step, with their brackets.
+  std::uint64_t suspicious(const GuardSet& g1) {
+    const int smooth = system_->smooth_guards();
+    const int all = system_->guard_count();
+    std::uint64_t found = 0;
+    const auto look = [&](int k) {
+      if (locked(k)) return;
+      brackets_[k] = first_crossing(curve(k));
+      if (brackets_[k].found) found |= std::uint64_t{1} << k;
+    };
+    if (followed()) look(m_.root);
+    if (may_cross(dop853::padded(smooth), ends_, sets_[now_], g1)) {
+      for (int k = 0; k < smooth; ++k)
+        if (k != m_.root) look(k);
+    }
+    for (int k = smooth; k < all; ++k) {
+      if (g1.value[k] >= 0 || locked(k)) continue;
+      brackets_[k] = {true, 0, 1};
+      found |= std::uint64_t{1} << k;
+    }
+    return found;
+  }
+
+  void land_at(Real share, int which, std::uint64_t suspects) {
+    dop853::dense_state(rows_, share, start_, dense_, capacity, m_.y);
+    m_.time = followed() ? begin_ + m_.y[n_] : begin_ + share * length_;
+    system_->set_root(m_.y[n_ + 1]);
+    GuardSet& g = sets_[1 - now_];
+    system_->guards(m_.time, m_.y, nullptr, g);
+    m_.pending = std::uint64_t{1} << which;
+    const int smooth = system_->smooth_guards();
+    for (int k = 0; k < system_->guard_count(); ++k) {
+      if ((suspects >> k & 1U) == 0) continue;
+      const Real value = k == m_.root ? m_.y[n_ + 1] : g.value[k];
+      const bool near = k < smooth && g.rate[k] < 0 && k != m_.root && value <= -g.rate[k] * simultaneous;
+      if (value < 0 || near) m_.pending |= std::uint64_t{1} << k;
+    }
+    m_.slope_known = false;
+    m_.last_error = Real(1e-4L);
+  }
+
+  /// Value of guard k at a share of the step, and its slope per share where it is known.
+  Real guard_at(int k, Real share, Real& slope) {
+    Real* y = work_;
+    dop853::dense_state(rows_, share, start_, dense_, capacity, y);
+    const Real root = y[n_ + 1];
+    const Real t = followed() ? begin_ + y[n_] : begin_ + share * length_;
+    system_->set_root(root);
+    Real rate = 0;
+    const Real value = system_->guard(k, t, y, rate);
+    slope = length_ * rate * (k == m_.root ? Real(0.5L) : followed() ? root : Real(1));
+    return k == m_.root ? root : value;
+  }
+
+  /// First share at which guard k is negative on the dense output, 2 if it is nowhere.
+  Real refine(int k, const Crossing<Real>& bracket, Real most) {
+    Real low = bracket.low;
+    Real high = bracket.high;
+    Real slope = 0;
+    Real g_high = guard_at(k, high, slope);
+    for (int i = 0; g_high >= 0 && high < most && i < 12; ++i) {  // the quintic was a little early
+      high = std::min(most, high + (high - low + Real(1e-9L)));
+      g_high = guard_at(k, high, slope);
+    }
+    if (g_high >= 0) return 2;
+    Real x = high;
+    Real g = g_high;
+    for (Real wider = high - low; low > 0; wider *= 2) {  // or a little late
+      Real unused = 0;
+      if (guard_at(k, low, unused) >= 0) break;
+      low = std::max(Real(0), low - wider);
+    }
+    guard_at(k, x, slope);
+    const Real resolution = std::is_same_v<Real, double> ? Real(2e-16L) : Real(1e-19L);
+    for (int i = 0; i < 100 && high - low > resolution; ++i) {
+      Real next = slope < 0 ? x - g / slope : (low + high) / 2;
+      if (!(next > low && next < high) || i > 8) next = i % 3 == 0 || slope >= 0 ? (low + high) / 2 : next;
+      if (!(next > low && next < high)) next = (low + high) / 2;
+      if (next <= low || next >= high) break;
+      const Real moved = std::fabs(next - x);
+      x = next;
+      g = guard_at(k, x, slope);
+      if (g < 0) {
+        high = x;
+      } else {
+        low = x;
+      }
+      if (moved < Real(1e-10L) && slope < 0) break;  // the next Newton step would be round-off
+    }
+    return x;
+  }
+
+  void prepare_dense() {
+    if (dense_ready_) return;
+    const Real root = m_.y[n_ + 1];
+    for (int row = 13; row < dop853::slopes; ++row) stage(row, length_);
+    alignas(dop853::alignment) Real y1[capacity];
+    dop853::argument(12, rows_, length_, start_, k_, capacity, y1);
+    dop853::dense_rows(rows_, length_, start_, y1, k_, capacity, dense_);
+    system_->set_root(root);
+    dense_ready_ = true;
+  }
+
+  /// Share of the step at time t; in s the time is a state and grows monotonically.
+  Real share_of(Real t) {
+    if (!followed()) return (t - begin_) / length_;
+    Real low = 0;
+    Real high = 1;
+    for (int i = 0; i < 60 && high - low > Real(1e-17L); ++i) {
+      const Real x = (low + high) / 2;
+      alignas(dop853::alignment) Real y[capacity];
+      dop853::dense_state(rows_, x, start_, dense_, capacity, y);
+      (begin_ + y[n_] < t ? low : high) = x;
+    }
+    return high;
+  }
+
+  void note_flips() {
+    for (int k = 0; k < system_->guard_count(); ++k) {
+      if ((m_.pending >> k & 1U) == 0) continue;
+      m_.flips[k] = m_.time - m_.last_flip[k] < lock_window ? m_.flips[k] + 1 : 0;
+      m_.last_flip[k] = m_.time;
+      if (m_.flips[k] <= lock_count) continue;
+      const bool again = m_.time - m_.locked_until[k] < 100 * m_.lock_length[k];
+      m_.lock_length[k] = again ? std::min(2 * m_.lock_length[k], longest_lock) : lock_window;
+      m_.locked_until[k] = m_.time + m_.lock_length[k];
+      m_.flips[k] = 0;
+    }
+  }
+
+  System* system_;
+  Real tolerance_;
+  Real largest_step_;
+  int n_ = 0;
+  int rows_ = 0;
+  Memory m_;
+  alignas(dop853::alignment) Real start_[capacity] = {};  ///< states at begin_
+  alignas(dop853::alignment) Real inverse_[capacity] = {};
+  alignas(dop853::alignment) Real k_[dop853::slopes * capacity] = {};
+  alignas(dop853::alignment) Real dense_[7 * capacity] = {};
+  alignas(
+      dop853::alignment) Real work_[capacity] = {};  ///< beyond rows_ it stays zero: systems may read there
+  GuardSet sets_[2]{};                               ///< of the begin and of the end of the step
+  int now_ = 0;
+  bool guards_known_ = false;
+  StepEnds<Real> ends_{};
+  Crossing<Real> brackets_[System::guard_capacity];
+  Real begin_ = 0;
+  Real length_ = 0;  ///< of the step in its own variable
+  bool dense_ready_ = false;
+  bool fresh_ = false;
+};
+
+/// For systems without followed contacts.
+template <class R>
+struct NoRoots {
+  using Real = R;
+  int choose_root(const Real*, const Real*, Real, Real&) const { return -1; }
+  void follow_root(int) {}
+  void set_root(Real) {}
+  Real depth_rate(const Real*) const { return 0; }
+  Real root_step(int, const Real*) const { return 0; }
+};
+
+}  // namespace powbench::sim

@@ -1,0 +1,370 @@
+#include "sim/mechanics/rigid_contactor.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/units.h"
+
+/// The right-hand side, the guards and the energies of the rigid contactor.
+
+namespace powbench::sim {
+namespace {
+
+POWBENCH_CLONES
+void rhs_kernel(const RigidLanes<double>& p, const double* s, double pull, double* ds) {
+  rigid_rhs(p, s, pull, ds);
+}
+void rhs_kernel(const RigidLanes<long double>& p, const long double* s, long double pull, long double* ds) {
+  rigid_rhs(p, s, pull, ds);
+}
+
+/// Depths with the sign of their mode, and their derivatives; idle lanes get 1, 0, 0.
+template <class Real>
+POWBENCH_INLINE void signed_depths(const RigidLanes<Real>& p, const Lanes<Real>* sign, const Real* s,
+                                   const Real* ds, Real* value, Real* rate, Real* curve) {
+  Lanes<Real> d[rigid_groups];
+  rigid_depths(p, s, Real(1), d);
+  for (int g = 0; g < rigid_groups; ++g)
+    store<Real>(sign[g] * d[g] + (Real(1) - sign[g] * sign[g]), value + g * lane_count);
+  rigid_depths(p, s + p.dof, Real(0), d);
+  for (int g = 0; g < rigid_groups; ++g) store<Real>(sign[g] * d[g], rate + g * lane_count);
+  if (ds == nullptr) return;
+  rigid_depths(p, ds + p.dof, Real(0), d);
+  for (int g = 0; g < rigid_groups; ++g) store<Real>(sign[g] * d[g], curve + g * lane_count);
+}
+
+POWBENCH_CLONES
+void guard_kernel(const RigidLanes<double>& p, const Lanes<double>* sign, const double* s, const double* ds,
+                  double* value, double* rate, double* curve) {
+  signed_depths(p, sign, s, ds, value, rate, curve);
+}
+void guard_kernel(const RigidLanes<long double>& p, const LongLanes* sign, const long double* s,
+                  const long double* ds, long double* value, long double* rate, long double* curve) {
+  signed_depths(p, sign, s, ds, value, rate, curve);
+}
+
+template <class Real>
+constexpr Real two_pi = static_cast<Real>(2 * 3.14159265358979323846264338327950288L);
+
+}  // namespace
+
+ContactPlace contact_place(int contact) {
+  const int group = contact / rigid_lanes;
+  const int lane = contact % rigid_lanes;
+  if (group < 2) return {ContactKind::pad, lane, group};
+  if (group < core_group) return {ContactKind::seat, lane, group - 2};
+  return {lane < 2 ? ContactKind::pole : ContactKind::stop, 0, lane % 2};
+}
+
+template <class R>
+R RigidContactor<R>::scale(int i) const {
+  const int n = lanes_.dof;
+  if (i >= 2 * n) return i >= ledger_ && ledger_ >= 0 ? Real(1) : Real(0.1L);
+  const int q = i % n;
+  const bool rate = i >= n;
+  Real s = Real(1e-3L);
+  if (q == 1) s = Real(0.1L);
+  if (q >= 3 && q < 3 + lanes_.modes) s = Real(1e-5L);
+  if (q >= 3 + lanes_.modes + lanes_.bridges) s = Real(0.1L);
+  return rate ? 1000 * s : s;
+}
+
+template <class R>
+R RigidContactor<R>::gap(const Real* y) const {
+  return touching_ ? Real(0) : separation(y);
+}
+
+template <class R>
+MagneticResponse RigidContactor<R>::field(const Real* y) const {
+  const auto at = [&](int i) { return static_cast<double>(y[electric_ + i]); };
+  const double ring = drive_.potential->has_ring() ? at(1) : 0.0;
+  return drive_.potential->at({at(0), ring, static_cast<double>(std::max(gap(y), Real(0)))});
+}
+
+template <class R>
+R RigidContactor<R>::pull(Real t, const Real* y) const {
+  if (electric_ >= 0) return static_cast<Real>(field(y).pull);
+  Real g = gap(y);
+  if (lanes_.automatic) g = std::max(separation(y), Real(0));
+  const Real wide = 1 + g / static_cast<Real>(given_.range);
+  const Real sine = std::sin(two_pi<Real> * static_cast<Real>(given_.hertz) * t);
+  const Real share = static_cast<Real>(given_.share);
+  return static_cast<Real>(given_.peak) * (1 - std::exp(-t / static_cast<Real>(given_.rise))) *
+         (share + (1 - share) * sine * sine) / (wide * wide);
+}
+
+template <class R>
+R RigidContactor<R>::mains(Real t) const {
+  const Real angle = two_pi<Real> * static_cast<Real>(drive_.hertz) * t + static_cast<Real>(drive_.phase);
+  return std::sqrt(Real(2)) * static_cast<Real>(drive_.volts) * std::sin(angle);
+}
+
+template <class R>
+R RigidContactor<R>::current(const Real* y) const {
+  return electric_ < 0 ? Real(0) : static_cast<Real>(field(y).current);
+}
+
+template <class R>
+void RigidContactor<R>::derivative(Real t, const Real* y, Real* dy) const {
+  if (electric_ < 0) {
+    const Real f = pull(t, y);
+    rhs_kernel(lanes_, y, f, dy);
+    if (ledger_ >= 0) book(t, y, {}, f, dy);
+    return;
+  }
+  const MagneticResponse m = field(y);
+  rhs_kernel(lanes_, y, static_cast<Real>(m.pull), dy);
+  electric(t, y, m, dy);
+  if (ledger_ >= 0) book(t, y, m, static_cast<Real>(m.pull), dy);
+}
+
+/// Fluxes: dpsi/dt = u - R i while the switch is closed; with it open i = 0 binds psi to the rest.
+template <class R>
+void RigidContactor<R>::electric(Real t, const Real* y, const MagneticResponse& m, Real* dy) const {
+  const bool ring = drive_.potential->has_ring();
+  const Real ring_rate =
+      ring ? -static_cast<Real>(drive_.ring_resistance) * static_cast<Real>(m.ring_current) : Real(0);
+  if (ring) dy[electric_ + 1] = ring_rate;
+  if (coil_ != Coil::open) {
+    dy[electric_] = mains(t) - static_cast<Real>(drive_.resistance) * static_cast<Real>(m.current);
+    return;
+  }
+  const Real gap_rate = touching_ ? Real(0) : y[lanes_.dof + 2] - y[lanes_.dof];
+  dy[electric_] =
+      -(static_cast<Real>(m.current_ring) * ring_rate + static_cast<Real>(m.current_gap) * gap_rate) /
+      static_cast<Real>(m.current_psi);
+}
+
+template <class R>
+void RigidContactor<R>::book(Real t, const Real* y, const MagneticResponse& m, Real f, Real* dy) const {
+  const int n = lanes_.dof;
+  const Real* v = y + n;
+  Lanes<Real> d[rigid_groups];
+  Lanes<Real> rate[rigid_groups];
+  Lanes<Real> force[rigid_groups];
+  rigid_depths(lanes_, y, Real(1), d);
+  rigid_depths(lanes_, v, Real(0), rate);
+  rigid_forces(lanes_, d, rate, force);
+  Real lost = 0;
+  for (int c = 0; c < rigid_contacts; ++c) {
+    if (!uses(c)) continue;
+    const int g = c / rigid_lanes;
+    const int i = c % rigid_lanes;
+    const auto& law = laws_[g + (g == core_group && i >= 2)];
+    const bool follow = c == lanes_.followed;
+    const Real root = lanes_.root;
+    Real elastic = d[g][i] > 0 ? elastic_force(law, d[g][i]) : Real(0);
+    if (follow) elastic = lanes_.k[g][i] * root * root * root;
+    lost += (force[g][i] - elastic) * rate[g][i];
+  }
+  Real damped = lanes_.core_damping * v[0] * v[0] + lanes_.tilt_damping * v[1] * v[1] +
+                lanes_.buffer_damping * v[2] * v[2];
+  for (int i = 0; i < lanes_.modes; ++i) damped += lanes_.mode_damping[i] * v[3 + i] * v[3 + i];
+  for (int j = 0; j < lanes_.bridges; ++j) {
+    const Real slip = v[0] + lanes_.at[j] * v[1] - v[3 + lanes_.modes + j];
+    damped += lanes_.damping[j] * slip * slip;
+  }
+  Real* e = dy + ledger_;
+  const bool coil = electric_ >= 0;
+  const Real i = static_cast<Real>(m.current);
+  const Real ring = static_cast<Real>(m.ring_current);
+  e[0] = coil ? (coil_ == Coil::open ? Real(0) : mains(t) * i) : f * (v[0] - v[2]);
+  e[1] = coil_ == Coil::open ? Real(0) : static_cast<Real>(drive_.resistance) * i * i;
+  e[2] = static_cast<Real>(drive_.ring_resistance) * ring * ring;
+  e[3] = lost;
+  e[4] = -lanes_.friction * v[0];
+  e[5] = damped;
+}
+
+template <class R>
+R RigidContactor<R>::depth_of(int contact, const Real* y) const {
+  const auto& p = lanes_;
+  const int g = contact / rigid_lanes;
+  const int i = contact % rigid_lanes;
+  if (g == core_group) return p.to_x[i] * y[0] + p.to_tilt[i] * y[1] + p.to_static[i] * y[2] + p.offset[i];
+  const Real at = y[3 + p.modes + i];
+  const Real turn = y[3 + p.modes + p.bridges + i] * (g % 2 == 0 ? Real(-1) : Real(1));
+  if (g >= 2) return at + p.seat_arm[i] * turn - (y[0] + p.at[i] * y[1]);
+  Real under = p.follow * y[2] + p.gap[g][i];
+  for (int m = 0; m < p.modes; ++m) under += p.shape[m][g][i] * y[3 + m];
+  return at + p.pad_arm[i] * turn - under;
+}
+
+template <class R>
+R RigidContactor<R>::rate_of(int contact, const Real* y) const {
+  const auto& p = lanes_;
+  const Real* v = y + p.dof;
+  const int g = contact / rigid_lanes;
+  const int i = contact % rigid_lanes;
+  if (g == core_group) return p.to_x[i] * v[0] + p.to_tilt[i] * v[1] + p.to_static[i] * v[2];
+  const Real vy = v[3 + p.modes + i];
+  const Real turn = v[3 + p.modes + p.bridges + i] * (g % 2 == 0 ? Real(-1) : Real(1));
+  if (g >= 2) return vy + p.seat_arm[i] * turn - (v[0] + p.at[i] * v[1]);
+  Real under = p.follow * v[2];
+  for (int m = 0; m < p.modes; ++m) under += p.shape[m][g][i] * v[3 + m];
+  return vy + p.pad_arm[i] * turn - under;
+}
+
+template <class R>
+R RigidContactor<R>::force_of(int contact, const Real* y) const {
+  const int g = contact / rigid_lanes;
+  const int i = contact % rigid_lanes;
+  const Real d = depth_of(contact, y);
+  if (!uses(contact) || !is_pressing(contact) || d <= 0) return 0;
+  const auto& law = laws_[g + (g == core_group && i >= 2)];
+  return std::max(Real(0), raw_force(law, d, rate_of(contact, y), lanes_.lambda[g][i]));
+}
+
+template <class R>
+R RigidContactor<R>::root_step(int guard, const Real* y) const {
+  const int g = guard / rigid_lanes;
+  const int i = guard % rigid_lanes;
+  const Real d = depth_of(guard, y);
+  return root_scale(lanes_.k[g][i], masses_[g][i], d, rate_of(guard, y));
+}
+
+/// The pressing contact that is nearest to its zero in time, on either side, within a few steps.
+template <class R>
+int RigidContactor<R>::choose_root(const GuardSet& g, const Real*, Real step, Real& root) const {
+  if (lanes_.automatic) return -1;
+  Real soonest = 3 * step;
+  Real deep = 0;
+  int best = -1;
+  for (std::uint64_t bits = rooted_ & pressing_; bits != 0; bits &= bits - 1) {
+    const int c = __builtin_ctzll(bits);
+    const Real depth = std::max(g.value[c], Real(0));
+    const Real rate = std::fabs(g.rate[c]);
+    if (depth >= soonest * rate) continue;
+    soonest = depth / rate;
+    best = c;
+    deep = depth;
+  }
+  root = std::sqrt(deep);
+  return best;
+}
+
+template <class R>
+R RigidContactor<R>::core_force(Real t, const Real* y) const {
+  alignas(64) Real dy[dop853::padded(capacity + 2)];
+  auto free = lanes_;
+  free.stuck = false;
+  free.friction = 0;
+  rhs_kernel(free, y, pull(t, y), dy);
+  return dy[lanes_.dof] / lanes_.inverse_core;
+}
+
+/// Of a pressing contact: negative where it would pull.
+template <class R>
+R RigidContactor<R>::pressing_margin(int contact, const Real* y, Real rate) const {
+  const int g = contact / rigid_lanes;
+  const int i = contact % rigid_lanes;
+  const Real stretch = 1 + lanes_.lambda[g][i] * rate;
+  if (lanes_.c[g][i] == 0) return stretch;
+  const Real d = depth_of(contact, y);
+  const auto& law = laws_[g + (g == core_group && i >= 2)];
+  if (law.form == DampingForm::linear)
+    return (d > 0 ? elastic_force(law, d) : -elastic_force(law, -d)) * stretch + lanes_.c[g][i] * rate;
+  if (d <= 0) return 1;
+  return stretch + lanes_.c[g][i] * rate * depth_ramp(d, lanes_.ramp[g][i]) / elastic_force(law, d);
+}
+
+template <class R>
+void RigidContactor<R>::guards(Real t, const Real* y, const Real* dy, GuardSet& g) const {
+  guard_kernel(lanes_, sign_, y, dy, g.value, g.rate, g.curve);
+  const Real* v = y + lanes_.dof;
+  const Real side = touching_ ? Real(-1) : Real(1);
+  g.value[gap_guard] = side * separation(y);
+  g.rate[gap_guard] = side * (v[2] - v[0]);
+  g.curve[gap_guard] = dy == nullptr ? Real(0) : side * (dy[lanes_.dof + 2] - dy[lanes_.dof]);
+  plain_guards(t, y, g);
+}
+
+/// Guards that are only compared in sign; the rates of the contacts are known.
+template <class R>
+void RigidContactor<R>::plain_guards(Real t, const Real* y, GuardSet& g) const {
+  Real release = 1;
+  for (std::uint64_t bits = pressing_; bits != 0; bits &= bits - 1) {
+    const int c = __builtin_ctzll(bits);
+    release = std::min(release, pressing_margin(c, y, g.rate[c]));
+  }
+  g.value[release_guard] = release;
+  Real regain = -1;
+  for (std::uint64_t bits = detached_; bits != 0; bits &= bits - 1) {
+    const int c = __builtin_ctzll(bits);
+    regain = std::max(regain, pressing_margin(c, y, g.rate[c]));
+  }
+  g.value[regain_guard] = -regain;
+  Real slide = 1;
+  if (friction_ == Friction::stick) slide = friction_limit_ - std::fabs(core_force(t, y));
+  if (friction_ == Friction::forward) slide = y[lanes_.dof];
+  if (friction_ == Friction::backward) slide = -y[lanes_.dof];
+  g.value[friction_guard] = slide;
+  g.value[coil_guard] = coil_ == Coil::opening ? current_sign_ * current(y) : Real(1);
+}
+
+template <class R>
+R RigidContactor<R>::guard(int k, Real t, const Real* y, Real& rate) const {
+  if (k < rigid_contacts) {
+    const Real sign = sign_[k / rigid_lanes][k % rigid_lanes];
+    rate = sign * rate_of(k, y);
+    return sign * depth_of(k, y);
+  }
+  GuardSet g;
+  guards(t, y, nullptr, g);
+  rate = k == gap_guard ? g.rate[k] : Real(0);
+  return g.value[k];
+}
+
+template <class R>
+EnergyLedger RigidContactor<R>::energies(const Real* y) const {
+  const auto& p = lanes_;
+  const int n = p.dof;
+  const Real* v = y + n;
+  EnergyLedger e;
+  Real kinetic = 0;
+  for (int i = 0; i < n; ++i) kinetic += bodies_[i] * v[i] * v[i] / 2;
+  Real springs = p.return_preload * y[0] + p.return_rate * y[0] * y[0] / 2 + p.tilt_rate * y[1] * y[1] / 2 +
+                 p.buffer_rate * y[2] * y[2] / 2;
+  for (int i = 0; i < p.modes; ++i) springs += p.mode_rate[i] * y[3 + i] * y[3 + i] / 2;
+  for (int j = 0; j < p.bridges; ++j) {
+    const Real theta = y[3 + p.modes + p.bridges + j];
+    const Real stretch = y[0] + p.at[j] * y[1] - y[3 + p.modes + j];
+    springs += p.preload[j] * stretch + p.rate[j] * stretch * stretch / 2 + p.turning[j] * theta * theta / 2;
+  }
+  Lanes<Real> d[rigid_groups];
+  depths(y, d);
+  Real contacts = 0;
+  for (int c = 0; c < rigid_contacts; ++c) {
+    const int g = c / rigid_lanes;
+    const int i = c % rigid_lanes;
+    if (!uses(c) || d[g][i] <= 0) continue;
+    const auto& law = laws_[g + (g == core_group && i >= 2)];
+    contacts += elastic_force(law, d[g][i]) * d[g][i] / static_cast<Real>(law.exponent + 1);
+  }
+  e.kinetic = static_cast<double>(kinetic);
+  e.springs = static_cast<double>(springs);
+  e.contacts = static_cast<double>(contacts);
+  if (electric_ >= 0) e.magnetic = field(y).energy;
+  if (ledger_ < 0) return e;
+  const auto at = [&](int i) { return static_cast<double>(y[ledger_ + i]); };
+  e.supplied = at(0);
+  e.coil = at(1);
+  e.ring = at(2);
+  e.contact_loss = at(3);
+  e.friction = at(4);
+  e.damping = at(5);
+  return e;
+}
+
+template <class R>
+double RigidContactor<R>::energy_residual(const Real* y) const {
+  const auto e = energies(y);
+  const double whole =
+      std::max({std::fabs(e.supplied), std::fabs(e.stored() - start_energy_), e.lost(), 1e-12});
+  return std::fabs(e.stored() - start_energy_ + e.lost() - e.supplied) / whole;
+}
+
+template class RigidContactor<double>;
+template class RigidContactor<long double>;
+
+}  // namespace powbench::sim

@@ -1,0 +1,173 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "sim/fields/potential.h"
+#include "sim/mechanics/event_solver.h"
+#include "sim/mechanics/rigid_lanes.h"
+#include "sim/mechanics/rigid_parts.h"
+
+/// The rigid contactor as a system for `EventSolver`:
+///
+///   M x''      = F_m - F_r0 - k_r x - c x' - friction + sum_j (S_j - f_j) - N_L - N_R + P_L + P_R
+///   I tilt''   = sum_j z_j (S_j - f_j) + a (N_L - N_R + P_R - P_L) - k_t tilt - c_t tilt'
+///   M_s x_s''  = -F_m + N_L + N_R - k_b x_s - c_b x_s' [+ sum pads]
+///   m_j y''    = f_j - S_j - F_1 - F_2,   f_j = F_c0 + k_c (x + z_j tilt - y) + c_c (...)'
+///   J_j theta''= r (F_1 - F_2) + l (S_1 - S_2) - k_th theta
+///   base mode  = modal force of the pads
+///
+/// with pads F, seats S, pole faces N and stops P by their contact laws. The depth of pad 2 grows with theta and that
+/// of pad 1 shrinks, so the torque is the difference of the forces: a level bridge does not spin.
+
+namespace powbench::sim {
+
+enum class ContactKind : std::uint8_t { pad, seat, pole, stop };
+
+/// Where a contact is: `part` is the bridge (0 for pole faces and stops), `end` 0 or 1.
+struct ContactPlace {
+  ContactKind kind{};
+  int part = 0;
+  int end = 0;
+};
+
+struct RigidEvent {
+  int contact = 0;  ///< index as in contact_place()
+  bool closes = false;
+  double time = 0;   ///< s
+  double speed = 0;  ///< m/s, normal; small: the time is sensitive, dt = dx / speed
+};
+
+ContactPlace contact_place(int contact);
+
+/// Coil and magnetics of a closing: du = R i + dpsi/dt with the potential of any rung.
+struct CoilDrive {
+  const MagneticPotential* potential = nullptr;  ///< nullptr: the pull is the given one
+  double resistance = 0;                         ///< ohm, with the source
+  double ring_resistance = 0;                    ///< ohm, one turn
+  double volts = 230;                            ///< V rms
+  double hertz = 50;
+  double phase = 0;  ///< rad at t = 0
+};
+
+/// Where the energy is, J. Losses and supplies are integrals since t = 0.
+struct EnergyLedger {
+  double kinetic = 0, springs = 0, contacts = 0, magnetic = 0;
+  double supplied = 0;  ///< by the coil, or by the given pull
+  double coil = 0, ring = 0, contact_loss = 0, friction = 0, damping = 0;
+  double stored() const { return kinetic + springs + contacts + magnetic; }
+  double lost() const { return coil + ring + contact_loss + friction + damping; }
+};
+
+template <class R>
+class RigidContactor {
+ public:
+  using Real = R;
+  static constexpr int guard_capacity = 48;
+  static constexpr int capacity = 2 * (3 + most_base_modes + 2 * most_bridges) + 2 + 8;
+  using GuardSet = Guards<Real, guard_capacity>;
+  enum : int {
+    gap_guard = rigid_contacts,
+    release_guard,
+    regain_guard,
+    friction_guard,
+    coil_guard,
+    guards_used
+  };
+  enum class Friction : std::uint8_t { none, stick, forward, backward };
+  enum class Coil : std::uint8_t { open, closed, opening };
+
+  /// `ledger`: energies are states too. Throws std::invalid_argument for impossible parts.
+  explicit RigidContactor(const RigidParts&, const CoilDrive& = {}, bool ledger = false);
+
+  // as EventSolver wants it
+  int size() const { return size_; }
+  int guard_count() const { return guards_used; }
+  int smooth_guards() const { return gap_guard + 1; }
+  Real scale(int i) const;
+  void derivative(Real t, const Real* y, Real* dy) const;
+  void guards(Real t, const Real* y, const Real* dy, GuardSet&) const;
+  void flip(Real& t, Real* y, std::uint64_t which);
+  Real guard(int k, Real t, const Real* y, Real& rate) const;
+  int choose_root(const GuardSet&, const Real* y, Real step, Real& root) const;
+  void follow_root(int guard) { lanes_.followed = guard; }
+  void set_root(Real root) { lanes_.root = root; }
+  Real depth_rate(const Real* y) const { return lanes_.followed < 0 ? Real(0) : rate_of(lanes_.followed, y); }
+  Real root_step(int guard, const Real* y) const;
+
+  /// Static equilibrium without pull, by Newton; writes capacity values and sets the modes. Returns the largest
+  /// acceleration left, m/s2. Throws std::runtime_error if there is none.
+  double equilibrium(Real* y);
+
+  /// Closes the coil's switch at time t, or opens it at the next zero of the current.
+  void set_coil(Real t, Real* y, bool on);
+
+  /// Lets the modes follow the depths, for integrators that know no modes.
+  void follow_depths(bool on) { lanes_.automatic = on; }
+
+  int dof() const { return lanes_.dof; }
+  int bridges() const { return lanes_.bridges; }
+  bool uses(int contact) const { return used_ >> contact & 1U; }
+  bool is_pressing(int contact) const { return pressing_ >> contact & 1U; }
+  Real depth_of(int contact, const Real* y) const;
+  Real rate_of(int contact, const Real* y) const;
+  Real force_of(int contact, const Real* y) const;
+  void depths(const Real* y, Lanes<Real>* d) const { rigid_depths(lanes_, y, Real(1), d); }
+  Real separation(const Real* y) const { return travel_ - (y[0] - y[2]); }
+  Real pull(Real t, const Real* y) const;
+  Real current(const Real* y) const;
+  Real mains(Real t) const;
+  EnergyLedger energies(const Real* y) const;
+  /// |stored + lost - supplied - stored at equilibrium| over the largest of stored, lost and supplied.
+  double energy_residual(const Real* y) const;
+  /// To be called once at the start: what the ledger compares with.
+  void mark_energy(const Real* y) { start_energy_ = energies(y).stored(); }
+  bool has_ledger() const { return ledger_ >= 0; }
+
+  std::vector<RigidEvent>& events() { return events_; }
+  const std::vector<RigidEvent>& events() const { return events_; }
+
+ private:
+  void set_contact(int group, int lane, const ContactLaw&, Real mass);
+  void set_bridges(const RigidParts&);
+  void set_core(const RigidParts&);
+  void press(int contact, bool on);
+  void flip_contact(Real t, const Real* y, int contact);
+  void flip_detached(const Real* y, bool release);
+  void flip_friction(Real* y, Real t);
+  Real pressing_margin(int contact, const Real* y, Real rate) const;
+  void plain_guards(Real t, const Real* y, GuardSet&) const;
+  Real core_force(Real t, const Real* y) const;
+  void electric(Real t, const Real* y, const MagneticResponse&, Real* dy) const;
+  void book(Real t, const Real* y, const MagneticResponse&, Real pull, Real* dy) const;
+  MagneticResponse field(const Real* y) const;
+  Real gap(const Real* y) const;
+
+  RigidLanes<Real> lanes_{};
+  CoilDrive drive_;
+  GivenPull given_;
+  ContactLaw laws_[rigid_groups + 1];       ///< pad, pad, seat, seat, pole, stop
+  Lanes<Real> sign_[rigid_groups]{};        ///< 1 pressing or detached, -1 open, 0 idle
+  Real masses_[rigid_groups][rigid_lanes];  ///< effective, of each contact
+  Real bodies_[3 + most_base_modes + 2 * most_bridges];
+  Real travel_ = 0;
+  int size_ = 0;
+  int electric_ = -1;  ///< first magnetic state
+  int ledger_ = -1;
+  std::uint64_t used_ = 0;
+  std::uint64_t rooted_ = 0;  ///< contacts whose force has a root of the depth
+  std::uint64_t pressing_ = 0;
+  std::uint64_t detached_ = 0;
+  bool touching_ = false;  ///< pole faces overlap in the middle: the magnetic gap stays zero
+  Real friction_limit_ = 0;
+  Friction friction_ = Friction::none;
+  Coil coil_ = Coil::open;
+  Real current_sign_ = 1;
+  double start_energy_ = 0;
+  std::vector<RigidEvent> events_;
+};
+
+extern template class RigidContactor<double>;
+extern template class RigidContactor<long double>;
+
+}  // namespace powbench::sim

@@ -1,0 +1,291 @@
+#include "sim/solid/contact_pass.h"
+
+#include <algorithm>
+
+namespace powbench::sim {
+namespace {
+
+constexpr double facing = -0.2;    ///< cosine between a node's and a face's normal; above it they do not meet
+constexpr double opposite = -0.5;  ///< below it a node may stand on a face's border
+constexpr double overhang = 1e-3;  ///< of a face's size: so far beyond its border a node still stands on it
+
+double size_of(const std::array<Vec3, 4>& p, int count) {
+  return std::sqrt(0.5 * norm(facet_normal(p, count)));
+}
+
+Vec3 node_normal(const SolidSurface& s, std::size_t place, const NodeView& view) {
+  Vec3 sum;
+  for (const int f : s.facets_at[place]) {
+    const Facet& facet = s.facets[static_cast<std::size_t>(f)];
+    sum += unit(facet_normal(corners_now(view, facet), facet.corners()));
+  }
+  return unit(sum);
+}
+
+double series(double a, double b) {
+  return a * b / (a + b);
+}
+
+}  // namespace
+
+std::array<Vec3, 4> corners_now(const NodeView& view, const Facet& f) {
+  std::array<Vec3, 4> p{};
+  for (std::size_t k = 0; k < static_cast<std::size_t>(f.corners()); ++k) p[k] = view.place(f.nodes[k]);
+  return p;
+}
+
+ContactPass::ContactPass(const ContactPair& pair, const SolidSurface& slave, const SolidSurface& master,
+                         const std::vector<double>& inverse_mass)
+    : anchors(slave.nodes.size()),
+      pair_(&pair),
+      slave_(&slave),
+      master_(&master),
+      inverse_mass_(&inverse_mass) {
+  for (const Facet& f : master.facets)
+    master_stiffness_ += f.stiffness / static_cast<double>(master.facets.size());
+}
+
+double ContactPass::search(const NodeView& view) {
+  std::vector<Box> probes(slave_->nodes.size()), targets(master_->facets.size());
+  std::vector<Vec3> normals(master_->facets.size());
+  depth_limit_ = 1e300;
+  for (std::size_t f = 0; f < targets.size(); ++f) {
+    const auto p = corners_now(view, master_->facets[f]);
+    const int count = master_->facets[f].corners();
+    for (int k = 0; k < count; ++k) targets[f].include(p[static_cast<std::size_t>(k)]);
+    const double margin = 0.5 * size_of(p, count);
+    targets[f].grow(margin);
+    normals[f] = unit(facet_normal(p, count));
+    depth_limit_ = std::min(depth_limit_, margin);
+  }
+  for (std::size_t n = 0; n < probes.size(); ++n) probes[n].include(view.place(slave_->nodes[n]));
+  auto found = overlapping(probes, targets);
+  active_.clear();
+  near_.clear();
+  for (std::size_t n = 0; n < probes.size(); ++n) {
+    auto& list = found[n];
+    if (list.empty()) continue;
+    const Vec3 normal = node_normal(*slave_, n, view);
+    list.erase(
+        std::remove_if(list.begin(), list.end(),
+                       [&](int f) { return dot(normal, normals[static_cast<std::size_t>(f)]) > facing; }),
+        list.end());
+    if (list.empty()) continue;
+    active_.push_back(static_cast<int>(n));
+    near_.emplace_back();
+    for (const int f : list)
+      near_.back().push_back({f, dot(normal, normals[static_cast<std::size_t>(f)]) < opposite});
+  }
+  asleep_.assign(active_.size(), 0.0);
+  return depth_limit_;
+}
+
+bool ContactPass::behind_all(const NodeView& view, const Facet& facet, const Projection& at) const {
+  const auto count = static_cast<std::size_t>(facet.corners());
+  for (std::size_t k = 0; k < count; ++k) {
+    if (at.weights[k] <= 1e-12) continue;
+    for (const int f : master_->facets_at[static_cast<std::size_t>(master_->place_of(facet.nodes[k]))]) {
+      const Facet& around = master_->facets[static_cast<std::size_t>(f)];
+      int shared = 0;
+      for (std::size_t c = 0; c < count; ++c)
+        if (at.weights[c] > 1e-12)
+          shared += std::find(around.nodes.begin(), around.nodes.end(), facet.nodes[c]) != around.nodes.end();
+      int needed = 0;
+      for (std::size_t c = 0; c < count; ++c) needed += at.weights[c] > 1e-12;
+      if (shared < needed) continue;
+      if (dot(at.offset, facet_normal(corners_now(view, around), around.corners())) >= 0) return false;
+    }
+  }
+  return true;
+}
+
+ContactPass::Touch ContactPass::nearest(std::size_t active, const NodeView& view) const {
+  const Vec3 x = view.place(slave_->nodes[static_cast<std::size_t>(active_[active])]);
+  Projection best;
+  best.distance = depth_limit_;
+  int nearest = -1;
+  bool stands = false;  // squarely opposite, so that it may stand on the border
+  for (const auto& [f, square] : near_[active]) {
+    const Facet& facet = master_->facets[static_cast<std::size_t>(f)];
+    const Projection at = project(corners_now(view, facet), facet.corners(), x);
+    if (at.distance >= best.distance) continue;
+    best = at;
+    nearest = f;
+    stands = square;
+  }
+  // inside or outside is decided by the nearest face alone: behind a more distant face's plane means nothing
+  const Touch none{-1, best.distance, 0, {}, {}};
+  if (nearest < 0 || best.gap >= 0) return none;
+  const Facet& facet = master_->facets[static_cast<std::size_t>(nearest)];
+  if (best.aside <= (stands ? overhang * size_of(corners_now(view, facet), facet.corners()) : 0))
+    return {nearest, 0, -best.gap, best.normal, best.weights};
+  if (!behind_all(view, facet, best)) return none;
+  return {nearest, 0, best.distance, -1 / best.distance * best.offset, best.weights};
+}
+
+double ContactPass::deepest(const NodeView& view) const {
+  double least = 0;
+  for (std::size_t k = 0; k < active_.size(); ++k) least = std::min(least, -nearest(k, view).depth);
+  return least;
+}
+
+double ContactPass::stiffness(std::size_t slave, double area) const {
+  return pair_->factor * series(slave_->stiffness[slave], master_stiffness_) * area;
+}
+
+Vec3 ContactPass::friction(std::size_t slave, const Touch& touch, const Vec3& relative, double dt,
+                           double normal_force, ContactSums& sums) {
+  Anchor& anchor = anchors[slave];
+  const double k = stiffness(slave, anchor.area);
+  const Vec3 before = anchor.force;
+  const Vec3 speed = relative - dot(relative, touch.normal) * touch.normal;
+  Vec3 trial = before - dot(before, touch.normal) * touch.normal - k * dt * speed;
+  const double coefficient = friction_coefficient(*pair_, norm(speed));
+  const double limit = std::min(coefficient * normal_force, pair_->shear_limit * anchor.area);
+  const double size = norm(trial);
+  const bool slides = size > limit;
+  if (slides) trial = limit / size * trial;
+  // what the bodies lost in this step less what the anchor gained
+  const double work = -0.5 * dt * dot(before + trial, speed);
+  const double gained = 0.5 * (dot(trial, trial) - dot(before, before)) / k;
+  sums.friction_lost += work - gained;
+  sums.stored += 0.5 * dot(trial, trial) / k;
+  anchor.force = trial;
+  if (slides || pair_->stick_damping <= 0) return trial;
+  const double inverse = (*inverse_mass_)[4 * static_cast<std::size_t>(slave_->nodes[slave])];
+  const double c = inverse > 0 ? 2 * pair_->stick_damping * std::sqrt(k / inverse) : 0;
+  sums.damping_lost += c * dot(speed, speed) * dt;
+  return trial - c * speed;
+}
+
+void ContactPass::apply(const NodeView& view, double dt, double sign, bool start, NodeForces& forces,
+                        ContactSums& sums, ContactReport& report, std::vector<double>& pressure) {
+  const bool rubs = pair_->friction_static > 0 || pair_->friction_dynamic > 0;
+  const auto release = [&](std::size_t slave) {
+    if (!anchors[slave].touching) return;
+    sums.friction_lost +=
+        0.5 * dot(anchors[slave].force, anchors[slave].force) / stiffness(slave, anchors[slave].area);
+    anchors[slave] = {};
+  };
+  for (std::size_t k = 0; k < active_.size(); ++k) {
+    const auto slave = static_cast<std::size_t>(active_[k]);
+    if (travel_ < asleep_[k]) continue;
+    const Touch touch = nearest(k, view);
+    if (touch.facet < 0) {
+      release(slave);
+      asleep_[k] = travel_ + touch.away;
+      continue;
+    }
+    const int node = slave_->nodes[slave];
+    const Facet& facet = master_->facets[static_cast<std::size_t>(touch.facet)];
+    Vec3 relative = view.velocity(node);
+    for (std::size_t c = 0; c < static_cast<std::size_t>(facet.corners()); ++c)
+      relative -= touch.weights[c] * view.velocity(facet.nodes[c]);
+    Anchor& anchor = anchors[slave];
+    if (!anchor.touching) {
+      const double area = slave_->area_along(slave, touch.normal, [&](int n) { return view.place(n); });
+      const double came = start ? touch.depth : 1.5 * dt * std::max(0.0, -dot(relative, touch.normal));
+      anchor = {{}, std::max(area, 1e-3 * slave_->areas[slave]), std::max(0.0, touch.depth - came), true};
+    }
+    anchor.zero = std::min(anchor.zero, touch.depth);
+    const double depth = touch.depth - anchor.zero;
+    const double stiff = stiffness(slave, anchor.area);
+    double normal_force = stiff * depth;
+    sums.stored += 0.5 * normal_force * depth;
+    if (pair_->damping > 0) {
+      const double inverse = (*inverse_mass_)[4 * static_cast<std::size_t>(node)];
+      const double closing = -dot(relative, touch.normal);
+      const double c = inverse > 0 ? 2 * pair_->damping * std::sqrt(stiff / inverse) : 0;
+      const double damped = std::max(0.0, normal_force + c * closing);
+      sums.damping_lost += (damped - normal_force) * closing * dt;
+      normal_force = damped;
+    }
+    Vec3 force = normal_force * touch.normal;
+    if (rubs) force += friction(slave, touch, relative, dt, normal_force, sums);
+    forces.add(node, force);
+    for (std::size_t c = 0; c < static_cast<std::size_t>(facet.corners()); ++c)
+      forces.add(facet.nodes[c], -touch.weights[c] * force);
+    report.force += sign * force;
+    report.force_sum += normal_force;
+    if (sign > 0) report.area += anchor.area;
+    ++report.touching;
+    pressure[static_cast<std::size_t>(node)] += normal_force / anchor.area;
+    for (std::size_t c = 0; c < static_cast<std::size_t>(facet.corners()); ++c) {
+      const auto place = static_cast<std::size_t>(master_->place_of(facet.nodes[c]));
+      pressure[static_cast<std::size_t>(facet.nodes[c])] +=
+          touch.weights[c] * normal_force / master_->areas[place];
+    }
+  }
+}
+
+void ContactPass::add_stiffness(std::vector<double>& all) const {
+  for (std::size_t n = 0; n < slave_->nodes.size(); ++n)
+    all[static_cast<std::size_t>(slave_->nodes[n])] += stiffness(n, slave_->areas[n]);
+  for (std::size_t n = 0; n < master_->nodes.size(); ++n)  // as much comes from the nodes that stand on it
+    all[static_cast<std::size_t>(master_->nodes[n])] +=
+        pair_->factor * series(master_->stiffness[n], master_stiffness_) * master_->areas[n];
+}
+
+EdgePass::EdgePass(const ContactPair& pair, const SolidSurface& one, const SolidSurface& two)
+    : pair_(&pair), one_(&one), two_(&two) {
+  double other = 0;
+  for (const Facet& f : two.facets) other += f.stiffness / static_cast<double>(two.facets.size());
+  for (const SharpEdge& e : one.edges) {
+    const auto a = static_cast<std::size_t>(one.place_of(e.from)),
+               b = static_cast<std::size_t>(one.place_of(e.to));
+    const double area = 0.5 * (one.areas[a] + one.areas[b]),
+                 stiff = 0.5 * (one.stiffness[a] + one.stiffness[b]);
+    stiffness_.push_back(pair.factor * series(stiff, other) * area);
+  }
+}
+
+void EdgePass::search(const NodeView& view) {
+  const auto boxes = [&](const SolidSurface& s, double share) {
+    std::vector<Box> all(s.edges.size());
+    for (std::size_t k = 0; k < all.size(); ++k) {
+      all[k].include(view.place(s.edges[k].from));
+      all[k].include(view.place(s.edges[k].to));
+      all[k].grow(share * norm(view.place(s.edges[k].to) - view.place(s.edges[k].from)));
+    }
+    return all;
+  };
+  const auto found = overlapping(boxes(*one_, 0), boxes(*two_, 0.5));
+  near_.clear();
+  for (std::size_t k = 0; k < found.size(); ++k)
+    for (const int other : found[k]) near_.emplace_back(static_cast<int>(k), other);
+}
+
+void EdgePass::apply(const NodeView& view, NodeForces& forces, ContactSums& sums,
+                     ContactReport& report) const {
+  constexpr double inward = -0.02;  // so far from lying in a face: flush faces are the nodes' business
+  for (const auto& [k1, k2] : near_) {
+    const SharpEdge& e1 = one_->edges[static_cast<std::size_t>(k1)];
+    const SharpEdge& e2 = two_->edges[static_cast<std::size_t>(k2)];
+    const Vec3 a1 = view.place(e1.from), b1 = view.place(e1.to), a2 = view.place(e2.from),
+               b2 = view.place(e2.to);
+    double s = 0, t = 0;
+    if (!nearest_on_edges(a1, b1, a2, b2, s, t)) continue;
+    const Vec3 d = a2 + t * (b2 - a2) - a1 - s * (b1 - a1);
+    const double depth = norm(d);
+    if (depth <= 0 || depth > 0.5 * std::min(norm(b1 - a1), norm(b2 - a2))) continue;
+    const auto inside = [&](const SolidSurface& surface, int facet, const Vec3& direction) {
+      const Facet& f = surface.facets[static_cast<std::size_t>(facet)];
+      return dot(direction, unit(facet_normal(corners_now(view, f), f.corners()))) < inward * depth;
+    };
+    if (!inside(*one_, e1.left, d) || !inside(*one_, e1.right, d) || !inside(*two_, e2.left, -d) ||
+        !inside(*two_, e2.right, -d))
+      continue;
+    const double stiff = stiffness_[static_cast<std::size_t>(k1)];
+    const Vec3 on_one = stiff * d;
+    forces.add(e1.from, (1 - s) * on_one);
+    forces.add(e1.to, s * on_one);
+    forces.add(e2.from, -(1 - t) * on_one);
+    forces.add(e2.to, -t * on_one);
+    sums.stored += 0.5 * stiff * depth * depth;
+    report.force += on_one;
+    report.force_sum += stiff * depth;
+    ++report.touching;
+  }
+}
+
+}  // namespace powbench::sim

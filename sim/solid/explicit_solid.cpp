@@ -1,0 +1,352 @@
+#include "sim/solid/explicit_solid.h"
+
+#include <algorithm>
+
+#include "sim/team.h"
+
+namespace powbench::sim {
+ExplicitSolid::ExplicitSolid(const SolidMesh& mesh, const std::vector<SolidMaterial>& materials,
+                             const SolidOptions& options)
+    : cells_(mesh, materials, options.float_forces),
+      options_(options),
+      team_(options.workers > 1 ? std::make_unique<Team>(options.workers) : nullptr),
+      u_(4 * mesh.nodes.size(), 0.0),
+      v_(4 * mesh.nodes.size(), 0.0),
+      inverse_mass_(4 * mesh.nodes.size(), 0.0),
+      extra_(mesh.nodes.size()),
+      found_bad_(static_cast<std::size_t>(cells_.count()), -1) {
+  if (!(options.safety > 0 && options.safety <= 1))
+    throw std::invalid_argument("safety = " + std::to_string(options.safety) + ", must be in (0, 1]");
+  if (!(options.energy_bound > 0))
+    throw std::invalid_argument("energy_bound = " + std::to_string(options.energy_bound) + ", must be > 0");
+  for (std::size_t n = 0; n < mesh.nodes.size(); ++n)
+    for (std::size_t i = 0; i < 3; ++i) inverse_mass_[4 * n + i] = 1 / cells_.masses()[n];
+}
+
+ExplicitSolid::~ExplicitSolid() = default;
+
+void ExplicitSolid::fix(int node, bool x, bool y, bool z) {
+  double* p = inverse_mass_.data() + 4 * static_cast<std::size_t>(node);
+  if (x) p[0] = 0;
+  if (y) p[1] = 0;
+  if (z) p[2] = 0;
+}
+
+void ExplicitSolid::set_node_velocity(int node, const Vec3& v) {
+  for (int i = 0; i < 3; ++i) v_[4 * static_cast<std::size_t>(node) + static_cast<std::size_t>(i)] = v[i];
+}
+
+void ExplicitSolid::set_node_displacement(int node, const Vec3& u) {
+  for (int i = 0; i < 3; ++i) u_[4 * static_cast<std::size_t>(node) + static_cast<std::size_t>(i)] = u[i];
+}
+
+void ExplicitSolid::set_velocity(int part, const Vec3& v) {
+  for (int n = cells_.nodes_begin(part); n < cells_.nodes_end(part); ++n) set_node_velocity(n, v);
+}
+
+int ExplicitSolid::add_load(const SolidLoad& load) {
+  loads_.push_back(load);
+  return static_cast<int>(loads_.size()) - 1;
+}
+
+void ExplicitSolid::add_spring(const SolidSpring& spring) {
+  springs_.push_back(spring);
+}
+
+void ExplicitSolid::add_plane(int part, const Vec3& point, const Vec3& normal, double factor) {
+  const SolidSurface s = surface_of(cells_.mesh(), part, cells_.material(part));
+  SolidPlane plane{point, unit(normal), {}, {}};
+  std::map<int, double> stiffness;
+  for (const Facet& f : s.facets) {
+    std::array<Vec3, 4> p{};
+    for (std::size_t k = 0; k < static_cast<std::size_t>(f.corners()); ++k)
+      p[k] = cells_.mesh().nodes[static_cast<std::size_t>(f.nodes[k])];
+    const Vec3 area = 0.5 * facet_normal(p, f.corners());
+    const double towards = -dot(area, plane.normal);
+    if (towards <= 0.05 * norm(area)) continue;
+    for (std::size_t k = 0; k < static_cast<std::size_t>(f.corners()); ++k)
+      stiffness[f.nodes[k]] += factor * f.stiffness * towards / f.corners();
+  }
+  for (const auto& [node, k] : stiffness) {
+    plane.nodes.push_back(node);
+    plane.stiffness.push_back(k);
+  }
+  planes_.push_back(plane);
+}
+
+void ExplicitSolid::set_contact(const ContactOptions& options) {
+  contact_ = std::make_unique<SolidContact>(cells_, inverse_mass_, options);
+}
+
+NodeShares ExplicitSolid::whole_part(int part) const {
+  NodeShares all;
+  double mass = 0;
+  for (int n = cells_.nodes_begin(part); n < cells_.nodes_end(part); ++n) {
+    all.nodes.push_back(n);
+    all.shares.push_back(cells_.masses()[static_cast<std::size_t>(n)]);
+    mass += all.shares.back();
+  }
+  for (double& s : all.shares) s /= mass;
+  return all;
+}
+
+Vec3 ExplicitSolid::mean_velocity(int part) const {
+  return mean(whole_part(part), v_.data());
+}
+
+Vec3 ExplicitSolid::mean_displacement(int part) const {
+  return mean(whole_part(part), u_.data());
+}
+
+void ExplicitSolid::begin() {
+  limit_ = critical_step();
+  dt_ = options_.dt > 0 ? options_.dt : options_.safety * limit_;
+  if (dt_ > limit_)
+    throw std::invalid_argument("dt = " + std::to_string(dt_ * 1e9) + " ns, must be in (0, " +
+                                std::to_string(limit_ * 1e9) +
+                                "] ns, the critical step of this mesh and its contacts");
+  dt_before_ = dt_;
+  begun_ = true;
+  // half a step back with the forces at t = 0, so that the first velocity belongs half a step before it
+  dt_before_ = 0;
+  compute_forces();
+  compute_loads();
+  advance_nodes(-0.5 * dt_, 0);
+  extra_.clear();
+  booked_external_ = 0;
+  dt_before_ = dt_;
+}
+
+void ExplicitSolid::set_step(double dt) {
+  if (!begun_) throw std::invalid_argument("set_step: before the first step the options say the step");
+  if (!(dt > 0)) throw std::invalid_argument("dt = " + std::to_string(dt) + " s, must be > 0");
+  bool deformable = false;
+  for (std::size_t p = 0; p < cells_.mesh().parts.size(); ++p)
+    deformable = deformable || rigid_.count(static_cast<int>(p)) == 0;
+  if (deformable && dt > limit_)
+    throw std::invalid_argument("dt = " + std::to_string(dt * 1e9) + " ns, must be in (0, " +
+                                std::to_string(limit_ * 1e9) + "] ns while a part deforms");
+  dt_ = dt;
+}
+
+void ExplicitSolid::each_worker(const std::function<void(int)>& job) {
+  if (team_)
+    team_->run(job);
+  else
+    job(0);
+}
+
+void ExplicitSolid::compute_forces() {
+  const int workers = options_.workers > 1 ? options_.workers : 1, count = cells_.count();
+  each_worker([&](int w) {
+    const int from = count * w / workers, to = count * (w + 1) / workers;
+    for (int b = from; b < to; ++b)
+      if (rigid_.count(cells_.part_of(b)) == 0)
+        found_bad_[static_cast<std::size_t>(b)] = cells_.compute(b, u_.data(), v_.data(), dt_before_);
+  });
+  for (const int cell : found_bad_)
+    if (cell >= 0)
+      throw SolidStop("cell " + std::to_string(cell) +
+                          " has turned inside out at t = " + std::to_string(time_ * 1e6) + " us",
+                      cell, time_);
+}
+
+void ExplicitSolid::compute_loads() {
+  load_store_ = apply_loads({}, springs_, planes_, view(), extra_, &plane_force_);
+  if (contact_) contact_->apply(view(), dt_before_, dt_, extra_);
+}
+
+void ExplicitSolid::book_external(double half_dt) {
+  for (const auto& load : loads_) booked_external_ += half_dt * dot(load.force, mean(load.on, v_.data()));
+}
+
+void ExplicitSolid::advance_nodes(double dt, double drift) {
+  for (const auto& load : loads_)
+    for (std::size_t k = 0; k < load.on.nodes.size(); ++k)
+      extra_.add(load.on.nodes[k], load.on.shares[k] * load.force);
+  const auto parts = static_cast<int>(cells_.mesh().parts.size());
+  for (const int n :
+       extra_.touched()) {  // a kick before the step, made larger by what damping will take off it
+    const auto place = 4 * static_cast<std::size_t>(n);
+    int part = 0;
+    while (n >= cells_.nodes_end(part)) ++part;
+    if (rigid_.count(part) > 0) continue;
+    const double scale = dt / (1 - 0.5 * damping_of(part) * dt);
+    for (std::size_t i = 0; i < 3; ++i)
+      v_[place + i] += scale * inverse_mass_[place + i] * extra_[n][static_cast<int>(i)];
+  }
+  const int workers = options_.workers > 1 ? options_.workers : 1;
+  const CellKernel& kernel = cells_.kernel();
+  each_worker([&](int w) {
+    for (int part = 0; part < parts; ++part) {
+      if (rigid_.count(part) > 0) continue;
+      const int begin = cells_.nodes_begin(part), size = cells_.nodes_end(part) - begin;
+      const auto run = [&](auto range, const auto* f, auto advance) {
+        range.first = begin + static_cast<int>(static_cast<long>(size) * w / workers);
+        range.last = begin + static_cast<int>(static_cast<long>(size) * (w + 1) / workers);
+        range.slot_begin = cells_.slot_begin();
+        range.slots = cells_.slots();
+        range.f = f;
+        range.inverse_mass = inverse_mass_.data();
+        range.v = v_.data();
+        range.u = u_.data();
+        range.dt = dt;
+        range.drift = drift;
+        range.damping = 0.5 * damping_of(part) * dt;
+        advance(range);
+      };
+      if (cells_.in_float())
+        run(NodeRange<float>{}, cells_.float_forces(), kernel.advance_float);
+      else
+        run(NodeRange<double>{}, cells_.forces(), kernel.advance);
+    }
+  });
+  for (auto& [part, body] : rigid_)
+    sim::advance(body, extra_, cells_.mesh().nodes, dt, drift, u_.data(), v_.data());
+}
+
+/// The critical step goes with the time a wave needs through the flattest plastic cell.
+void ExplicitSolid::follow_cells() {
+  constexpr long every = 20;
+  if (options_.dt > 0 || steps_ % every != 0) return;
+  const double now = cells_.plastic_transit(u_.data());
+  if (now <= 0) return;
+  if (transit_ == 0) transit_ = now;
+  dt_ = std::min(dt_, options_.safety * limit_ * std::min(1.0, now / transit_));
+}
+
+void ExplicitSolid::step() {
+  if (!begun_) begin();
+  follow_cells();
+  compute_forces();
+  compute_loads();
+  book_external(0.5 * dt_before_);
+  const bool due = asked_ || (options_.ledger_every > 0 && steps_ % options_.ledger_every == 0);
+  const double mean_dt = 0.5 * (dt_ + dt_before_);
+  std::vector<double> before;
+  bool damped = false;
+  for (std::size_t p = 0; p < cells_.mesh().parts.size(); ++p)
+    damped = damped || damping_of(static_cast<int>(p)) > 0;
+  if (due || damped) before = v_;
+  double turning = 0;
+  for (const auto& [part, body] : rigid_) turning += body.kinetic();
+  advance_nodes(mean_dt, dt_);
+  book_external(0.5 * dt_);
+  if (damped)
+    for (int p = 0; p < static_cast<int>(cells_.mesh().parts.size()); ++p)
+      for (int n = cells_.nodes_begin(p); damping_of(p) > 0 && n < cells_.nodes_end(p); ++n)
+        for (std::size_t i = 0; i < 3; ++i) {
+          const auto at = 4 * static_cast<std::size_t>(n) + i;
+          const double middle = 0.5 * (before[at] + v_[at]);
+          if (inverse_mass_[at] > 0)
+            booked_damping_ += damping_of(p) * mean_dt / inverse_mass_[at] * middle * middle;
+        }
+  extra_.clear();
+  dt_before_ = dt_;
+  if (due) {
+    energies_.kinetic = 0;
+    for (const auto& [part, body] : rigid_) energies_.kinetic += 0.5 * body.kinetic();
+    energies_.kinetic += 0.5 * turning;
+    balance(before);
+  }
+  time_ += dt_;
+  ++steps_;
+}
+
+void ExplicitSolid::run_until(double time) {
+  while (time_ < time) step();
+}
+
+/// Energies of the state this step started from; `v_before` belongs half a step before it, v_ half a step after.
+void ExplicitSolid::balance(const std::vector<double>& v_before) {
+  SolidEnergies& e = energies_;
+  e.strain = e.plastic = e.hourglass = 0;
+  std::vector<double> at_start(u_.size());
+  for (std::size_t k = 0; k < u_.size(); ++k) at_start[k] = u_[k] - dt_ * v_[k];
+  for (int p = 0; p < static_cast<int>(cells_.mesh().parts.size()); ++p) {
+    const bool frozen = rigid_.count(p) > 0;
+    const CellEnergies c = cells_.energies(p, frozen ? u_ : at_start);
+    e.strain += c.strain;
+    e.plastic += c.plastic;
+    e.hourglass += c.hourglass;
+    for (int n = cells_.nodes_begin(p); !frozen && n < cells_.nodes_end(p); ++n)
+      for (std::size_t i = 0; i < 3; ++i) {
+        const auto at = 4 * static_cast<std::size_t>(n) + i;
+        e.kinetic += 0.5 * cells_.masses()[static_cast<std::size_t>(n)] * v_before[at] * v_[at];
+      }
+  }
+  e.contact = load_store_ + (contact_ ? contact_->stored() : 0);
+  e.friction = contact_ ? contact_->friction_lost() : 0;
+  e.contact_damping = contact_ ? contact_->damping_lost() : 0;
+  double ahead = 0;  // half of this step's work belongs to the next balance
+  for (const auto& load : loads_) ahead += 0.5 * dt_ * dot(load.force, mean(load.on, v_.data()));
+  e.external = booked_external_ - ahead;
+  e.damping = booked_damping_;
+  e.frozen = booked_frozen_;
+  if (steps_ == 0) e.start = e.stored() + e.lost() - e.external;
+  asked_ = false;
+  largest_ = std::max({largest_, std::fabs(e.stored()), std::fabs(e.external), std::fabs(e.start)});
+  if (std::fabs(e.residual()) > options_.energy_bound * largest_)
+    throw SolidStop("energy residual " + std::to_string(e.residual() / largest_) +
+                        " of the largest energy at t = " + std::to_string(time_ * 1e6) + " us, allowed is " +
+                        std::to_string(options_.energy_bound),
+                    -1, time_);
+}
+
+void ExplicitSolid::set_rigid(int part, bool rigid) {
+  if (rigid == is_rigid(part)) return;
+  if (!rigid) {
+    rigid_.erase(part);
+    return;
+  }
+  const int first = cells_.nodes_begin(part), last = cells_.nodes_end(part);
+  bool held = false;
+  double before = 0;
+  for (int n = first; n < last; ++n) {
+    held = held || inverse_mass_[4 * static_cast<std::size_t>(n)] == 0;
+    before += 0.5 * cells_.masses()[static_cast<std::size_t>(n)] * dot(velocity(n), velocity(n));
+  }
+  RigidPart body = freeze(first, last, held, view(), cells_.masses());
+  booked_frozen_ += before - body.kinetic();
+  rigid_.emplace(part, std::move(body));
+}
+
+SolidState ExplicitSolid::save() const {
+  SolidState s;
+  s.time = time_;
+  s.dt = dt_;
+  s.dt_before = dt_before_;
+  s.step = steps_;
+  s.u = u_;
+  s.v = v_;
+  s.cells = cells_.memory();
+  if (contact_) s.contact = contact_->memory();
+  s.booked = {booked_external_, booked_damping_, booked_frozen_,    largest_,
+              limit_,           energies_.start, begun_ ? 1.0 : 0.0, transit_};
+  s.rigid = rigid_;
+  return s;
+}
+
+void ExplicitSolid::restore(const SolidState& s) {
+  if (s.u.size() != u_.size() || s.booked.size() != 8)
+    throw std::invalid_argument("restart: the saved state belongs to another mesh");
+  cells_.restore_memory(s.cells);
+  if (contact_) contact_->restore_memory(s.contact);
+  time_ = s.time;
+  dt_ = s.dt;
+  dt_before_ = s.dt_before;
+  steps_ = s.step;
+  u_ = s.u;
+  v_ = s.v;
+  booked_external_ = s.booked[0];
+  booked_damping_ = s.booked[1];
+  booked_frozen_ = s.booked[2];
+  largest_ = s.booked[3];
+  limit_ = s.booked[4];
+  energies_.start = s.booked[5];
+  begun_ = s.booked[6] != 0;
+  transit_ = s.booked[7];
+  rigid_ = s.rigid;
+}
+
+}  // namespace powbench::sim

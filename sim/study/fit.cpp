@@ -1,0 +1,93 @@
+#include "sim/study/fit.h"
+
+#include <algorithm>
+
+#include "core/random.h"
+
+namespace powbench::sim {
+namespace {
+
+FitMember member(const Misfit& misfit, std::vector<double> point, double value) {
+  FitMember m;
+  m.specimen = misfit.specimen(point);
+  m.point = std::move(point);
+  m.misfit = value;
+  return m;
+}
+
+/// Least squares from a point; kept only if the whole misfit, jumps included, has become smaller.
+FitMember polished(const Misfit& misfit, const Candidate& start, const FitOptions& options, Team& team) {
+  RefineOptions refine_options;
+  refine_options.iterations = 6;
+  const auto residuals = [&](std::span<const double> p) { return misfit.residuals(p, options.tolerance); };
+  Refined r = refine(residuals, start.point, refine_options, team);
+  const double value = misfit.value(r.point);
+  if (value < start.value) return member(misfit, std::move(r.point), value);
+  return member(misfit, start.point, start.value);
+}
+
+FitMember shifted_fit(const Misfit& misfit, const std::vector<Candidate>& population, int number,
+                      const FitOptions& options, Team& team) {
+  Random random(options.seed * 1000 + static_cast<std::uint64_t>(number));
+  std::vector<double> shifts(Misfit::per_closing * misfit.problem().closings.size());
+  for (auto& s : shifts) s = random.normal();
+  const Misfit shifted = misfit.perturbed(shifts);
+  Candidate start;
+  start.value = 1e300;
+  for (const auto& c : population) {
+    const double value = shifted.value(c.point, start.value);
+    if (value < start.value) start = {c.point, value};
+  }
+  RefineOptions refine_options;
+  refine_options.iterations = 2;
+  const auto residuals = [&](std::span<const double> p) { return shifted.residuals(p, options.tolerance); };
+  Refined r = refine(residuals, start.point, refine_options, team);
+  const double moved = shifted.value(r.point);
+  const auto& point = moved < start.value ? r.point : start.point;
+  return member(misfit, point, misfit.value(point));
+}
+
+}  // namespace
+
+FitResult fit(const Misfit& misfit, const FitOptions& options, Team& team, const FitWatch& watch,
+              const Evolution::State* resume, std::vector<std::vector<double>> start) {
+  Evolution::Settings settings;
+  settings.dimension = misfit.dimension();
+  settings.evaluations = options.evaluations;
+  settings.seed = options.seed;
+  settings.smallest = 24;
+  Evolution search(
+      settings, [&](std::span<const double> p, double give_up) { return misfit.value(p, give_up); },
+      std::move(start));
+  if (resume != nullptr) search.resume(*resume);
+  FitResult result;
+  for (bool more = true; more && !result.stopped;) {
+    more = search.step(team);
+    if (watch.save) watch.save(search.state());
+    if (watch.go_on && !watch.go_on(search.state().used, options.evaluations, search.best().value))
+      result.stopped = true;
+  }
+  const auto& population = search.state().population;
+  result.evaluations = search.state().used;
+  result.best = member(misfit, population.front().point, population.front().value);
+  if (result.stopped) return result;
+  for (int k = 0; k < options.polished && static_cast<std::size_t>(k) < population.size(); ++k) {
+    FitMember m = polished(misfit, population[static_cast<std::size_t>(k)], options, team);
+    if (m.misfit < result.best.misfit) result.best = std::move(m);
+  }
+  for (int k = 0; k < options.ensemble; ++k)
+    result.ensemble.push_back(shifted_fit(misfit, population, k, options, team));
+
+  const auto data = [&](std::span<const double> p) {
+    auto r = misfit.residuals(p, options.tolerance);
+    r.resize(Misfit::per_closing * misfit.problem().closings.size());
+    return r;
+  };
+  const auto at_best = data(result.best.point);
+  result.sensitivity = jacobian(data, result.best.point, at_best, 1e-4, team);
+  const double uniform = misfit.problem().prior_deviation;
+  result.identifiability = identifiability(result.sensitivity, uniform);
+  return result;
+}
+
+}  // namespace powbench::sim

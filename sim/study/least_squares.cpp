@@ -1,0 +1,96 @@
+#include "sim/study/least_squares.h"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+
+namespace powbench::sim {
+namespace {
+
+using Matrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+
+double sum_of_squares(const std::vector<double>& r) {
+  double sum = 0;
+  for (const double v : r) sum += v * v;
+  return sum;
+}
+
+Eigen::Map<const Matrix> view(const Jacobian& j) {
+  return {j.values.data(), static_cast<Eigen::Index>(j.rows), static_cast<Eigen::Index>(j.columns)};
+}
+
+}  // namespace
+
+Jacobian jacobian(const Residuals& f, std::span<const double> point, std::span<const double> residuals,
+                  double step, Team& team) {
+  Jacobian j{residuals.size(), point.size(), std::vector<double>(residuals.size() * point.size())};
+  for_each_index(team, static_cast<int>(point.size()), [&](int i) {
+    const auto c = static_cast<std::size_t>(i);
+    std::vector<double> moved(point.begin(), point.end());
+    const double h = moved[c] < 0.5 ? step : -step;
+    moved[c] += h;
+    const auto r = f(moved);
+    for (std::size_t k = 0; k < j.rows; ++k) j.values[k * j.columns + c] = (r[k] - residuals[k]) / h;
+  });
+  return j;
+}
+
+Refined refine(const Residuals& f, std::vector<double> start, const RefineOptions& options, Team& team) {
+  Refined best{std::move(start), {}, 0, 0};
+  best.residuals = f(best.point);
+  best.sum = sum_of_squares(best.residuals);
+  double damping = options.damping;
+  for (; best.iterations < options.iterations; ++best.iterations) {
+    const Jacobian jac = jacobian(f, best.point, best.residuals, options.step, team);
+    const auto j = view(jac);
+    const Eigen::Map<const Eigen::VectorXd> r(best.residuals.data(), static_cast<Eigen::Index>(jac.rows));
+    const Eigen::MatrixXd normal = j.transpose() * j;
+    const Eigen::VectorXd slope = j.transpose() * r;
+    const double largest = normal.diagonal().maxCoeff();
+    const double before = best.sum;
+    for (int attempt = 0; attempt < 6; ++attempt, damping *= 6) {
+      Eigen::MatrixXd damped = normal;
+      damped.diagonal().array() += damping * largest;
+      const Eigen::VectorXd step = damped.ldlt().solve(-slope);
+      std::vector<double> trial = best.point;
+      for (std::size_t i = 0; i < trial.size(); ++i)
+        trial[i] = std::clamp(trial[i] + step[static_cast<Eigen::Index>(i)], 0.0, 1.0);
+      auto residuals = f(trial);
+      const double sum = sum_of_squares(residuals);
+      if (!(sum < best.sum)) continue;
+      best.point = std::move(trial);
+      best.residuals = std::move(residuals);
+      best.sum = sum;
+      damping = std::max(damping / 4, 1e-9);
+      break;
+    }
+    if (!(best.sum < before * (1 - options.enough))) break;
+  }
+  return best;
+}
+
+Identifiability identifiability(const Jacobian& jac, double prior_deviation) {
+  const auto n = static_cast<Eigen::Index>(jac.columns);
+  const Eigen::MatrixXd j = view(jac);
+  Eigen::MatrixXd information = j.transpose() * j;
+  if (prior_deviation > 0) information.diagonal().array() += 1 / (prior_deviation * prior_deviation);
+  const Eigen::MatrixXd covariance = information.completeOrthogonalDecomposition().pseudoInverse();
+  Identifiability result;
+  for (Eigen::Index i = 0; i < n; ++i) {
+    const double deviation = std::sqrt(std::max(covariance(i, i), 0.0));
+    result.deviation.push_back(deviation);
+    if (prior_deviation > 0)
+      result.data_share.push_back(1 - std::min(1.0, std::pow(deviation / prior_deviation, 2)));
+  }
+  for (Eigen::Index i = 0; i < n; ++i)
+    for (Eigen::Index k = 0; k < n; ++k) {
+      const double scale = std::sqrt(covariance(i, i) * covariance(k, k));
+      result.correlation.push_back(scale > 0 ? covariance(i, k) / scale : (i == k ? 1.0 : 0.0));
+    }
+  const Eigen::BDCSVD<Eigen::MatrixXd> svd(j);
+  for (Eigen::Index i = 0; i < svd.singularValues().size(); ++i)
+    result.singular.push_back(svd.singularValues()[i]);
+  return result;
+}
+
+}  // namespace powbench::sim

@@ -1,0 +1,53 @@
+#pragma once
+
+#include <functional>
+#include <span>
+#include <vector>
+
+#include "sim/team.h"
+
+/// Local least squares in the unit cube, and what its Jacobian says about the parameters.
+
+namespace powbench::sim {
+
+/// Residuals at a point; always the same number of them.
+using Residuals = std::function<std::vector<double>(std::span<const double> point)>;
+
+/// d residual / d coordinate, row by row.
+struct Jacobian {
+  std::size_t rows = 0, columns = 0;
+  std::vector<double> values;
+  double at(std::size_t row, std::size_t column) const { return values[row * columns + column]; }
+};
+
+/// One-sided differences with `step`, taken towards the middle of the cube; a column for each worker at a time.
+Jacobian jacobian(const Residuals&, std::span<const double> point, std::span<const double> residuals,
+                  double step, Team&);
+
+struct RefineOptions {
+  int iterations = 10;
+  double step = 1e-4;     ///< of the differences
+  double damping = 1e-2;  ///< of the first step, relative to the largest diagonal of J^T J
+  double enough = 1e-4;   ///< relative decrease of the sum below which it ends
+};
+
+struct Refined {
+  std::vector<double> point;
+  std::vector<double> residuals;
+  double sum = 0;  ///< of squares
+  int iterations = 0;
+};
+
+/// Levenberg-Marquardt; coordinates are kept in [0, 1]. Never ends higher than it began.
+Refined refine(const Residuals&, std::vector<double> start, const RefineOptions&, Team&);
+
+/// What data with unit deviations and a Gaussian prior of `prior_deviation` on each coordinate say (flat prior: 0).
+struct Identifiability {
+  std::vector<double> deviation;   ///< posterior standard deviation of each coordinate
+  std::vector<double> data_share;  ///< 1 - (deviation / prior)^2: 0 = the data say nothing; flat prior: empty
+  std::vector<double> correlation;  ///< dimension x dimension, of the posterior
+  std::vector<double> singular;     ///< singular values of the Jacobian, descending
+};
+Identifiability identifiability(const Jacobian&, double prior_deviation);
+
+}  // namespace powbench::sim

@@ -1,0 +1,169 @@
+#include "sim/study/misfit.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "sim/study/steady.h"
+#include "sim/validate.h"
+
+namespace powbench::sim {
+namespace {
+
+constexpr double impossible = 1e9;
+constexpr double never = 40;  // deviations: a closing that does not close, or an integration that fails
+
+double outside(double value, const Range& r) {
+  return std::max({r.low - value, value - r.high, 0.0}) / r.deviation;
+}
+
+/// Residual whose square is v^2 up to two deviations and grows linearly beyond.
+double tempered(double v) {
+  const double a = std::fabs(v);
+  return a <= 2 ? v : std::copysign(std::sqrt(4 * a - 4), v);
+}
+
+ClosingTruth closing_at(const Specimen& s, const Conditions& c, double duration, double tolerance) {
+  try {
+    return simulate(s, c, duration, 0, tolerance).truth;
+  } catch (const std::runtime_error&) {  // a step too small: such a specimen is no candidate
+    return {};
+  }
+}
+
+Conditions at_degrees(double degrees, double volts) {
+  Conditions c;
+  c.closing_angle = radians(degrees);
+  c.supply_volts = volts;
+  return c;
+}
+
+}  // namespace
+
+Plausible catalogue_ranges() {
+  Plausible p;
+  p.inrush = Range{70, 150, 10};
+  p.holding = Range{5, 20, 2};
+  p.overtravel = Range{0.25, 0.8, 0.02};
+  p.contact_force = Range{1.5, 5, 0.3};
+  p.base_travel = Range{0, 2e-3, 0.2e-3};
+  p.pick_up = true;
+  p.calm = true;
+  return p;
+}
+
+Derived derived(const Specimen& s, double rated_volts) {
+  Mains mains;
+  mains.volts = rated_volts;
+  const double overtravel = s.core.travel - s.bridges.gap;
+  return {inrush_power(s, mains), holding_power(s, mains), overtravel / s.bridges.gap,
+          0.5 * (s.bridges.preload + s.bridges.rate * overtravel),
+          100 / (s.base.mass * std::pow(2 * pi * s.base.hertz, 2))};
+}
+
+Misfit::Misfit(FitProblem problem) : problem_(std::move(problem)) {}
+
+double Misfit::closing_residuals(const Specimen& s, const MeasuredClosing& m, double tolerance,
+                                 double* out) const {
+  std::fill_n(out, per_closing, 0.0);
+  const auto t = closing_at(s, m.conditions, problem_.duration, tolerance);
+  const bool closed = t.touch && t.core_seat;
+  const auto residual = [](const Measured& measured, double model) {
+    return (model - measured.value) / measured.u;
+  };
+  if (m.touch.known()) out[0] = closed ? residual(m.touch, *t.touch) : never;
+  if (m.bounce.known()) out[1] = closed ? residual(m.bounce, *t.settled - *t.touch) : never;
+  if (m.seat.known()) out[2] = closed ? residual(m.seat, *t.core_seat) : never;
+  if (m.core_bounce.known())
+    out[3] = closed ? residual(m.core_bounce, *t.core_settled - *t.core_seat) : never;
+  if (problem_.robust) {
+    out[1] = tempered(out[1]);
+    out[3] = tempered(out[3]);
+  }
+  return out[0] * out[0] + out[1] * out[1] + out[2] * out[2] + out[3] * out[3];
+}
+
+void Misfit::range_residuals(const Specimen& s, std::vector<double>& out) const {
+  const Plausible& p = problem_.plausible;
+  const bool any = p.inrush || p.holding || p.overtravel || p.contact_force || p.base_travel;
+  if (!any) return;
+  const Derived d = derived(s, p.rated_volts);
+  const auto add = [&](const std::optional<Range>& range, double value) {
+    if (range) out.push_back(outside(value, *range));
+  };
+  add(p.inrush, d.inrush);
+  add(p.holding, d.holding);
+  add(p.overtravel, d.overtravel);
+  add(p.contact_force, d.contact_force);
+  add(p.base_travel, d.base_travel);
+}
+
+double Misfit::checks(const Specimen& s, double sum, double give_up) const {
+  const Plausible& p = problem_.plausible;
+  const double limit = problem_.tolerance;
+  if (p.calm)
+    for (const double degrees : {45.0, 70.0, 80.0}) {
+      if (sum > give_up) return sum;
+      const auto t = closing_at(s, at_degrees(degrees, p.rated_volts), 0.05, limit);
+      constexpr Range calm{0, 26e-3, 5e-3};
+      const double late = t.settled ? outside(*t.settled, calm) : 10;
+      sum += late * late;
+    }
+  if (p.pick_up)
+    for (const double degrees : {0.0, 60.0, 120.0}) {
+      if (sum > give_up) return sum;
+      if (!closing_at(s, at_degrees(degrees, 0.85 * p.rated_volts), 0.06, limit).core_seat) sum += 50;
+    }
+  return sum;
+}
+
+double Misfit::value(std::span<const double> point, double give_up) const {
+  const Specimen s = specimen(point);
+  if (!validate(s).empty()) return impossible;
+  double sum = 0;
+  for (const double u : point) {
+    const double near = std::max({problem_.edge - u, u - (1 - problem_.edge), 0.0});
+    if (problem_.edge > 0) sum += std::pow(near / problem_.edge, 2);
+    if (problem_.prior_deviation > 0) sum += std::pow((u - 0.5) / problem_.prior_deviation, 2) / 12;
+  }
+  std::vector<double> ranges;
+  range_residuals(s, ranges);
+  for (const double r : ranges) sum += r * r;
+  for (const auto& m : problem_.closings) {
+    if (sum > give_up) return sum;
+    double r[per_closing];
+    sum += closing_residuals(s, m, problem_.tolerance, r);
+  }
+  return checks(s, sum, give_up);
+}
+
+std::vector<double> Misfit::residuals(std::span<const double> point, double tolerance) const {
+  const Specimen s = specimen(point);
+  std::vector<double> out;
+  for (const auto& m : problem_.closings) {
+    double r[per_closing];
+    closing_residuals(s, m, tolerance, r);
+    out.insert(out.end(), r, r + per_closing);
+  }
+  range_residuals(s, out);
+  for (const double u : point) {
+    const double low = problem_.edge - u;
+    const double high = u - (1 - problem_.edge);
+    if (problem_.edge > 0) out.push_back(std::max({low, high, 0.0}) / problem_.edge);
+    if (problem_.prior_deviation > 0) out.push_back((u - 0.5) / problem_.prior_deviation / std::sqrt(12.0));
+  }
+  return out;
+}
+
+Misfit Misfit::perturbed(std::span<const double> shifts) const {
+  FitProblem moved = problem_;
+  std::size_t k = 0;
+  for (auto& m : moved.closings)
+    for (auto* q : {&m.touch, &m.bounce, &m.seat, &m.core_bounce}) {
+      if (!q->known()) continue;
+      q->value += shifts[k % shifts.size()] * q->u;
+      ++k;
+    }
+  return Misfit(std::move(moved));
+}
+
+}  // namespace powbench::sim

@@ -1,0 +1,98 @@
+#pragma once
+
+#include <limits>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "core/events.h"
+#include "sim/closing.h"
+#include "sim/study/parameter.h"
+
+/// How far a specimen is from what was measured, and from what its kind may be.
+
+namespace powbench::sim {
+
+/// One closing that was measured, in s; `u` holds the standard deviation, that of the model included. What is not known
+/// takes no part.
+struct MeasuredClosing {
+  Conditions conditions;
+  Measured touch;        ///< t_ct1
+  Measured bounce;       ///< t_ct_bon
+  Measured seat;         ///< t_xt1
+  Measured core_bounce;  ///< t_xt_bon
+};
+
+/// A range that a derived quantity should keep; outside, the distance counts in units of `deviation`.
+struct Range {
+  double low = 0, high = 0;
+  double deviation = 1;
+};
+
+/// What the kind of contactor demands beside the measured closings. Absent: not asked for.
+struct Plausible {
+  std::optional<Range> inrush;         ///< VA, core held open
+  std::optional<Range> holding;        ///< VA, core closed
+  std::optional<Range> overtravel;     ///< of the contact gap
+  std::optional<Range> contact_force;  ///< N, one break, closed
+  std::optional<Range> base_travel;    ///< m, static deflection under 100 N: softness of the mounting
+  bool pick_up = false;                ///< closes at 0.85 of the rated voltage at 0, 60 and 120 deg
+  bool calm = false;                   ///< settles within 26 ms at 45, 70 and 80 deg: no chatter
+  double rated_volts = 230;
+};
+/// Catalogue ranges of the 25 .. 40 A frame.
+Plausible catalogue_ranges();
+
+struct FitProblem {
+  Specimen base;  ///< numbers that are not free
+  std::vector<Parameter> parameters;
+  std::vector<MeasuredClosing> closings;
+  Plausible plausible;
+  double prior_deviation = 0.5;  ///< of each coordinate about the middle of its bounds; 0: flat
+  double edge = 0.02;            ///< share of the range next to a bound that costs something
+  double tolerance = 1e-4;       ///< of the integrator
+  double duration = 0.045;       ///< s simulated for each closing
+  bool robust = true;            ///< bounce times beyond two deviations count linearly
+};
+
+/// The sum of squares and its parts. Pure: equal points give equal bits.
+class Misfit {
+ public:
+  explicit Misfit(FitProblem);
+
+  const FitProblem& problem() const { return problem_; }
+  std::size_t dimension() const { return problem_.parameters.size(); }
+  Specimen specimen(std::span<const double> point) const {
+    return specimen_at(problem_.base, problem_.parameters, point);
+  }
+
+  /// Sum of squared residuals; leaves off early, with what it has, once that is above `give_up`.
+  static constexpr std::size_t per_closing = 4;  ///< residuals of one
+
+  double value(std::span<const double> point, double give_up = std::numeric_limits<double>::infinity()) const;
+
+  /// Residuals whose squares sum to the smooth part of the misfit: four for each closing (touch, bounce, seat, core bounce; 0 where
+  /// not measured), the ranges, the prior. Pick-up and calm are left out: they are steps.
+  std::vector<double> residuals(std::span<const double> point, double tolerance) const;
+
+  /// `count` standard normal shifts move the measured values: for an ensemble of fits to data with noise.
+  Misfit perturbed(std::span<const double> shifts) const;
+
+ private:
+  double closing_residuals(const Specimen&, const MeasuredClosing&, double tolerance, double* out) const;
+  void range_residuals(const Specimen&, std::vector<double>& out) const;
+  double checks(const Specimen&, double sum, double give_up) const;
+
+  FitProblem problem_;
+};
+
+/// Forces and powers that `Plausible` speaks of.
+struct Derived {
+  double inrush = 0, holding = 0;  ///< VA
+  double overtravel = 0;           ///< of the contact gap
+  double contact_force = 0;        ///< N, one break, closed
+  double base_travel = 0;          ///< m under 100 N
+};
+Derived derived(const Specimen&, double rated_volts);
+
+}  // namespace powbench::sim

@@ -1,0 +1,74 @@
+#include "sim/study/steady.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "sim/magnetic_circuit.h"
+
+namespace powbench::sim {
+namespace {
+
+struct Rates {
+  double phi = 0, phi2 = 0;
+};
+
+struct HeldCoil {
+  const Coil& coil;
+  MagneticCircuit circuit;
+  double separation;
+  double resistance;
+
+  double ring_flux(double phi, double phi2) const {
+    return circuit.has_ring() ? phi2 : circuit.shaded_share() * phi;
+  }
+  double current(double phi, double phi2) const {
+    return circuit.field(phi, ring_flux(phi, phi2), separation).mmf / coil.turns;
+  }
+  /// N phi' + L i' = u - R i, phi2' = -R_sh i_sh.
+  Rates rates(double u, double phi, double phi2) const {
+    const Field f = circuit.field(phi, ring_flux(phi, phi2), separation);
+    const bool ring = circuit.has_ring();
+    Rates r;
+    r.phi2 = ring ? -circuit.ring_resistance() * f.ring_current : 0.0;
+    const double slope = ring ? f.mmf_phi : f.mmf_phi + circuit.shaded_share() * f.mmf_phi2;
+    const double ratio = coil.leakage / coil.turns;
+    r.phi =
+        (u - resistance * f.mmf / coil.turns - ratio * f.mmf_phi2 * r.phi2) / (coil.turns + ratio * slope);
+    return r;
+  }
+};
+
+}  // namespace
+
+double steady_current(const Specimen& s, const Mains& mains, double separation) {
+  const HeldCoil held{s.coil, MagneticCircuit(s.magnet, s.core.travel), separation,
+                      s.coil.resistance + mains.resistance};
+  constexpr int periods = 3;
+  // The fastest rate is that of the ring; 800 steps a period resolve the rest.
+  const double ring_rate = held.circuit.ring_resistance() * held.circuit.field(0, 1, separation).ring_current;
+  const double fastest = held.circuit.has_ring() ? ring_rate : 0.0;
+  const int per_period = static_cast<int>(std::max(800.0, fastest / mains.hertz));
+  const double h = 1 / (mains.hertz * per_period);
+  const auto voltage = [&](double t) {
+    return std::numbers::sqrt2 * mains.volts * std::cos(2 * pi * mains.hertz * t);
+  };
+  double phi = 0;
+  double phi2 = 0;
+  double squares = 0;
+  for (int k = 0; k < periods * per_period; ++k) {
+    const double t = k * h;
+    const Rates a = held.rates(voltage(t), phi, phi2);
+    const Rates b = held.rates(voltage(t + h / 2), phi + h / 2 * a.phi, phi2 + h / 2 * a.phi2);
+    const Rates c = held.rates(voltage(t + h / 2), phi + h / 2 * b.phi, phi2 + h / 2 * b.phi2);
+    const Rates d = held.rates(voltage(t + h), phi + h * c.phi, phi2 + h * c.phi2);
+    phi += h / 6 * (a.phi + 2 * b.phi + 2 * c.phi + d.phi);
+    phi2 += h / 6 * (a.phi2 + 2 * b.phi2 + 2 * c.phi2 + d.phi2);
+    if (k < (periods - 1) * per_period) continue;
+    const double i = held.current(phi, phi2);
+    squares += i * i;
+  }
+  return std::sqrt(squares / per_period);
+}
+
+}  // namespace powbench::sim

@@ -1,0 +1,22 @@
+#pragma once
+
+#include "sim/plant.h"
+
+/// The coil on the mains with the core held: what catalogues print as inrush and holding power.
+
+namespace powbench::sim {
+
+/// Coil current with the core held at `separation` (core.travel = open, 0 = closed), A rms over the third mains period
+/// after a switch-on that leaves no offset in a pure inductance. Coil at 20 degC.
+double steady_current(const Specimen&, const Mains&, double separation);
+
+/// Apparent power U I with the core held open, VA.
+inline double inrush_power(const Specimen& s, const Mains& m) {
+  return m.volts * steady_current(s, m, s.core.travel);
+}
+/// The same with the core closed.
+inline double holding_power(const Specimen& s, const Mains& m) {
+  return m.volts * steady_current(s, m, 0);
+}
+
+}  // namespace powbench::sim

@@ -1,0 +1,157 @@
+#include "sim/study/sweep.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/random.h"
+#include "core/units.h"
+#include "sim/study/modes.h"
+
+namespace powbench::sim {
+namespace {
+
+/// Draws x angles of the metric, row by row.
+struct Sample {
+  std::size_t draws, angles;
+  std::vector<double> values;
+  double at(std::size_t draw, std::size_t angle) const { return values[draw * angles + angle]; }
+};
+
+/// Mean at each angle over the draws listed.
+std::vector<double> means(const Sample& s, const std::vector<std::size_t>& rows) {
+  std::vector<double> m(s.angles, 0.0);
+  for (const std::size_t r : rows)
+    for (std::size_t a = 0; a < s.angles; ++a) m[a] += s.at(r, a) / static_cast<double>(rows.size());
+  return m;
+}
+
+double mean_of(const std::vector<double>& v) {
+  double sum = 0;
+  for (const double x : v) sum += x;
+  return sum / static_cast<double>(v.size());
+}
+
+std::size_t smallest(const std::vector<double>& v) {
+  return static_cast<std::size_t>(std::min_element(v.begin(), v.end()) - v.begin());
+}
+
+/// Signed distance on the half circle, rad.
+double half_turn(double difference) {
+  return std::remainder(difference, pi);
+}
+
+void bootstrap(const Sample& s, const BestAngleOptions& options, BestAngle& b) {
+  Random random(options.seed + 4711);
+  std::vector<std::vector<double>> at_angle(s.angles);
+  std::vector<double> gains, offsets;
+  std::vector<std::size_t> rows(s.draws);
+  int near = 0;
+  for (int k = 0; k < options.bootstraps; ++k) {
+    for (auto& r : rows) r = random.below(s.draws);
+    const auto m = means(s, rows);
+    for (std::size_t a = 0; a < s.angles; ++a) at_angle[a].push_back(m[a]);
+    const std::size_t best = smallest(m);
+    const double offset = half_turn(b.angles[best] - b.angles[b.best]);
+    offsets.push_back(offset);
+    near += std::fabs(offset) <= options.near + 1e-12 ? 1 : 0;
+    gains.push_back(1 - m[b.best] / mean_of(m));
+  }
+  for (auto& values : at_angle) {
+    std::sort(values.begin(), values.end());
+    b.low.push_back(quantile_of_sorted(values, 0.025));
+    b.high.push_back(quantile_of_sorted(values, 0.975));
+  }
+  std::sort(gains.begin(), gains.end());
+  std::sort(offsets.begin(), offsets.end());
+  b.gain_low = quantile_of_sorted(gains, 0.025);
+  b.gain_high = quantile_of_sorted(gains, 0.975);
+  b.first = b.angles[b.best] + quantile_of_sorted(offsets, 0.025);
+  b.last = b.angles[b.best] + quantile_of_sorted(offsets, 0.975);
+  b.confidence = static_cast<double>(near) / options.bootstraps;
+}
+
+}  // namespace
+
+std::vector<ClosingMetrics> run_points(const Design& design, const Case& base, std::int64_t first,
+                                       std::int64_t count, const MetricOptions& options, Team& team) {
+  std::vector<ClosingMetrics> results(static_cast<std::size_t>(count));
+  for_each_index(team, static_cast<int>(count), [&](int k) {
+    results[static_cast<std::size_t>(k)] =
+        closing_metrics(design.apply(base, design.point(first + k)), options);
+  });
+  return results;
+}
+
+std::vector<SensitivityStep> usual_steps() {
+  return {{"supply_volts", 0.01, true},   {"ambient_degC", 10, false}, {"angle_deg", 1, false},
+          {"core.friction_N", 0.1, true}, {"core.mass_g", 0.01, true}, {"bridges.gap_mm", 0.01, true}};
+}
+
+std::vector<Sensitivity> sensitivities(const Case& base, std::span<const double> angles,
+                                       std::span<const SensitivityStep> steps, const MetricInfo& metric,
+                                       const MetricOptions& options, Team& team) {
+  std::vector<Sensitivity> rows;
+  for (const double angle : angles)
+    for (const auto& s : steps) {
+      Sensitivity row;
+      row.angle = angle;
+      row.name = s.name;
+      row.step = s.relative ? s.step * std::fabs(variable(s.name).get(base)) : s.step;
+      rows.push_back(row);
+    }
+  for_each_index(team, static_cast<int>(3 * rows.size()), [&](int k) {
+    Sensitivity& row = rows[static_cast<std::size_t>(k / 3)];
+    Case c = base;
+    c.conditions.closing_angle = row.angle;
+    const Variable v = variable(row.name);
+    v.set(c, v.get(c) + (k % 3 - 1) * row.step);
+    const double value = closing_metrics(c, options).*metric.member;
+    (k % 3 == 0 ? row.low : k % 3 == 1 ? row.centre : row.high) = value;
+  });
+  return rows;
+}
+
+BestAngle best_angle(const Case& base, const std::vector<Axis>& tolerances, const MetricInfo& metric,
+                     const MetricOptions& metric_options, const BestAngleOptions& options, Team& team,
+                     const std::function<bool(std::int64_t, std::int64_t)>& go_on) {
+  BestAngle b;
+  b.near = options.near;
+  const auto angles = static_cast<std::size_t>(options.angles);
+  const auto draws = static_cast<std::size_t>(options.draws);
+  for (std::size_t a = 0; a < angles; ++a)
+    b.angles.push_back(pi * static_cast<double>(a) / static_cast<double>(angles));
+  Sample s{draws, angles, std::vector<double>(draws * angles)};
+  const Design design(tolerances, Sampling::latin, options.draws, options.seed);
+  for (std::size_t d = 0; d < draws; ++d) {
+    const Case device = design.apply(base, design.point(static_cast<std::int64_t>(d)));
+    for_each_index(team, options.angles, [&](int a) {
+      Case c = device;
+      c.conditions.closing_angle += b.angles[static_cast<std::size_t>(a)] - base.conditions.closing_angle;
+      const double value = closing_metrics(c, metric_options).*metric.member;
+      s.values[d * angles + static_cast<std::size_t>(a)] = std::isfinite(value) ? value : options.penalty;
+    });
+    if (go_on &&
+        !go_on(static_cast<std::int64_t>((d + 1) * angles), static_cast<std::int64_t>(draws * angles)))
+      return {};
+  }
+  std::vector<std::size_t> all(draws);
+  for (std::size_t d = 0; d < draws; ++d) all[d] = d;
+  b.mean = means(s, all);
+  for (std::size_t a = 0; a < angles; ++a) {
+    std::vector<double> column;
+    double squares = 0;
+    for (std::size_t d = 0; d < draws; ++d) {
+      column.push_back(s.at(d, a));
+      squares += std::pow(s.at(d, a) - b.mean[a], 2);
+    }
+    b.deviation.push_back(draws > 1 ? std::sqrt(squares / static_cast<double>(draws - 1)) : 0.0);
+    b.mode_count.push_back(modes(column).size());
+  }
+  b.best = smallest(b.mean);
+  b.random_mean = mean_of(b.mean);
+  b.gain = 1 - b.mean[b.best] / b.random_mean;
+  bootstrap(s, options, b);
+  return b;
+}
+
+}  // namespace powbench::sim

@@ -1,0 +1,121 @@
+// Identification: a device that the simulator made is found again, and angles it was not told are predicted.
+
+#include <catch2/catch.hpp>
+#include <cmath>
+
+#include "core/units.h"
+#include "sim/closing.h"
+#include "sim/study/fit.h"
+#include "sim/study/steady.h"
+
+using namespace powbench::sim;
+using powbench::Measured;
+using powbench::pi;
+using powbench::radians;
+
+namespace {
+
+MeasuredClosing closing_of(const Specimen& s, double degrees) {
+  MeasuredClosing m;
+  m.conditions.closing_angle = radians(degrees);
+  const auto t = simulate(s, m.conditions, 0.06, 0, 1e-8).truth;
+  m.touch = {*t.touch, 20e-6};
+  m.seat = {*t.core_seat, 20e-6};
+  m.bounce = {*t.settled - *t.touch, 100e-6};
+  return m;
+}
+
+FitProblem small_problem(const Specimen& device, std::initializer_list<double> angles) {
+  FitProblem p;
+  p.base = Specimen{};
+  const auto around = [&](const char* name, double share) {
+    const auto& f = specimen_field(name);
+    const double v = f.get(p.base) / f.si_per_unit;
+    p.parameters.push_back(parameter(name, v * (1 - share), v * (1 + share)));
+  };
+  around("coil.resistance_ohm", 0.1);
+  around("core.return_preload_N", 0.2);
+  around("bridges.gap_mm", 0.06);
+  for (const double a : angles) p.closings.push_back(closing_of(device, a));
+  p.prior_deviation = 0;
+  p.edge = 0;
+  p.robust = false;
+  return p;
+}
+
+}  // namespace
+
+TEST_CASE("steady current of a linear coil without ring: U / |R + j w L|") {
+  Specimen s;
+  s.magnet.shaded_share = 0;
+  s.magnet.bh_power = 0;
+  s.magnet.fringing = 0;
+  Mains mains;
+  for (const double separation : {s.core.travel, 1e-3, 0.0}) {
+    // without a share inside the ring the outer poles carry all of phi: r (phi + phi) and the iron
+    const double r = (s.magnet.residual_gap + separation) / (4e-7 * pi * s.magnet.pole_area);
+    const double reluctance = 2 * r + s.magnet.iron_length * s.magnet.bh_linear / s.magnet.pole_area;
+    const double inductance = s.coil.turns * s.coil.turns / reluctance + s.coil.leakage;
+    const double expected = mains.volts / std::hypot(s.coil.resistance, 2 * pi * mains.hertz * inductance);
+    // what is left of the offset after two periods: R / (w L) at the most
+    CHECK(steady_current(s, mains, separation) == Approx(expected).epsilon(0.02));
+  }
+}
+
+TEST_CASE("a device with three numbers off is found again and predicts an angle it has not seen") {
+  Specimen device;
+  device.coil.resistance *= 1.04;
+  device.core.return_preload *= 0.93;
+  device.bridges.gap *= 1.015;
+  const FitProblem problem = small_problem(device, {10, 50, 120, 160});
+  FitOptions options;
+  options.evaluations = 900;
+  options.ensemble = 2;
+  Team team(2);
+  const FitResult r = fit(Misfit(problem), options, team);
+  CHECK_FALSE(r.stopped);
+  CHECK(r.best.specimen.coil.resistance == Approx(device.coil.resistance).epsilon(3e-3));
+  CHECK(r.best.specimen.core.return_preload == Approx(device.core.return_preload).epsilon(1e-2));
+  CHECK(r.best.specimen.bridges.gap == Approx(device.bridges.gap).epsilon(3e-3));
+  const auto unseen = closing_of(device, 30);
+  const auto predicted = closing_of(r.best.specimen, 30);
+  CHECK(predicted.touch.value == Approx(unseen.touch.value).epsilon(3e-3));
+  CHECK(predicted.seat.value == Approx(unseen.seat.value).epsilon(3e-3));
+  REQUIRE(r.ensemble.size() == 2);
+  CHECK(r.ensemble[0].point != r.ensemble[1].point);
+  CHECK(r.sensitivity.rows == 4 * Misfit::per_closing);
+  for (const double d : r.identifiability.deviation) CHECK((d > 0 && d < 0.5));
+}
+
+TEST_CASE("a fit does not depend on the number of threads and stops when asked") {
+  const FitProblem problem = small_problem(Specimen{}, {30, 150});
+  FitOptions options;
+  options.evaluations = 120;
+  options.ensemble = 0;
+  options.polished = 0;
+  Team one(1), three(3);
+  CHECK(fit(Misfit(problem), options, one).best.point == fit(Misfit(problem), options, three).best.point);
+  FitWatch watch;
+  int generations = 0;
+  watch.go_on = [&](long, long, double) { return ++generations < 3; };
+  const FitResult r = fit(Misfit(problem), options, one, watch);
+  CHECK(r.stopped);
+  CHECK(generations == 3);
+}
+
+TEST_CASE("the misfit: zero at the device itself, large where nothing closes, early end above the limit") {
+  FitProblem problem = small_problem(Specimen{}, {60, 150});
+  problem.tolerance = 1e-8;
+  const Misfit misfit(problem);
+  const std::vector<double> middle(3, 0.5);
+  CHECK(misfit.value(middle) < 1e-3);
+  FitProblem stiff = problem;
+  stiff.parameters = {parameter("core.return_preload_N", 100, 200)};
+  CHECK(Misfit(stiff).value(std::vector<double>{0.5}) > 3000);
+  CHECK(Misfit(stiff).value(std::vector<double>{0.5}, 10) < Misfit(stiff).value(std::vector<double>{0.5}));
+  // residuals and value agree where nothing is a step
+  double sum = 0;
+  const std::vector<double> off{0.6, 0.4, 0.5};
+  for (const double r : misfit.residuals(off, problem.tolerance)) sum += r * r;
+  CHECK(sum == Approx(misfit.value(off)).epsilon(1e-9));
+}

@@ -1,0 +1,106 @@
+// Modes, sweeps, sensitivities and the best closing angle.
+
+#include <catch2/catch.hpp>
+#include <cmath>
+
+#include "core/random.h"
+#include "core/units.h"
+#include "sim/study/modes.h"
+#include "sim/study/sweep.h"
+
+using namespace powbench::sim;
+using powbench::radians;
+using powbench::Random;
+
+TEST_CASE("modes: one for a uniform and for a normal sample, two for two hills, three for three") {
+  Random random(8);
+  std::vector<double> uniform, normal, two, three;
+  for (int k = 0; k < 400; ++k) {
+    uniform.push_back(random.uniform());
+    normal.push_back(random.normal());
+    two.push_back((k % 4 == 0 ? 6 : 0) + 0.5 * random.normal());
+    three.push_back(4 * (k % 3) + 0.3 * random.normal());
+  }
+  CHECK(modes(uniform).size() == 1);
+  CHECK(modes(normal).size() == 1);
+  const auto m = modes(two);
+  REQUIRE(m.size() == 2);
+  CHECK(m[0].share == Approx(0.75));
+  CHECK(m[0].mean == Approx(0).margin(0.1));
+  CHECK(m[1].mean == Approx(6).margin(0.2));
+  CHECK(modes(three).size() == 3);
+  CHECK(modes(std::vector<double>(50, 3.0)).size() == 1);
+  CHECK(modes({}).empty());
+  CHECK(modes(std::vector<double>{std::nan(""), 1}).front().share == 1);
+  // a few strays are no mode
+  std::vector<double> strays(200, 1.0);
+  strays[7] = 9;
+  CHECK(modes(strays).size() == 1);
+}
+
+TEST_CASE("a sweep in parts and on several threads gives the bits of one in a piece") {
+  const Case base;
+  const Design d({uniform_axis("angle_deg", 0, 180), normal_axis("supply_volts", 230, 3)}, Sampling::latin,
+                 24, 9);
+  Team one(1), two(2);
+  MetricOptions options;
+  const auto whole = run_points(d, base, 0, 24, options, one);
+  const auto rest = run_points(d, base, 10, 14, options, two);
+  for (std::size_t k = 0; k < rest.size(); ++k) {
+    CHECK(rest[k].touch == whole[k + 10].touch);
+    CHECK(rest[k].bounce == whole[k + 10].bounce);
+  }
+}
+
+TEST_CASE("metrics: what does not close has no times; forces come with samples") {
+  Case c;
+  c.conditions.supply_volts = 100;
+  const auto none = closing_metrics(c, {});
+  CHECK(none.closed == 0);
+  CHECK(std::isnan(none.touch));
+  c.conditions.supply_volts = 230;
+  MetricOptions forces;
+  forces.sample_dt = 5e-6;
+  const auto m = closing_metrics(c, forces);
+  CHECK(m.closed == 1);
+  CHECK(m.settled == Approx(m.touch + m.bounce));
+  CHECK(m.open_time <= m.bounce);
+  CHECK(m.first_peak > 5);
+  CHECK(m.impulse > 0);
+  CHECK(std::isnan(closing_metrics(c, {}).first_peak));
+}
+
+TEST_CASE(
+    "sensitivities have the signs of physics: more voltage is earlier, a hotter coil or a longer gap later") {
+  Team team(2);
+  const std::vector<double> angles{radians(0), radians(45)};
+  const auto steps = usual_steps();
+  for (const auto& row : sensitivities({}, angles, steps, *find_metric("touch"), {}, team)) {
+    CAPTURE(row.name);
+    if (row.name == "supply_volts") CHECK(row.high < row.low);
+    if (row.name == "ambient_degC" || row.name == "bridges.gap_mm" || row.name == "core.mass_g" ||
+        row.name == "core.friction_N")
+      CHECK(row.high > row.low);
+  }
+}
+
+TEST_CASE("best closing angle: between the extremes it was made of, with a gain over random closing") {
+  Team team(2);
+  BestAngleOptions options;
+  options.angles = 12;
+  options.draws = 4;
+  options.bootstraps = 200;
+  const std::vector<Axis> tolerances{normal_axis("supply_volts", 230, 1)};
+  const auto b = best_angle({}, tolerances, *find_metric("bounce"), {}, options, team);
+  REQUIRE(b.mean.size() == 12);
+  for (std::size_t k = 0; k < 12; ++k) {
+    CHECK(b.mean[k] >= b.mean[b.best]);
+    CHECK((b.low[k] <= b.mean[k] + 1e-12 && b.mean[k] <= b.high[k] + 1e-12));
+  }
+  CHECK(b.gain > 0);
+  CHECK((b.gain_low <= b.gain && b.gain <= b.gain_high));
+  CHECK((b.confidence > 0 && b.confidence <= 1));
+  CHECK((b.first <= b.angles[b.best] && b.angles[b.best] <= b.last));
+  // reproducible
+  CHECK(best_angle({}, tolerances, *find_metric("bounce"), {}, options, team).mean == b.mean);
+}
