@@ -16,7 +16,7 @@ TEST_CASE(
   sizes.ends = false;
   sim::MagnetField3 field(design, sizes);
   sim::MagnetField plane(design, {});
-  for (const double gap : {2e-3, 0.5e-3, 0.0}) {
+  for (const double gap : {0.5e-3, 0.0}) {
     field.set_gap(gap);
     plane.set_gap(gap);
     const auto a = field.at_current(0.3);
