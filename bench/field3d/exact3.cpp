@@ -90,7 +90,7 @@ ShellExact shell_exact(double mu, double a, double b) {
 sim::Problem3 solenoid(double radius, double length, double turns, int cells, sim::Cell cell) {
   const double half = 0.5 * length, far = 20 * std::max(radius, half);
   const double size = radius / (2 * cells);
-  const auto z = sim::graded_line({{0, 3 * size}, {half, size}, {far, far / cells}}, 1.5, far / cells);
+  const auto z = sim::graded_line({{0, size}, {half, size}, {far, far / cells}}, 1.5, far / cells);
   auto outwards = sim::graded_line({{radius, size}, {far, far / cells}}, 1.5, far / cells);
   const auto line = even(cells);
   const double square = 0.5 * radius;

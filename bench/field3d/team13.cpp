@@ -18,14 +18,14 @@ constexpr double mm = 1e-3;
 sim::Problem3 team13(double size, sim::Cell cell) {
   const auto line = [&](std::vector<sim::GridMark> marks) {
     for (auto& m : marks) m = {m.at * mm, m.size * mm * size};
-    return sim::graded_line(marks, 1 + 1.2 * std::min(size, 1.5), 80 * size * mm);
+    return sim::graded_line(marks, 1 + 2 * std::min(size, 1.2), 400 * size * mm);
   };
   const auto x =
-      line({{0, 0.8}, {1.6, 0.4}, {2.1, 0.4}, {75, 12}, {100, 8}, {118.9, 1.0}, {122.1, 1.0}, {350, 80}});
-  auto y = line({{0, 6}, {15, 1.6}, {25, 1.6}, {65, 2.5}, {75, 12}, {100, 15}, {350, 80}});
+      line({{0, 0.8}, {1.6, 0.3}, {2.1, 0.25}, {75, 20}, {100, 20}, {118.9, 2}, {122.1, 2}, {1500, 400}});
+  auto y = line({{0, 12}, {15, 0.3}, {25, 0.3}, {65, 1.5}, {75, 20}, {100, 20}, {1500, 400}});
   const auto half = y;
   for (std::size_t k = 1; k < half.size(); ++k) y.insert(y.begin(), -half[k]);
-  const auto z = line({{0, 10}, {50, 6}, {60, 1.0}, {63.2, 1.0}, {350, 80}});
+  const auto z = line({{0, 12}, {50, 8}, {60, 0.2}, {63.2, 0.2}, {1500, 400}});
   enum { air, iron };
   sim::Problem3 p;
   p.mesh = sim::grid_mesh(x, y, z, cell, [](const sim::Vec3& c) -> int {

@@ -95,11 +95,14 @@ std::vector<double> x_lines(const Outline& o, const CoreMeshSizes3& s) {
   std::vector<GridMark> marks{{0, s.largest},          {o.x1, s.corner}, {o.coil_left, s.other},
                               {o.coil_right, s.other}, {o.x2, s.corner}, {o.x3, s.corner}};
   if (o.ring)
-    for (const double x : {o.ring_left, o.slot_left, o.slot_right}) marks.push_back({x, s.other});
+    for (const auto& m :
+         {GridMark{o.ring_left, s.other}, GridMark{o.slot_left, s.corner}, GridMark{o.slot_right, s.corner}})
+      marks.push_back(m);
   return with_air(merged(marks), false, 4 * o.x3, s);
 }
 
 std::vector<double> y_lines(const Outline& o, const CoreMeshSizes3& s) {
+  if (!s.ends) return {0, o.y1};
   std::vector<GridMark> marks{{0, s.largest}, {o.y1, s.corner}, {o.coil_y1, s.other}, {o.coil_y2, s.other}};
   if (o.ring) marks.push_back({o.ring_y2, s.other});
   return with_air(merged(marks), false, 4 * o.x3, s);

@@ -16,12 +16,13 @@ struct CoreRegion3 {
 
 /// Cell sizes, m.
 struct CoreMeshSizes3 {
-  double corner = 0.5e-3;  ///< beside the edges of the pole faces
-  double other = 2.5e-3;   ///< beside the other edges
-  double largest = 5e-3;   ///< within the core's outline
-  double far = 40e-3;      ///< largest in the air around
-  double growth = 2.2;     ///< from cell to cell
-  int layers = 3;          ///< of cells in the gap
+  double corner = 0.25e-3;  ///< beside the edges of the pole faces
+  double other = 2.5e-3;    ///< beside the other edges
+  double largest = 5e-3;    ///< within the core's outline
+  double far = 40e-3;       ///< largest in the air around
+  double growth = 3.2;      ///< from cell to cell
+  int layers = 3;           ///< of cells in the gap
+  bool ends = true;         ///< false: the plane problem, one layer of cells between the ends of the stack
 
   CoreMeshSizes3 scaled(double factor) const;
 };

@@ -126,6 +126,7 @@ FieldPoint3 MagnetField3::finish(Solution3 solution, bool ring_bound) {
     p.response.current_psi = 1 / inductance[0];
     p.response.current_gap = pull_by_current[0] / inductance[0];
   }
+  p.tangent = tangents[0];
   p.solution = std::move(solution);
   return p;
 }

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <memory>
+#include <vector>
 
 #include "sim/field3d/core_mesh3.h"
 #include "sim/field3d/newton3.h"
@@ -18,6 +19,7 @@ struct FieldPoint3 {
   double psi = 0, ring = 0;  ///< Wb, flux linkages
   double stress_pull =
       0;  ///< N: Maxwell's stress in one layer of the gap; its distance to `pull` is an error estimate
+  std::vector<double> tangent;  ///< du/dI of the coil, the ring's current held
   Solution3 solution;
 };
 
