@@ -192,13 +192,15 @@ std::string surface_svg(const Surface& s, int cells, const std::function<double(
       out += fmt::format("Z\" fill=\"{}\" stroke=\"#444\" stroke-width=\"0.3\"/>\n",
                          colour((w(i, j) + w(i + 1, j) + w(i, j + 1) + w(i + 1, j + 1)) / 4));
     }
-  const Point u = s.at(0.6, 1.12, 0), v = s.at(1.12, 0.5, 0), t = s.at(0, 0, 1);
+  const double front = s.base + 2 * Surface::side * 0.42;
   out +=
-      fmt::format("<text x=\"{:.0f}\" y=\"{:.0f}\" text-anchor=\"end\">{}</text>\n", u.x, u.y + 14, u_name);
-  out += fmt::format("<text x=\"{:.0f}\" y=\"{:.0f}\">{}</text>\n", v.x, v.y + 14, v_name);
+      fmt::format("<text x=\"{:.0f}\" y=\"{:.0f}\">left edge: {}</text>\n", s.left + 10, front + 26, u_name);
+  out +=
+      fmt::format("<text x=\"{:.0f}\" y=\"{:.0f}\">right edge: {}</text>\n", s.left + 10, front + 44, v_name);
+  const Point top_of = s.at(0.5, 0.5, 0);
   out += fmt::format(
-      "<text x=\"{:.0f}\" y=\"{:.0f}\" text-anchor=\"middle\" font-weight=\"bold\">{}, up to {}</text>\n",
-      t.x, t.y - 16, title, fmt::format(fmt::runtime(top), largest));
+      "<text x=\"{:.0f}\" y=\"52\" text-anchor=\"middle\" font-weight=\"bold\">{}, up to {}</text>\n",
+      top_of.x, title, fmt::format(fmt::runtime(top), largest));
   return out;
 }
 
@@ -252,13 +254,13 @@ std::string table_svg(const sim::TablePotential& t, const std::string& title) {
       "font-size=\"12\">\n<rect width=\"780\" height=\"520\" fill=\"#fff\"/>\n";
   svg += fmt::format("<text x=\"12\" y=\"22\" font-weight=\"bold\" font-size=\"14\">{}</text>\n", title);
   const std::string psi_name = fmt::format("flux linkage, 0 .. {:.3g} Wb", psi);
-  const std::string gap_name = fmt::format("gap, {:.3g} .. 0 mm", gap * 1e3);
+  const std::string gap_name = fmt::format("gap, {:.3g} mm (behind) .. 0", gap * 1e3);
   svg += surface_svg(
       {20, 300}, cells, [&](double u, double v) { return std::log1p(state(u, v).current / 0.02); },
-      "log(1 + i / 20 mA)", gap_name.c_str(), psi_name.c_str(), "{:.2f}");
+      "log(1 + i / 20 mA)", psi_name.c_str(), gap_name.c_str(), "{:.2f}");
   svg += surface_svg(
-      {410, 300}, cells, [&](double u, double v) { return state(u, v).pull; }, "pull", gap_name.c_str(),
-      psi_name.c_str(), "{:.0f} N");
+      {410, 300}, cells, [&](double u, double v) { return state(u, v).pull; }, "pull", psi_name.c_str(),
+      gap_name.c_str(), "{:.0f} N");
   return svg + "</svg>\n";
 }
 
