@@ -30,7 +30,7 @@ double cpu_ms() {
 
 struct Arguments {
   int seeds = 40;
-  int held_out = 100, angles = 12;
+  int held_out = 60, angles = 12;
   double rate = 1e6;
   std::string json, only_case, only_method;
   bool all = false;
@@ -101,22 +101,33 @@ std::vector<Cell> grid(const Arguments& a) {
 /// Records that nobody looked at while the extraction was made: their seeds begin here.
 constexpr std::uint64_t unseen_seeds = 100000;
 
-Score run(const Cell& cell, const Method& m, int seeds, bool unseen) {
+struct Sample {
+  SynthRecord record;
+  std::vector<double> bounds;  ///< s, of each contact
+};
+
+std::vector<Sample> samples(const Cell& cell, int seeds, bool unseen) {
+  std::vector<Sample> out;
+  for (int k = 0; k < seeds; ++k) {
+    Sample s{synthesise(cell.settings, (unseen ? unseen_seeds : 0) + static_cast<std::uint64_t>(k)), {}};
+    for (const TrueContact& c : s.record.contacts)
+      s.bounds.push_back(touch_bound(c, cell.settings.form, s.record.noise, cell.settings.rate));
+    out.push_back(std::move(s));
+  }
+  return out;
+}
+
+Score run(const std::vector<Sample>& records, const Method& m) {
   Scorer scorer;
   double spent = 0;
-  for (int k = 0; k < seeds; ++k) {
-    const SynthRecord r =
-        synthesise(cell.settings, (unseen ? unseen_seeds : 0) + static_cast<std::uint64_t>(k));
+  for (const Sample& s : records) {
     const double before = cpu_ms();
-    const auto found = m.contacts(r.record);
+    const auto found = m.contacts(s.record.record);
     spent += cpu_ms() - before;
-    std::vector<double> bounds;
-    for (const TrueContact& c : r.contacts)
-      bounds.push_back(touch_bound(c, cell.settings.form, r.noise, cell.settings.rate));
-    scorer.add(r.contacts, found, bounds);
+    scorer.add(s.record.contacts, found, s.bounds);
   }
   Score s = scorer.score();
-  s.cpu_ms = spent / std::max(1, seeds);
+  s.cpu_ms = spent / static_cast<double>(std::max<std::size_t>(1, records.size()));
   return s;
 }
 
@@ -251,12 +262,12 @@ std::vector<Row> score_contacts(const Arguments& a) {
       "bound", "release", "bias", "dur bias", "peak", "z std", "CPU ms");
   std::vector<Row> rows;
   for (const Cell& c : grid(a))
-    for (const Method& m : methods()) {
-      if (std::string(m.name).find(a.only_method) == std::string::npos) continue;
-      for (const bool unseen : {false, true}) {
-        const int n = unseen ? a.held_out : a.seeds;
-        if (n == 0 || (unseen && m.name != methods().back().name)) continue;
-        rows.push_back({c, std::string(m.name), unseen, run(c, m, n, unseen)});
+    for (const bool unseen : {false, true}) {
+      const auto records = samples(c, unseen ? a.held_out : a.seeds, unseen);
+      for (const Method& m : methods()) {
+        if (std::string(m.name).find(a.only_method) == std::string::npos) continue;
+        if (records.empty() || (unseen && m.name != methods().back().name)) continue;
+        rows.push_back({c, std::string(m.name), unseen, run(records, m)});
         print(rows.back());
       }
     }
