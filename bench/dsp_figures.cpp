@@ -173,8 +173,11 @@ void write_picture(const std::string& path, const std::vector<Mark>& marks) {
       if (m.ring != ring || !(m.cpu_ms > 0) || !(m.touch_us > 0)) continue;
       out << "<circle cx=\"" << x(m.cpu_ms) << "\" cy=\"" << y(m.touch_us) << "\" r=\"5\" fill=\"" << colour
           << "\"/>"
-          << "<text x=\"" << x(m.cpu_ms) + 9 << "\" y=\"" << y(m.touch_us) + (ring ? -4 : 12) << "\" fill=\""
-          << colour << "\">" << m.method << (ring ? ", ringing" : ", clean") << "</text>\n";
+          << "<text x=\"" << x(m.cpu_ms) + (m.method == "pulse fit" && !ring ? -90 : 9) << "\" y=\""
+          << y(m.touch_us) + (ring                      ? -4
+                              : m.method == "pulse fit" ? -6
+                                                        : 14)
+          << "\" fill=\"" << colour << "\">" << m.method << (ring ? ", ringing" : ", clean") << "</text>\n";
     }
   }
   out << "</svg>\n";

@@ -285,11 +285,6 @@ JointModel fit_joint(const JointInput& in, JointModel m, int iterations) {
   if (!in.keep_all && !m.ring.modes.empty()) leave_out_misfits(in, m, r);
   descend(in, m, r, iterations);
   judge(in, m, r);
-  if (in.keep_all) {
-    for (JointPulse& p : m.pulses) p.reduced_chi2 = 0;
-    if (m.rise) m.rise->reduced_chi2 = 0;
-    return m;
-  }
   bool changed = false;
   for (JointPulse& p : m.pulses) {
     const double rows = (p.shape.release - p.shape.touch) / r.dt;
@@ -300,6 +295,11 @@ JointModel fit_joint(const JointInput& in, JointModel m, int iterations) {
     descend(in, m, r, std::min(iterations, 5));
     judge(in, m, r);
     changed = false;
+  }
+  if (in.keep_all) {
+    for (JointPulse& p : m.pulses) p.reduced_chi2 = 0;
+    if (m.rise) m.rise->reduced_chi2 = 0;
+    return m;
   }
   for (JointPulse& p : m.pulses)
     if (p.modelled && p.reduced_chi2 > 3.0) p.modelled = false, changed = true;

@@ -320,7 +320,8 @@ Separated separate_ring(const Force& f, const Round& unaided, const Measured& co
   // What is smaller than this is the shape of a contact or of the settled force, not vibration.
   const auto believable = [&] {
     return s.found &&
-           s.model.ring.amplitude_at(s.model.ring.onset) > std::max(4 * f.noise, 0.015 * f.settled);
+           s.model.ring.amplitude_at(s.model.ring.onset) >
+               std::max(4 * f.noise * std::sqrt(std::min(1.0, f.signal.dt / 5e-6)), 0.015 * f.settled);
   };
   if (!believable()) return {};
   if (seat_known) return s;  // what came before the core landed knows nothing of the ring
