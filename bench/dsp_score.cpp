@@ -30,7 +30,7 @@ double cpu_ms() {
 
 struct Arguments {
   int seeds = 40;
-  int held_out = 60, angles = 12;
+  int held_out = 40, angles = 8;
   double rate = 1e6;
   std::string json, only_case, only_method;
   bool all = false;
