@@ -96,7 +96,7 @@ FilmVibration film_vibration(const Record& record, Channel film, const Events& e
   v.present = true;
   const auto seat = events.core.seat.known() ? std::optional(events.core.seat.value) : std::nullopt;
   const double t_end = closing_end(record, f.signal);
-  ForceAnalysis a = analyse_force(f, t_end, seat, o);
+  ForceAnalysis a = analyse_force(f, t_end, events.core.seat, o);
   v.force = f.signal;
   v.settled = f.settled;
   v.stripped = std::move(a.stripped);
