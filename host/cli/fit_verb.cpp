@@ -78,9 +78,18 @@ struct Source {
   std::vector<sim::MeasuredClosing> closings;  ///< also those that are held out
 };
 
+/// Those of the command line, in percent, or `usual`.
+ModelDeviation deviations(const FitArgs& args, ModelDeviation usual) {
+  if (args.deviations.empty()) return usual;
+  usual.touch = args.deviations[0] / 100;
+  usual.seat = args.deviations[1] / 100;
+  usual.bounce = args.deviations[2] / 100;
+  return usual;
+}
+
 Source published_source(const FitArgs& args) {
   Source s;
-  s.closings = published_closings();
+  s.closings = published_closings(deviations(args, {}));
   s.job.problem.parameters = sim::catalogue_parameters();
   s.job.problem.plausible = sim::catalogue_ranges();
   s.job.problem.base = args.specimen_file.empty() ? sim::Specimen{} : read_specimen(args.specimen_file);
@@ -97,7 +106,8 @@ Source campaign_source(const FitArgs& args) {
   conditions.ambient = plan.ambient;
   conditions.hold_time = plan.hold_time;
   Source s;
-  s.closings = campaign_closings(gather_angles(store, info.id), conditions, {0.002, 0.002, 0.02});
+  s.closings =
+      campaign_closings(gather_angles(store, info.id), conditions, deviations(args, {0.002, 0.002, 0.02}));
   if (s.closings.empty())
     throw BadInput({args.database + ": campaign " + std::to_string(info.id) + " holds no measured closing"});
   s.job.problem.base = args.specimen_file.empty() ? parse_specimen(info.specimen, "stored specimen")

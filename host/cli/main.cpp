@@ -240,6 +240,11 @@ void add_fit_verb(CLI::App& app) {
   v->add_option(
       "--start", fit->start,
       "specimen file that the fit to all closings may begin from; never used where angles are held out");
+  v->add_option("--deviations", fit->deviations,
+                "standard deviations of the model in percent of touch, seat and bounce, such as 1.0,1.1,5")
+      ->delimiter(',')
+      ->expected(3)
+      ->check(CLI::Range(0.01, 100.0));
   v->add_option("--hold-out", fit->hold_out, "closing angles in degrees that are predicted, never used")
       ->delimiter(',');
   v->add_flag("--leave-one-out", fit->leave_one_out, "predict every angle from the others, one fit each");
