@@ -22,6 +22,8 @@ void declare_channel(FileKind& kind, Channel c, ChannelCalibration& k) {
   kind.number(gain_key(c), k.gain, {-1e9, 1e9},
               "of one volt, for a column in V; negative for a sensor that is upside down", Need::optional);
   kind.number("delay_us", k.delay, {-1e5, 1e5}, "by how much the channel is late");
+  kind.number("step", k.step, {1e-300, 1e12},
+              "of the converter, in the column's unit, when all numbers are multiples of it", Need::optional);
   kind.number("clip_low", k.clip_low, {-1e12, 1e12}, "in the column's unit: at or below it is saturated",
               Need::optional);
   kind.number("clip_high", k.clip_high, {-1e12, 1e12}, "in the column's unit: at or above it is saturated",
@@ -113,6 +115,7 @@ std::string calibration_of(const Record& record) {
     ChannelCalibration& to = k.channels[index(c.channel)];
     to.corner_hertz = c.corner_hertz;
     to.delay = c.delay;
+    if (c.offset == 0.0) to.step = std::abs(c.scale);
     const double low = (c.clip_low + c.offset) * c.scale, high = (c.clip_high + c.offset) * c.scale;
     to.clip_low = std::min(low, high);
     to.clip_high = std::max(low, high);

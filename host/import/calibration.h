@@ -19,6 +19,8 @@ struct ChannelCalibration {
       std::numeric_limits<double>::quiet_NaN();  ///< SI unit of the channel per volt; NaN = not given
   double corner_hertz = 0.0;                     ///< low corner of the charge amplifier; 0 = DC
   double delay = 0.0;                            ///< s
+  double step =
+      std::numeric_limits<double>::quiet_NaN();  ///< unit of the column for one count; NaN = not known
   double crosstalk = 0.0;  ///< film channels: share of the other film's force that this one shows
   double clip_low = std::numeric_limits<double>::quiet_NaN();  ///< unit of the column; at or below: saturated
   double clip_high =

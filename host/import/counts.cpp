@@ -40,6 +40,15 @@ Grid find_grid(const std::vector<double>& sorted) {
   return range / step <= most_steps ? Grid{step, distinct.front()} : Grid{};
 }
 
+/// All values are multiples of `step`, to 5 % of it, and their counts fit 16 bits.
+bool counts_of_step(const std::vector<double>& sorted, double step) {
+  if (!std::isfinite(step) || step == 0) return false;
+  return std::all_of(sorted.begin(), sorted.end(), [step](double v) {
+    const double k = v / step;
+    return std::abs(k) < 32'767 && std::abs(k - std::round(k)) < 0.05;
+  });
+}
+
 /// Samples stuck at one end: they leave it again, and the counts next to it are rare. `end` +1: the largest count.
 std::size_t stuck(const std::vector<std::int16_t>& raw, const std::vector<bool>& valid, int end) {
   int extreme = end > 0 ? no_low : no_high;
@@ -73,7 +82,7 @@ double beginning(std::span<const double> values, const std::vector<bool>& valid)
 }  // namespace
 
 CountsNote to_counts(std::span<const double> values, const std::vector<bool>& valid, bool find_clipping,
-                     ChannelRecord& to) {
+                     double known_step, ChannelRecord& to) {
   CountsNote note;
   std::vector<double> sorted;
   for (std::size_t i = 0; i < values.size(); ++i)
@@ -83,13 +92,17 @@ CountsNote to_counts(std::span<const double> values, const std::vector<bool>& va
   std::sort(sorted.begin(), sorted.end());
   const double low = sorted.front(), range = sorted.back() - low;
   Grid grid;
-  if (range > 0) grid = find_grid(sorted);
-  note.grid = grid.step > 0;
+  const bool known = counts_of_step(sorted, known_step);
+  if (known)
+    grid = {known_step, 0.0};
+  else if (range > 0)
+    grid = find_grid(sorted);
+  note.grid = grid.step != 0;
   if (!note.grid) {
     const double size = std::max(std::abs(low), std::abs(sorted.back()));
     grid = {range > 0 ? range / own_steps : (size > 0 ? size / own_steps : 1.0), low};
   }
-  const double half = range > 0 ? std::round(0.5 * range / grid.step) : 0.0;
+  const double half = known ? 0.0 : range > 0 ? std::round(0.5 * range / grid.step) : 0.0;
   to.scale = note.step = grid.step;
   to.offset = grid.origin / grid.step + half;
   for (std::size_t i = 0; i < values.size(); ++i)
@@ -103,9 +116,9 @@ CountsNote to_counts(std::span<const double> values, const std::vector<bool>& va
   note.clipped = stuck(to.raw, valid, high >= deep ? +1 : -1);
   if (note.clipped == 0) return note;
   if (high >= deep)
-    to.clip_high = static_cast<std::int16_t>(std::lround(range / grid.step - half));
+    to.clip_high = static_cast<std::int16_t>(std::lround((sorted.back() - grid.origin) / grid.step - half));
   else
-    to.clip_low = static_cast<std::int16_t>(std::lround(-half));
+    to.clip_low = static_cast<std::int16_t>(std::lround((low - grid.origin) / grid.step - half));
   return note;
 }
 

@@ -20,8 +20,10 @@ struct CountsNote {
 /// into 64 000 steps. Counts of samples that are not valid are filled from their neighbours' level and mean nothing.
 /// With `find_clipping`, saturation is recognised where many samples in a row share the value furthest from the
 /// beginning's, leave it again, and the values beside it are rare.
+///
+/// `known_step`: SI, not 0; the values are counts of this step, if they are multiples of it that fit 16 bits. NaN: not known.
 CountsNote to_counts(std::span<const double> values, const std::vector<bool>& valid, bool find_clipping,
-                     ChannelRecord& to);
+                     double known_step, ChannelRecord& to);
 
 /// Marks values at or beyond these limits as saturated, SI; NaN = no such limit.
 void set_clip(ChannelRecord&, double low, double high);

@@ -151,7 +151,7 @@ class Importer {
     ChannelRecord to;
     to.channel = channel;
     const bool film = channel == Channel::pvdf_a || channel == Channel::pvdf_b;
-    const CountsNote counts = to_counts(s.value, s.valid, film, to);
+    const CountsNote counts = to_counts(s.value, s.valid, film, std::abs(k.step * gain), to);
     set_clip(to, (gain > 0 ? k.clip_low : k.clip_high) * gain, (gain > 0 ? k.clip_high : k.clip_low) * gain);
     to.delay = k.delay;
     to.corner_hertz = k.corner_hertz;
@@ -271,6 +271,7 @@ class Importer {
                        k_.switch_on, t0));
     r.fire_sample = static_cast<std::int64_t>(fire);
     r.fire_offset = std::max(0.0, t0 + fire / r.sample_rate - k_.switch_on);
+    if (r.fire_offset * r.sample_rate < 1e-9) r.fire_offset = 0;  // rounding of the stamps
     if (m > 1) note(fmt::format("averaged by {:g} to {:.9g} Hz", m, r.sample_rate));
   }
 

@@ -32,7 +32,7 @@ TEST_CASE("the grid of a converter is found behind the digits of a text") {
     for (int i = 0; i < 5000; ++i)
       v.push_back(written(step * (std::round(20 * random.normal() + (i % 7 == 0 ? 9000 : 0)) + 0.25), 9));
     ChannelRecord c;
-    const CountsNote note = to_counts(v, all(v.size()), false, c);
+    const CountsNote note = to_counts(v, all(v.size()), false, NAN, c);
     INFO(step);
     CHECK(note.grid);
     CHECK(c.scale == Approx(step).epsilon(1e-5));
@@ -45,7 +45,7 @@ TEST_CASE("numbers without a grid are rounded to a 64 000th of their range") {
   std::vector<double> v;
   for (int i = 0; i < 5000; ++i) v.push_back(3 + random.normal());
   ChannelRecord c;
-  const CountsNote note = to_counts(v, all(v.size()), false, c);
+  const CountsNote note = to_counts(v, all(v.size()), false, NAN, c);
   CHECK_FALSE(note.grid);
   for (std::size_t i = 0; i < v.size(); ++i) CHECK(std::abs(c.value(i) - v[i]) <= 0.5001 * c.scale);
   CHECK(c.scale < 1.3e-4);
@@ -53,11 +53,11 @@ TEST_CASE("numbers without a grid are rounded to a 64 000th of their range") {
 
 TEST_CASE("one value, or none, makes a channel that is constant") {
   ChannelRecord c;
-  to_counts(std::vector<double>(10, 2.5), all(10), true, c);
+  to_counts(std::vector<double>(10, 2.5), all(10), true, NAN, c);
   for (std::size_t i = 0; i < 10; ++i) CHECK(c.value(i) == Approx(2.5));
-  to_counts(std::vector<double>(10, 0.0), all(10), true, c);
+  to_counts(std::vector<double>(10, 0.0), all(10), true, NAN, c);
   CHECK(c.value(3) == 0.0);
-  to_counts(std::vector<double>(10, NAN), std::vector<bool>(10, false), true, c);
+  to_counts(std::vector<double>(10, NAN), std::vector<bool>(10, false), true, NAN, c);
   CHECK(c.raw == std::vector<std::int16_t>(10, 0));
 }
 
@@ -71,18 +71,18 @@ TEST_CASE("saturation is seen, a round peak and a plateau are not taken for it")
     return v;
   };
   ChannelRecord c;
-  CHECK(to_counts(pulse(5, 0.01), all(4000), true, c).clipped > 600);
+  CHECK(to_counts(pulse(5, 0.01), all(4000), true, NAN, c).clipped > 600);
   CHECK(c.value(1500) == Approx(5).margin(0.01));
   CHECK(c.raw[1500] >= c.clip_high);
   CHECK(c.raw[1050] < c.clip_high);
-  CHECK(to_counts(pulse(20, 0.08), all(4000), true, c).clipped ==
+  CHECK(to_counts(pulse(20, 0.08), all(4000), true, NAN, c).clipped ==
         0);  // eight bits: a flat top is 127 samples wide
   std::vector<double> closed(4000, 0.0);
   std::fill(closed.begin() + 3500, closed.end(), 5.0);
-  CHECK(to_counts(closed, all(4000), true, c).clipped == 0);
+  CHECK(to_counts(closed, all(4000), true, NAN, c).clipped == 0);
   std::vector<double> down = pulse(5, 0.01);
   for (double& v : down) v = -v;
-  CHECK(to_counts(down, all(4000), true, c).clipped > 600);
+  CHECK(to_counts(down, all(4000), true, NAN, c).clipped > 600);
   CHECK(c.raw[1500] <= c.clip_low);
 }
 
@@ -90,9 +90,23 @@ TEST_CASE("stated limits are kept") {
   ChannelRecord c;
   std::vector<double> v;
   for (int i = 0; i < 100; ++i) v.push_back(0.1 * i);
-  to_counts(v, all(100), false, c);
+  to_counts(v, all(100), false, NAN, c);
   set_clip(c, NAN, 8.0);
   CHECK(c.raw[79] < c.clip_high);
   CHECK(c.raw[80] >= c.clip_high);
   CHECK(c.raw[0] > c.clip_low);
+}
+
+TEST_CASE("counts of a known step come back as they were") {
+  ChannelRecord c;
+  const double step = 0.00762939453125;
+  std::vector<double> v;
+  for (const int k : {0, 3, -7, 26951, 12}) v.push_back(k * step * (1 + 1e-10));
+  CHECK(to_counts(v, all(v.size()), false, step, c).grid);
+  CHECK(c.scale == step);
+  CHECK(c.offset == 0.0);
+  CHECK(c.raw == std::vector<std::int16_t>{0, 3, -7, 26951, 12});
+  v.push_back(0.4 * step);
+  to_counts(v, all(v.size()), false, step, c);
+  CHECK(c.scale != step);
 }
