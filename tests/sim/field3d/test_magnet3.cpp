@@ -122,13 +122,13 @@ TEST_CASE("Impossible cores are refused with key, value and range") {
   CHECK(refusal(d) == "magnet.residual_gap_um = 0.000000, allowed 0.050000 .. 1000.000000");
   d = {};
   d.shape.stack = 18;  // mm given as m
-  CHECK(refusal(d).find("magnet.stack_mm = 18000, allowed 1 .. 300") != std::string::npos);
+  CHECK(refusal(d).find("shape.stack_mm = 18000, allowed 1 .. 300") != std::string::npos);
   d = {};
   d.shape.ring_slot = 9e-3;
-  CHECK(refusal(d).find("magnet.ring_slot_mm") != std::string::npos);
+  CHECK(refusal(d).find("shape.ring_slot_mm") != std::string::npos);
   d = {};
   d.shape.coil_width = 12e-3;
-  CHECK(refusal(d).find("magnet.coil_width_mm = 12") != std::string::npos);
+  CHECK(refusal(d).find("shape.coil_width_mm = 12") != std::string::npos);
   auto field = coarse();
   CHECK_THROWS_WITH(field.set_gap(-1e-3), Catch::Contains("gap_mm = -1.000000, allowed 0"));
   CHECK_THROWS_AS(field.at_current(std::nan("")), std::invalid_argument);
