@@ -13,9 +13,6 @@ double median(std::span<const double>);  ///< NaN when empty
 /// Standard deviation of white noise from the median absolute deviation (times 1.4826). 0 when empty.
 double robust_sigma(std::span<const double>);
 
-/// Standard normal quantile, |error| < 1.2e-9 (Acklam's rational approximation, public). p in (0, 1).
-double normal_quantile(double p);
-
 /// Quantile of chi-square over its degrees of freedom (Wilson and Hilferty 1931). dof >= 1.
 double reduced_chi2_quantile(double p, double dof);
 

@@ -5,44 +5,22 @@
 
 #include "sim/field3d/grid3.h"
 #include "sim/field3d/winding3.h"
+#include "sim/fields/core_outline.h"
 
 namespace powbench::sim {
 namespace {
 
 /// Edges of the core in the quarter, m.
-struct Outline {
-  double x1, x2, x3;  ///< centre leg, window, outer leg end here
-  double y1;          ///< half of the stack
-  double yoke_bottom, window_bottom, centre_face, face, window_top, yoke_top;
-  double coil_left, coil_right, coil_bottom, coil_top, coil_y1, coil_y2;
-  bool ring;
-  double ring_left, slot_left, slot_right, ring_bottom, ring_y2;
+struct Outline : CoreOutline {
+  double y1;  ///< half of the stack
+  double coil_y1, coil_y2, ring_y2;
 
   Outline(const MagnetShape& s, double gap)
-      : x1(s.centre_width / 2),
-        x2(x1 + s.window_width),
-        x3(x2 + s.outer_width),
+      : CoreOutline(s, gap),
         y1(s.stack / 2),
-        yoke_bottom(-s.fixed_window - s.yoke),
-        window_bottom(-s.fixed_window),
-        centre_face(-s.centre_gap),
-        face(gap),
-        window_top(face + s.moving_window),
-        yoke_top(window_top + s.yoke),
-        coil_left(x1 + (s.window_width - s.coil_width) / 2),
-        coil_right(coil_left + s.coil_width),
-        coil_bottom(window_bottom + s.coil_offset),
-        coil_top(coil_bottom + s.coil_height),
         coil_y1(y1 + coil_left - x1),
         coil_y2(coil_y1 + s.coil_width),
-        ring(s.ring_share > 0),
-        ring_left(x2 - s.ring_slot),
-        slot_left(x2 + s.ring_share * (s.outer_width - s.ring_slot)),
-        slot_right(slot_left + s.ring_slot),
-        ring_bottom(-s.ring_depth),
-        ring_y2(y1 + s.ring_slot) {
-    if (coil_top > ring_bottom) ring_left = std::max(ring_left, coil_right);
-  }
+        ring_y2(y1 + s.ring_slot) {}
 
   int region(const Vec3& p) const {
     const auto [x, y, z] = p;

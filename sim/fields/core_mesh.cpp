@@ -3,42 +3,14 @@
 #include <algorithm>
 #include <cmath>
 
+#include "sim/fields/core_outline.h"
 #include "sim/fields/grid.h"
 
 namespace powbench::sim {
 namespace {
 
-/// Edges of the core in the half model, m; y = 0 at the outer pole faces of the fixed half.
-struct Outline {
-  double x1, x2, x3;  ///< centre leg, window, outer leg end here
-  double yoke_bottom, window_bottom, centre_face;
-  double face, window_top, yoke_top;  ///< of the moving half
-  double coil_left, coil_right, coil_bottom, coil_top;
-  bool ring;
-  double ring_left, slot_left, slot_right, ring_bottom;  ///< ring_left: of its side in the window
-
-  explicit Outline(const MagnetShape& s)
-      : x1(s.centre_width / 2),
-        x2(x1 + s.window_width),
-        x3(x2 + s.outer_width),
-        yoke_bottom(-s.fixed_window - s.yoke),
-        window_bottom(-s.fixed_window),
-        centre_face(-s.centre_gap),
-        face(strip_height),
-        window_top(face + s.moving_window),
-        yoke_top(window_top + s.yoke),
-        coil_left(x1 + (s.window_width - s.coil_width) / 2),
-        coil_right(coil_left + s.coil_width),
-        coil_bottom(window_bottom + s.coil_offset),
-        coil_top(coil_bottom + s.coil_height),
-        ring(s.ring_share > 0),
-        ring_left(x2 - s.ring_slot),
-        slot_left(x2 + s.ring_share * (s.outer_width - s.ring_slot)),
-        slot_right(slot_left + s.ring_slot),
-        ring_bottom(-s.ring_depth) {
-    if (coil_top > ring_bottom)
-      ring_left = std::max(ring_left, coil_right);  // the side in the window gets thinner
-  }
+struct Outline : CoreOutline {
+  explicit Outline(const MagnetShape& s) : CoreOutline(s, strip_height) {}
 
   int region(double x, double y) const {
     if (y > 0 && y < face) return CoreRegion::strip;

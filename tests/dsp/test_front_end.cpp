@@ -3,6 +3,7 @@
 
 #include "bench/dsp_synth.h"
 #include "core/events.h"
+#include "core/normal.h"
 #include "dsp/force.h"
 #include "dsp/mains.h"
 #include "dsp/options.h"
