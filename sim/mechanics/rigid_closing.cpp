@@ -5,7 +5,7 @@
 #include <stdexcept>
 
 #include "core/units.h"
-#include "sim/mechanics/circuit_potential.h"
+#include "sim/mechanics/specimen_potential.h"
 #include "sim/unilateral.h"
 #include "sim/validate.h"
 
@@ -111,7 +111,7 @@ Trajectory simulate_rigid(const Specimen& specimen, const Conditions& conditions
   const Mains mains = closing_mains(conditions);
   if (!(sample_dt >= 0)) throw std::invalid_argument("sample_dt: allowed >= 0 s");
   const auto parts = rigid_parts(specimen);
-  const CircuitPotential potential(specimen);
+  const SpecimenPotential potential(specimen);
   const auto& coil = specimen.coil;
   CoilDrive drive;
   drive.potential = &potential;
