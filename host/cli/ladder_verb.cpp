@@ -4,6 +4,7 @@
 #include <ctime>
 #include <filesystem>
 #include <fstream>
+#include <memory>
 #include <nlohmann/json.hpp>
 
 #include "core/units.h"
@@ -11,6 +12,7 @@
 #include "host/cli/study.h"
 #include "host/config/bad_input.h"
 #include "host/export/ladder_svg.h"
+#include "host/store/field_table.h"
 #include "host/store/store.h"
 #include "sim/study/ladder.h"
 
@@ -134,7 +136,13 @@ void write_picture(const fs::path& file, const std::string& text) {
 
 Exit show_ladder(const LadderArgs& args) {
   const sim::Case c = case_of(args);
-  const auto rungs = sim::rungs_with(args.mechanics);
+  auto rungs = sim::rungs_with(args.mechanics);
+  if (!args.table_file.empty()) {
+    // the estimate speaks of one physics: it cannot choose between fields
+    if (!args.accuracy.empty()) rungs.clear();
+    const auto table = std::make_shared<sim::TablePotential>(load_field_table(args.table_file));
+    rungs.push_back(sim::potential_rung("table", table->table().description, table));
+  }
   const sim::LadderOptions options;
   if (const double accuracy = share_of(args.accuracy); accuracy > 0)
     return choose(c, rungs, accuracy, options.duration, args.json);

@@ -331,6 +331,8 @@ void add_ladder_verb(CLI::App& app) {
                 "such as 0.1%: take the cheapest rung and tolerance whose estimated error in touch, seat and "
                 "settled is below this share of the touch time");
   v->add_option("--mechanics", args->mechanics, "only rungs with these mechanics: plant or rigid");
+  v->add_option("--table", args->table_file,
+                "field table of `powbench field`: also the rung table+rigid; with --accuracy only this one");
   v->add_option("-o,--output", args->folder, "folder for the picture; made if missing")
       ->capture_default_str();
   v->add_flag("--json", args->json, "JSON to stdout");

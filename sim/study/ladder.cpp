@@ -65,6 +65,14 @@ std::vector<Rung> closing_rungs() {
            }}};
 }
 
+Rung potential_rung(std::string fields, std::string meaning,
+                    std::shared_ptr<const MagneticPotential> potential) {
+  return {std::move(fields), "rigid", std::move(meaning),
+          [potential](const Case& c, double duration, double tolerance) {
+            return simulate_rigid_with(*potential, c.specimen, c.conditions, duration, 0, tolerance, false);
+          }};
+}
+
 std::vector<Rung> rungs_with(std::string_view mechanics) {
   std::vector<Rung> all = closing_rungs();
   if (mechanics.empty()) return all;

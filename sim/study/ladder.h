@@ -2,12 +2,14 @@
 
 #include <array>
 #include <functional>
+#include <memory>
 #include <span>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "sim/closing.h"
+#include "sim/fields/potential.h"
 #include "sim/study/axis.h"
 
 /// The rungs a closing can be simulated on, and the choice among them: what each costs, how far it is off, and how far
@@ -29,6 +31,10 @@ struct Rung {
 /// `circuit+plant`: the lumped circuit and the plant of the simulated rig. `circuit+rigid`: the same circuit and the
 /// rigid parts with two ends each. Both solve the same equations: they differ by their integrators alone.
 std::vector<Rung> closing_rungs();
+
+/// `FIELDS+rigid`: the rigid parts driven by a potential of any rung of fields, with gaps from 0 on. Ring resistance and
+/// coil are those of the case.
+Rung potential_rung(std::string fields, std::string meaning, std::shared_ptr<const MagneticPotential>);
 
 /// Those with these mechanics; all for "". Throws std::invalid_argument for an unknown name.
 std::vector<Rung> rungs_with(std::string_view mechanics);
@@ -60,9 +66,9 @@ LadderRun run_rung(std::span<const Rung>, std::size_t rung, const Case&, double 
 LadderTimes time_error(const LadderRun& a, const LadderRun& b);
 
 /// How far a run is off, judged by the same rung at a tenth of its tolerance: `estimator_factor` times the difference,
-/// and not less than the rounding of a time, 1e-12 s. Holds where the finer run has at most half of the error.
+/// and not less than the rounding of a time, 1e-12 s. Holds where the finer run has at most 0.6 of the error.
 LadderTimes error_estimate(const LadderRun&, const LadderRun& finer);
-inline constexpr double estimator_factor = 2;
+inline constexpr double estimator_factor = 2.5;
 
 struct LadderRow {
   LadderRun run;
