@@ -316,6 +316,28 @@ void add_sweep_verb(CLI::App& app) {
   add_progress(v, args->progress);
 }
 
+void add_ladder_verb(CLI::App& app) {
+  auto args = std::make_shared<LadderArgs>();
+  CLI::App* v =
+      verb(app, "ladder", "One closing on every rung: cost against error; or the rung for an accuracy", args,
+           show_ladder);
+  v->add_option(
+      "scene", args->scene,
+      "specimen file or plan (NAME.plan.toml, its first shot); the reference contactor if left out");
+  v->add_option("--angle", args->angle_deg, "closing angle in degrees");
+  v->add_option("--volts", args->supply_volts, "supply, V rms");
+  v->add_option("--ambient", args->ambient_degC, "coil temperature, degC");
+  v->add_option("--accuracy", args->accuracy,
+                "such as 0.1%: take the cheapest rung and tolerance whose estimated error in touch, seat and "
+                "settled is below this share of the touch time");
+  v->add_option("--mechanics", args->mechanics, "only rungs with these mechanics: plant or rigid");
+  v->add_option("--table", args->table_file,
+                "field table of `powbench field`: also the rung table+rigid; with --accuracy only this one");
+  v->add_option("-o,--output", args->folder, "folder for the picture; made if missing")
+      ->capture_default_str();
+  v->add_flag("--json", args->json, "JSON to stdout");
+}
+
 int leave(Exit code) {
   return static_cast<int>(code);
 }
@@ -345,6 +367,7 @@ int main(int argc, char** argv) {
   add_study_verbs(app);
   add_fit_verb(app);
   add_sweep_verb(app);
+  add_ladder_verb(app);
 
   try {
     app.parse(argc, argv);

@@ -50,4 +50,16 @@ struct SweepArgs {
 };
 Exit sweep(const SweepArgs&);
 
+struct LadderArgs {
+  std::string scene;  ///< specimen file, or a plan file NAME.plan.toml; "" = the reference contactor
+  std::optional<double> angle_deg, supply_volts, ambient_degC;  ///< in place of the plan's first shot
+  std::string accuracy;   ///< of the touch time, "1%" or "0.01": choose a rung; "" = the whole ladder
+  std::string mechanics;  ///< only rungs with these; "" = all
+  std::string
+      table_file;  ///< of `powbench field`: also the rung `table+rigid`, or only it for an accuracy; "" = none
+  std::string folder = "ladder";
+  bool json = false;
+};
+Exit show_ladder(const LadderArgs&);
+
 }  // namespace powbench::host

@@ -5,7 +5,7 @@
 #include <stdexcept>
 
 #include "core/units.h"
-#include "sim/mechanics/circuit_potential.h"
+#include "sim/mechanics/specimen_potential.h"
 #include "sim/unilateral.h"
 #include "sim/validate.h"
 
@@ -106,22 +106,24 @@ RigidParts rigid_parts(const Specimen& s) {
   return p;
 }
 
-Trajectory simulate_rigid(const Specimen& specimen, const Conditions& conditions, double duration,
-                          double sample_dt, double relative_tolerance, bool ledger) {
+namespace {
+
+Trajectory run_closing(const MagneticPotential& potential, bool pressed_gap, const Specimen& specimen,
+                       const Conditions& conditions, double duration, double sample_dt,
+                       double relative_tolerance, bool ledger) {
   const Mains mains = closing_mains(conditions);
   if (!(sample_dt >= 0)) throw std::invalid_argument("sample_dt: allowed >= 0 s");
   const auto parts = rigid_parts(specimen);
-  const CircuitPotential potential(specimen);
   const auto& coil = specimen.coil;
   CoilDrive drive;
   drive.potential = &potential;
   drive.resistance =
       coil.resistance * (1 + coil.temperature_coefficient * (conditions.ambient - 293.15)) + mains.resistance;
-  drive.ring_resistance = potential.ring_resistance();
+  drive.ring_resistance = SpecimenPotential(specimen).ring_resistance();
   drive.volts = mains.volts;
   drive.hertz = mains.hertz;
   drive.phase = mains.phase;
-  drive.pressed_gap = true;
+  drive.pressed_gap = pressed_gap;
 
   Trajectory result;
   RigidOptions o;
@@ -143,6 +145,21 @@ Trajectory simulate_rigid(const Specimen& specimen, const Conditions& conditions
   result.evaluations = run.evaluations;
   result.energy_residual = run.energy_residual;
   return result;
+}
+
+}  // namespace
+
+Trajectory simulate_rigid(const Specimen& specimen, const Conditions& conditions, double duration,
+                          double sample_dt, double relative_tolerance, bool ledger) {
+  require_valid(specimen);
+  return run_closing(SpecimenPotential(specimen), true, specimen, conditions, duration, sample_dt,
+                     relative_tolerance, ledger);
+}
+
+Trajectory simulate_rigid_with(const MagneticPotential& potential, const Specimen& specimen,
+                               const Conditions& conditions, double duration, double sample_dt,
+                               double relative_tolerance, bool ledger) {
+  return run_closing(potential, false, specimen, conditions, duration, sample_dt, relative_tolerance, ledger);
 }
 
 }  // namespace powbench::sim

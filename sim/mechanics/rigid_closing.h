@@ -16,4 +16,8 @@ RigidParts rigid_parts(const Specimen&);
 Trajectory simulate_rigid(const Specimen&, const Conditions&, double duration, double sample_dt,
                           double relative_tolerance = 1e-8, bool ledger = true);
 
+/// The same with the magnet's potential from another rung of fields, defined for gaps from 0 on.
+Trajectory simulate_rigid_with(const MagneticPotential&, const Specimen&, const Conditions&, double duration,
+                               double sample_dt, double relative_tolerance = 1e-8, bool ledger = true);
+
 }  // namespace powbench::sim

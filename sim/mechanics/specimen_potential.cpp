@@ -1,14 +1,14 @@
-#include "sim/mechanics/circuit_potential.h"
+#include "sim/mechanics/specimen_potential.h"
 
 #include <algorithm>
 #include <cmath>
 
 namespace powbench::sim {
 
-CircuitPotential::CircuitPotential(const Specimen& s)
+SpecimenPotential::SpecimenPotential(const Specimen& s)
     : circuit_(s.magnet, s.core.travel), turns_(s.coil.turns), leakage_(s.coil.leakage) {}
 
-MagneticResponse CircuitPotential::at(const MagneticState& s) const {
+MagneticResponse SpecimenPotential::at(const MagneticState& s) const {
   const bool ring = circuit_.has_ring();
   const double share = circuit_.shaded_share();
   const double ratio = leakage_ / turns_;  // L i = ratio * mmf

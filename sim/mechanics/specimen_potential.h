@@ -9,9 +9,9 @@
 
 namespace powbench::sim {
 
-class CircuitPotential : public MagneticPotential {
+class SpecimenPotential : public MagneticPotential {
  public:
-  explicit CircuitPotential(const Specimen&);
+  explicit SpecimenPotential(const Specimen&);
 
   bool has_ring() const override { return circuit_.has_ring(); }
   MagneticResponse at(const MagneticState&) const override;

@@ -1,0 +1,174 @@
+#include <fmt/format.h>
+
+#include <cmath>
+#include <ctime>
+#include <filesystem>
+#include <fstream>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "core/units.h"
+#include "host/cli/scene.h"
+#include "host/cli/study.h"
+#include "host/config/bad_input.h"
+#include "host/export/ladder_svg.h"
+#include "host/store/field_table.h"
+#include "host/store/store.h"
+#include "sim/study/ladder.h"
+
+namespace powbench::host {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json;
+
+double cpu_seconds() {
+  timespec t{};
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
+  return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
+}
+
+/// "1%" or "0.01"; 0 for "".
+double share_of(const std::string& word) {
+  if (word.empty()) return 0;
+  char* end = nullptr;
+  double value = std::strtod(word.c_str(), &end);
+  const std::string rest = end;
+  if (rest == "%") value /= 100;
+  if (end == word.c_str() || (rest != "%" && !rest.empty()) || !(value >= 1e-10 && value <= 0.5))
+    throw BadInput({"--accuracy = " + word + ", allowed 1e-8% .. 50%"});
+  return value;
+}
+
+/// A plan brings its specimen and the conditions of its first shot; options that are given come on top.
+sim::Case case_of(const LadderArgs& args) {
+  sim::Case c;
+  if (args.scene.ends_with(".plan.toml")) {
+    const Scene scene = load_scene(args.scene);
+    c.specimen = scene.specimen;
+    if (!scene.shots.empty()) c.conditions = scene.shots.front().conditions;
+  } else if (!args.scene.empty()) {
+    c.specimen = read_specimen(args.scene);
+  }
+  if (args.angle_deg) c.conditions.closing_angle = radians(*args.angle_deg);
+  if (args.supply_volts) c.conditions.supply_volts = *args.supply_volts;
+  if (args.ambient_degC) c.conditions.ambient = *args.ambient_degC + zero_celsius;
+  return c;
+}
+
+std::string time_text(double seconds, double per_second) {
+  if (std::isnan(seconds)) return "-";
+  if (std::isinf(seconds)) return "no";
+  return per_second == 1e3 ? fmt::format("{:.4f}", seconds * 1e3)
+                           : fmt::format("{:.1e}", seconds * per_second);
+}
+
+Json row_json(const sim::LadderRow& r, const std::vector<sim::Rung>& rungs, bool with_error) {
+  Json j{{"rung", rungs[r.run.rung].name()},
+         {"tolerance", r.run.tolerance},
+         {"cpu_ms", r.run.cpu * 1e3},
+         {"rhs_evaluations", r.run.evaluations},
+         {"openings", r.run.openings}};
+  for (std::size_t q = 0; q < r.estimate.size(); ++q) {
+    const std::string name(sim::ladder_quantities[q]);
+    j[name + "_s"] = r.run.times[q];
+    j[name + "_estimate_s"] = r.estimate[q];
+    if (with_error) j[name + "_error_s"] = r.error[q];
+  }
+  return j;
+}
+
+void print_rows(const std::vector<sim::LadderRow>& rows, const std::vector<sim::Rung>& rungs,
+                bool with_error) {
+  fmt::print("{:<14} {:>9} {:>8} {:>7}", "rung", "tolerance", "CPU ms", "rhs");
+  for (const auto q : sim::ladder_quantities)
+    fmt::print(" {:>11}{} {:>8}", fmt::format("{} ms", q), with_error ? "    err us" : "", "est us");
+  fmt::print("\n");
+  for (const auto& r : rows) {
+    fmt::print("{:<14} {:>9.0e} {:>8.3f} {:>7}", rungs[r.run.rung].name(), r.run.tolerance, r.run.cpu * 1e3,
+               r.run.evaluations);
+    for (std::size_t q = 0; q < r.estimate.size(); ++q)
+      fmt::print(" {:>11}{} {:>8}", time_text(r.run.times[q], 1e3),
+                 with_error ? fmt::format(" {:>9}", time_text(r.error[q], 1e6)) : "",
+                 time_text(r.estimate[q], 1e6));
+    fmt::print("\n");
+  }
+}
+
+Exit choose(const sim::Case& c, const std::vector<sim::Rung>& rungs, double accuracy, double duration,
+            bool json) {
+  const auto choice = sim::choose_rung(rungs, c, accuracy, duration, cpu_seconds);
+  const auto& rung = rungs[choice.run.rung];
+  if (json) {
+    Json tried = Json::array();
+    for (const auto& r : choice.tried) tried.push_back(row_json(r, rungs, false));
+    Json taken = row_json({choice.run, choice.estimate, {}, false}, rungs, false);
+    fmt::print("{}\n", Json{{"accuracy", accuracy},
+                            {"met", choice.met},
+                            {"estimate", choice.relative},
+                            {"taken", taken},
+                            {"cpu_ms_with_choosing", choice.spent * 1e3},
+                            {"tried", tried}}
+                           .dump(2));
+    return choice.met ? Exit::pass : Exit::outside_limits;
+  }
+  print_rows(choice.tried, rungs, false);
+  fmt::print("{} at tolerance {:.0e} ({}): {} the wanted {:.3g} % of the touch time, estimate {:.2g} %; {}\n",
+             rung.name(), choice.run.tolerance, rung.meaning, choice.met ? "meets" : "does not meet",
+             accuracy * 100, choice.relative * 100,
+             choice.met ? "the cheapest of those tried that does" : "nothing tried does; this comes nearest");
+  fmt::print(
+      "touch {} ms, seat {} ms, settled {} ms, {} re-openings; {:.3f} ms CPU, {:.3f} ms with choosing\n",
+      time_text(choice.run.times[0], 1e3), time_text(choice.run.times[1], 1e3),
+      time_text(choice.run.times[2], 1e3), choice.run.openings, choice.run.cpu * 1e3, choice.spent * 1e3);
+  return choice.met ? Exit::pass : Exit::outside_limits;
+}
+
+void write_picture(const fs::path& file, const std::string& text) {
+  if (file.has_parent_path()) fs::create_directories(file.parent_path());
+  std::ofstream out(file, std::ios::binary);
+  out << text;
+  out.close();
+  if (!out) throw StoreError(file.string() + ": cannot be written; choose another folder with -o");
+}
+
+}  // namespace
+
+Exit show_ladder(const LadderArgs& args) {
+  const sim::Case c = case_of(args);
+  auto rungs = sim::rungs_with(args.mechanics);
+  if (!args.table_file.empty()) {
+    // the estimate speaks of one physics: it cannot choose between fields
+    if (!args.accuracy.empty()) rungs.clear();
+    const auto table = std::make_shared<sim::TablePotential>(load_field_table(args.table_file));
+    rungs.push_back(sim::potential_rung("table", table->table().description, table));
+  }
+  const sim::LadderOptions options;
+  if (const double accuracy = share_of(args.accuracy); accuracy > 0)
+    return choose(c, rungs, accuracy, options.duration, args.json);
+  const auto ladder = sim::run_ladder(rungs, c, options, cpu_seconds);
+  const std::string title = fmt::format("{}, {:g} V, {:g} degrees: error against cost", c.specimen.name,
+                                        c.conditions.supply_volts, c.conditions.closing_angle * 180 / pi);
+  const fs::path picture = fs::path(args.folder) / "ladder.svg";
+  write_picture(picture, ladder_svg(ladder, rungs, title));
+  if (args.json) {
+    Json rows = Json::array();
+    for (const auto& r : ladder.rows) rows.push_back(row_json(r, rungs, true));
+    Json models = Json::array();
+    for (const auto& m : ladder.models)
+      models.push_back(
+          {{"rung", rungs[m.rung].name()}, {"other", rungs[m.other].name()}, {"difference_s", m.difference}});
+    fmt::print("{}\n", Json{{"rows", rows}, {"models", models}, {"picture", picture.string()}}.dump(2));
+    return Exit::pass;
+  }
+  fmt::print("{}; errors against the same rung at tolerance {:.0e}\n", title, options.truth);
+  print_rows(ladder.rows, rungs, true);
+  for (const auto& m : ladder.models)
+    fmt::print("{} and {} are apart by touch {} us, seat {} us, settled {} us at {:.0e}\n",
+               rungs[m.rung].name(), rungs[m.other].name(), time_text(m.difference[0], 1e6),
+               time_text(m.difference[1], 1e6), time_text(m.difference[2], 1e6), options.truth);
+  fmt::print("{}\n", picture.string());
+  return Exit::pass;
+}
+
+}  // namespace powbench::host

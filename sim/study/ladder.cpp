@@ -1,0 +1,221 @@
+#include "sim/study/ladder.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <stdexcept>
+
+#include "core/random.h"
+#include "core/units.h"
+#include "sim/mechanics/rigid_closing.h"
+
+namespace powbench::sim {
+namespace {
+
+constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+constexpr double infinite = std::numeric_limits<double>::infinity();
+constexpr double rounding = 1e-12;  // s
+
+void check(std::span<const Rung> rungs, const LadderOptions& o) {
+  if (rungs.empty()) throw std::invalid_argument("rungs: at least one");
+  if (o.tolerances.empty()) throw std::invalid_argument("tolerances: at least one");
+  for (std::size_t k = 1; k < o.tolerances.size(); ++k)
+    if (std::fabs(o.tolerances[k] / o.tolerances[k - 1] - 0.1) > 1e-6)
+      throw std::invalid_argument("tolerances: allowed a list in which each is a tenth of the one before");
+  if (!(o.truth < o.tolerances.back() / 10 * (1 - 1e-6)))
+    throw std::invalid_argument("truth: allowed below a tenth of the finest tolerance");
+}
+
+struct RungRows {
+  std::vector<LadderRow> rows;
+  LadderRun truth;
+};
+
+/// One rung at all tolerances, and one finer for the last estimate.
+RungRows rows_of(std::span<const Rung> rungs, std::size_t rung, const Case& c, const LadderOptions& o,
+                 const CpuClock& clock) {
+  RungRows result;
+  result.truth = run_rung(rungs, rung, c, o.duration, o.truth, clock);
+  for (const double tolerance : o.tolerances)
+    result.rows.push_back({run_rung(rungs, rung, c, o.duration, tolerance, clock, o.repeats), {}, {}, false});
+  const auto last = run_rung(rungs, rung, c, o.duration, o.tolerances.back() / 10, clock);
+  for (std::size_t k = 0; k < result.rows.size(); ++k) {
+    auto& row = result.rows[k];
+    row.estimate = error_estimate(row.run, k + 1 < result.rows.size() ? result.rows[k + 1].run : last);
+    row.error = time_error(row.run, result.truth);
+    row.same_train = row.run.openings == result.truth.openings;
+  }
+  return result;
+}
+
+double relative_to_touch(const LadderTimes& estimate, const LadderRun& run, double duration) {
+  return largest(estimate) / (std::isnan(run.times[0]) ? duration : run.times[0]);
+}
+
+}  // namespace
+
+std::vector<Rung> closing_rungs() {
+  return {{"circuit", "plant", "lumped circuit, core, base and bridges of the simulated rig",
+           [](const Case& c, double duration, double tolerance) {
+             return simulate(c.specimen, c.conditions, duration, 0, tolerance);
+           }},
+          {"circuit", "rigid", "lumped circuit, rigid parts with two ends each",
+           [](const Case& c, double duration, double tolerance) {
+             return simulate_rigid(c.specimen, c.conditions, duration, 0, tolerance, false);
+           }}};
+}
+
+Rung potential_rung(std::string fields, std::string meaning,
+                    std::shared_ptr<const MagneticPotential> potential) {
+  return {std::move(fields), "rigid", std::move(meaning),
+          [potential](const Case& c, double duration, double tolerance) {
+            return simulate_rigid_with(*potential, c.specimen, c.conditions, duration, 0, tolerance, false);
+          }};
+}
+
+std::vector<Rung> rungs_with(std::string_view mechanics) {
+  std::vector<Rung> all = closing_rungs();
+  if (mechanics.empty()) return all;
+  std::string known;
+  for (const auto& r : all) known += (known.empty() ? "" : ", ") + r.mechanics;
+  std::erase_if(all, [&](const Rung& r) { return r.mechanics != mechanics; });
+  if (all.empty())
+    throw std::invalid_argument("mechanics = " + std::string(mechanics) + ", allowed " + known);
+  return all;
+}
+
+double largest(const LadderTimes& errors) {
+  double worst = 0;
+  for (const double e : errors)
+    if (!std::isnan(e)) worst = std::max(worst, e);
+  return worst;
+}
+
+LadderRun run_rung(std::span<const Rung> rungs, std::size_t rung, const Case& c, double duration,
+                   double tolerance, const CpuClock& clock, int repeats) {
+  LadderRun run;
+  run.rung = rung;
+  run.tolerance = tolerance;
+  run.cpu = infinite;
+  for (int k = 0; k < std::max(1, repeats); ++k) {
+    const double start = clock();
+    const auto r = rungs[rung].run(c, duration, tolerance);
+    run.cpu = std::min(run.cpu, clock() - start);
+    run.times = {r.truth.touch.value_or(nan), r.truth.core_seat.value_or(nan), r.truth.settled.value_or(nan)};
+    run.openings = r.truth.openings.size();
+    run.evaluations = r.evaluations;
+  }
+  return run;
+}
+
+LadderTimes time_error(const LadderRun& a, const LadderRun& b) {
+  LadderTimes result{};
+  for (std::size_t q = 0; q < result.size(); ++q) {
+    const bool one = std::isnan(a.times[q]) != std::isnan(b.times[q]);
+    result[q] = one ? infinite : std::fabs(a.times[q] - b.times[q]);
+  }
+  return result;
+}
+
+LadderTimes error_estimate(const LadderRun& run, const LadderRun& finer) {
+  LadderTimes result = time_error(run, finer);
+  for (double& e : result)
+    if (!std::isnan(e)) e = std::max(estimator_factor * e, rounding);
+  return result;
+}
+
+Ladder run_ladder(std::span<const Rung> rungs, const Case& c, const LadderOptions& o, const CpuClock& clock) {
+  check(rungs, o);
+  Ladder ladder;
+  std::vector<LadderRun> truths;
+  for (std::size_t r = 0; r < rungs.size(); ++r) {
+    auto part = rows_of(rungs, r, c, o, clock);
+    ladder.rows.insert(ladder.rows.end(), part.rows.begin(), part.rows.end());
+    for (std::size_t other = 0; other < r; ++other)
+      ladder.models.push_back({r, other, time_error(part.truth, truths[other])});
+    truths.push_back(part.truth);
+  }
+  return ladder;
+}
+
+RungChoice choose_rung(std::span<const Rung> rungs, const Case& c, double accuracy, double duration,
+                       const CpuClock& clock, double coarsest, double finest) {
+  if (rungs.empty()) throw std::invalid_argument("rungs: at least one");
+  if (!(accuracy >= 1e-10 && accuracy <= 0.5)) throw std::invalid_argument("accuracy: allowed 1e-10 .. 0.5");
+  RungChoice best;
+  best.relative = infinite;
+  for (std::size_t r = 0; r < rungs.size(); ++r) {
+    LadderRun run = run_rung(rungs, r, c, duration, coarsest, clock);
+    best.spent += run.cpu;
+    for (double tolerance = coarsest; tolerance > finest * (1 + 1e-6); tolerance /= 10) {
+      if (best.met && run.cpu >= best.run.cpu) break;  // finer is dearer still
+      const LadderRun finer = run_rung(rungs, r, c, duration, tolerance / 10, clock);
+      best.spent += finer.cpu;
+      const LadderRow row{run, error_estimate(run, finer), {}, run.openings == finer.openings};
+      best.tried.push_back(row);
+      const double relative = relative_to_touch(row.estimate, finer, duration);
+      const bool meets = relative <= accuracy;
+      if (meets || (!best.met && (relative < best.relative || best.tried.size() == 1))) {
+        best.met = meets;
+        best.run = run;
+        best.estimate = row.estimate;
+        best.relative = relative;
+      }
+      if (meets) break;
+      run = finer;
+    }
+  }
+  return best;
+}
+
+std::vector<Case> random_scenes(const Specimen& specimen, int count, std::uint64_t seed) {
+  Random random(seed);
+  std::vector<Case> scenes;
+  for (int k = 0; k < count; ++k) {
+    Case c{specimen, {}};
+    c.conditions.closing_angle = 2 * pi * random.uniform();
+    c.conditions.supply_volts = 230 * (0.85 + 0.25 * random.uniform());
+    c.conditions.ambient = zero_celsius - 5 + 65 * random.uniform();
+    scenes.push_back(c);
+  }
+  return scenes;
+}
+
+double Coverage::share() const {
+  int in = 0;
+  int all = 0;
+  for (std::size_t q = 0; q < covered.size(); ++q) {
+    in += covered[q];
+    all += happened[q];
+  }
+  return all == 0 ? nan : static_cast<double>(in) / all;
+}
+
+std::vector<Coverage> estimator_coverage(std::span<const Rung> rungs, std::span<const Case> scenes,
+                                         const LadderOptions& o, const CpuClock& clock) {
+  check(rungs, o);
+  std::vector<Coverage> result;
+  for (std::size_t r = 0; r < rungs.size(); ++r) {
+    std::vector<Coverage> part(o.tolerances.size());
+    for (const auto& scene : scenes) {
+      const auto rows = rows_of(rungs, r, scene, o, clock).rows;
+      for (std::size_t k = 0; k < rows.size(); ++k) {
+        auto& c = part[k];
+        c.rung = r;
+        c.tolerance = rows[k].run.tolerance;
+        c.cpu += rows[k].run.cpu / static_cast<double>(scenes.size());
+        for (std::size_t q = 0; q < c.covered.size(); ++q) {
+          const double error = rows[k].error[q];
+          if (std::isnan(error)) continue;
+          ++c.happened[q];
+          c.covered[q] += error <= rows[k].estimate[q];
+          c.worst_error[q] = std::max(c.worst_error[q], error);
+        }
+      }
+    }
+    result.insert(result.end(), part.begin(), part.end());
+  }
+  return result;
+}
+
+}  // namespace powbench::sim

@@ -1,0 +1,128 @@
+#pragma once
+
+#include <array>
+#include <functional>
+#include <memory>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "sim/closing.h"
+#include "sim/fields/potential.h"
+#include "sim/study/axis.h"
+
+/// The rungs a closing can be simulated on, and the choice among them: what each costs, how far it is off, and how far
+/// it believes to be off.
+
+namespace powbench::sim {
+
+/// One way to simulate a closing, to be had at any tolerance.
+struct Rung {
+  std::string fields;     ///< magnetics, e.g. `circuit`
+  std::string mechanics;  ///< motion, e.g. `rigid`
+  std::string meaning;    ///< one line
+  /// case, s simulated, relative tolerance of the integrator
+  std::function<Trajectory(const Case&, double duration, double tolerance)> run;
+
+  std::string name() const { return fields + "+" + mechanics; }
+};
+
+/// `circuit+plant`: the lumped circuit and the plant of the simulated rig. `circuit+rigid`: the same circuit and the
+/// rigid parts with two ends each. Both solve the same equations: they differ by their integrators alone.
+std::vector<Rung> closing_rungs();
+
+/// `FIELDS+rigid`: the rigid parts driven by a potential of any rung of fields, with gaps from 0 on. Ring resistance and
+/// coil are those of the case.
+Rung potential_rung(std::string fields, std::string meaning, std::shared_ptr<const MagneticPotential>);
+
+/// Those with these mechanics; all for "". Throws std::invalid_argument for an unknown name.
+std::vector<Rung> rungs_with(std::string_view mechanics);
+
+/// CPU time, s, from anywhere: this folder knows no clock.
+using CpuClock = std::function<double()>;
+
+/// Touch, seat and settled of a closing, or errors of them; s. NaN: did not happen.
+using LadderTimes = std::array<double, 3>;
+inline constexpr std::array<std::string_view, 3> ladder_quantities{"touch", "seat", "settled"};
+
+/// The largest of three errors, s; those that are NaN do not count.
+double largest(const LadderTimes&);
+
+struct LadderRun {
+  std::size_t rung = 0;  ///< number in the list of rungs
+  double tolerance = 0;
+  LadderTimes times{};
+  std::size_t openings = 0;
+  std::int64_t evaluations = 0;
+  double cpu = 0;  ///< s
+};
+
+/// The cheapest of `repeats` equal runs.
+LadderRun run_rung(std::span<const Rung>, std::size_t rung, const Case&, double duration, double tolerance,
+                   const CpuClock&, int repeats = 1);
+
+/// |a - b| of each time. NaN where neither has it, infinite where only one has it.
+LadderTimes time_error(const LadderRun& a, const LadderRun& b);
+
+/// How far a run is off, judged by the same rung at a tenth of its tolerance: `estimator_factor` times the difference,
+/// and not less than the rounding of a time, 1e-12 s. Holds where the finer run has at most 0.6 of the error.
+LadderTimes error_estimate(const LadderRun&, const LadderRun& finer);
+inline constexpr double estimator_factor = 2.5;
+
+struct LadderRow {
+  LadderRun run;
+  LadderTimes estimate{};   ///< from the same rung at a tenth of the tolerance
+  LadderTimes error{};      ///< against the same rung at the truth's tolerance
+  bool same_train = false;  ///< as many re-openings as the truth
+};
+/// How far two rungs are apart at the truth's tolerance: what no refinement of the step removes.
+struct ModelDifference {
+  std::size_t rung = 0, other = 0;
+  LadderTimes difference{};
+};
+struct Ladder {
+  std::vector<LadderRow> rows;  ///< rung by rung, coarse to fine
+  std::vector<ModelDifference> models;
+};
+struct LadderOptions {
+  double duration = 0.08;  ///< s simulated
+  std::vector<double> tolerances{1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10};
+  double truth = 1e-12;  ///< tolerance of what counts as true
+  int repeats = 3;       ///< the cheapest counts
+};
+/// Throws std::invalid_argument for a bad case, no rung, or tolerances that do not fall by ten from one to the next.
+Ladder run_ladder(std::span<const Rung>, const Case&, const LadderOptions&, const CpuClock&);
+
+/// What was taken for a wanted accuracy.
+struct RungChoice {
+  bool met = false;
+  LadderRun run;  ///< taken; the one with the smallest estimate where `met` is false
+  LadderTimes estimate{};
+  double relative = 0;           ///< the largest estimate as a share of the touch time
+  double spent = 0;              ///< s CPU, all runs
+  std::vector<LadderRow> tried;  ///< with estimates; errors stay zero
+};
+/// The cheapest rung and tolerance whose estimate is at most `accuracy` times the touch time (the duration where nothing
+/// touches) in touch, seat and settled. Every rung is refined by ten until it meets the accuracy, costs more than one that
+/// has met it, or comes to `finest`. Throws std::invalid_argument for an accuracy outside 1e-10 .. 0.5.
+RungChoice choose_rung(std::span<const Rung>, const Case&, double accuracy, double duration, const CpuClock&,
+                       double coarsest = 1e-4, double finest = 1e-11);
+
+/// Seeded scenes for the calibration: any angle, 0.85 .. 1.1 of 230 V, coil at -5 .. 60 degC.
+std::vector<Case> random_scenes(const Specimen&, int count, std::uint64_t seed);
+
+/// Does the estimate cover the true error? One rung at one tolerance over many scenes.
+struct Coverage {
+  std::size_t rung = 0;
+  double tolerance = 0;
+  std::array<int, 3> happened{};        ///< scenes that have the time
+  std::array<int, 3> covered{};         ///< of those, error <= estimate
+  std::array<double, 3> worst_error{};  ///< s
+  double cpu = 0;                       ///< s, mean
+  double share() const;                 ///< covered of all that happened, three quantities together
+};
+std::vector<Coverage> estimator_coverage(std::span<const Rung>, std::span<const Case>, const LadderOptions&,
+                                         const CpuClock&);
+
+}  // namespace powbench::sim
