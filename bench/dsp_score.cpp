@@ -98,8 +98,8 @@ std::vector<Cell> grid(const Arguments& a) {
   return cells;
 }
 
-/// Records that nobody looked at while the extraction was made: their seeds begin here.
-constexpr std::uint64_t unseen_seeds = 100000;
+/// Records that nobody looked at while the extraction was made: their seeds begin here. To be moved on whenever it changes.
+constexpr std::uint64_t unseen_seeds = 500000;
 
 struct Sample {
   SynthRecord record;

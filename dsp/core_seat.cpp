@@ -57,6 +57,16 @@ KinkModel kink_model(const Signal& s, double t_s, double duration, double from, 
   return {linear_least_squares(c, y), y.size()};
 }
 
+/// s: how long the laser shows one of its own samples, from the mean run of equal values in [t1, t2] while the core moves;
+/// 0 when it is no slower than the record.
+double held_for(const Signal& s, double t1, double t2) {
+  const std::size_t i1 = s.index_at(t1), i2 = s.index_at(t2);
+  std::size_t changes = 0;
+  for (std::size_t i = i1; i + 1 < i2; ++i) changes += s.value[i] != s.value[i + 1];
+  const double run = static_cast<double>(i2 - i1) / static_cast<double>(changes + 1);
+  return i2 > i1 && run > 2 ? run * s.dt : 0.0;
+}
+
 /// Least residual over the start t_s and the duration of the velocity drop, window fixed so that the sums compare.
 Kink fit_kink(const Signal& s, double guess, double before, double after, double noise) {
   Kink kink;
@@ -92,8 +102,11 @@ Kink fit_kink(const Signal& s, double guess, double before, double after, double
       (8 * h * h);
   const double det = tt * dd - td * td;
   const double variance = det > 0 && dd > 0 ? dd / det : (tt > 0 ? 1 / tt : span * span);
-  // The laser holds its value between its own samples: up to one record sample of uncorrected shift.
-  kink.at = {best, std::hypot(std::min(sigma * std::sqrt(variance), span), s.dt / std::sqrt(12.0))};
+  // Up to one record sample of uncorrected shift; a slow laser blurs the stop over one of its own, whose start is read
+  // early by anything up to that.
+  const double coarse =
+      std::hypot(s.dt / std::sqrt(12.0), held_for(s, guess - before, best) / std::sqrt(3.0));
+  kink.at = {best, std::hypot(std::min(sigma * std::sqrt(variance), span), coarse)};
   kink.velocity = {m.ls.x[1], m.ls.u(1) * sigma};
   kink.velocity_after = m.ls.x[1] + m.ls.x[3];
   kink.found = kink.at.u < 0.8 * span;
@@ -146,8 +159,11 @@ Measured impact_time(const Record& record, const Measured& seat) {
   const auto above = [&](std::size_t k) { return k < i2 && std::abs(s.value[k] - zero) >= level; };
   while (i < i2 && !(above(i) && (above(i + 1) || above(i + 2)))) ++i;
   if (i == i1 || i == i2 || s.mask_within(s.time(i1), s.time(i)) != mask_none) return {};
-  // The converter's sample is a mean over its interval: the blow fell inside it.
-  return {s.time(i), s.dt / std::sqrt(12.0)};
+  // The converter's sample is a mean over its interval: the blow fell inside it. One that rises slowly was there earlier by
+  // about the time it takes for as much again.
+  std::size_t twice = i;
+  while (twice < i2 && std::abs(s.value[twice] - zero) < 2 * level) ++twice;
+  return {s.time(i), std::hypot(s.dt / std::sqrt(12.0), s.time(twice) - s.time(i))};
 }
 
 }  // namespace

@@ -14,7 +14,9 @@ namespace powbench::dsp {
 /// `seat_share` of the first count as core bounces.
 ///
 /// Where the auxiliary channel is an accelerometer on the base, its first sample clear of what was there before, within 0.3 ms of
-/// the laser's seat, dates the impact to a sample; the laser then only says which impact it was.
+/// the laser's seat, dates the impact to a sample; the laser then only says which impact it was. Uncertainty: the fit's and a record sample's; with a
+/// laser slower than the record one of its own samples over sqrt(3), with a slowly rising blow the time from the first level to
+/// twice that.
 CoreEvents core_events(const Record&, const ExtractOptions&);
 
 }  // namespace powbench::dsp

@@ -7,6 +7,7 @@
 #include "dsp/contact_train.h"
 #include "dsp/contact_voltage.h"
 #include "dsp/core_seat.h"
+#include "dsp/doubt.h"
 #include "dsp/force.h"
 #include "dsp/pole.h"
 
@@ -15,6 +16,13 @@ namespace powbench::dsp {
 namespace {
 
 constexpr double angle_tolerance = radians(1.0);
+
+/// s: the coil is switched off, or the record ends.
+double closing_end(const Record& record) {
+  const double t_end = record.samples() ? record.time(record.samples() - 1) : 0.0;
+  const double hold = record.conditions.hold_time;
+  return hold > 0 ? std::min(hold, t_end) : t_end;
+}
 
 ContactTrain film_train(const Record& record, Channel c, const ExtractOptions& o, std::optional<double> hertz,
                         const Measured& seat) {
@@ -42,21 +50,23 @@ Events extract_events(const Record& record, const ExtractOptions& o) {
   if (e.coil.closing_angle.known() &&
       std::abs(wrap_half_turn(e.coil.closing_angle.value - commanded)) > angle_tolerance)
     e.coil.flags |= flag_angle_off;
-  const double t_end = record.samples() ? record.time(record.samples() - 1) : 0.0;
-  const double hold = record.conditions.hold_time;
-  const double closing = hold > 0 ? std::min(hold, t_end) : t_end;
-  cross_check(e.contact_voltage, e.pvdf_a, e.pvdf_b, closing);
+  cross_check(e.contact_voltage, e.pvdf_a, e.pvdf_b, closing_end(record));
+  if (record.calibration.empty()) e.flags |= flag_no_calibration;
+  conclude(e, record, o);
+  return e;
+}
+
+void conclude(Events& e, const Record& record, const ExtractOptions& o) {
+  admit_doubt(e, record);  // first: what follows is made of the trains' times and must not outlive them
   e.pole.by_force = pole_by_force(e.pvdf_a, e.pvdf_b, o.merge_openings);
-  const Disagreement d = disagreement(e.pole.by_force, e.contact_voltage, closing);
+  const Disagreement d = disagreement(e.pole.by_force, e.contact_voltage, closing_end(record));
   e.pole.disagreement = d.total;
   e.pole.longest_disagreement = d.longest;
   for (ContactTrain* t : {&e.pvdf_a, &e.pvdf_b, &e.contact_voltage, &e.pole.by_force})
     split_trains(*t, e.core.seat);
-  if (record.calibration.empty()) e.flags |= flag_no_calibration;
   for (const std::uint32_t f :
        {e.pvdf_a.flags, e.pvdf_b.flags, e.contact_voltage.flags, e.core.flags, e.coil.flags})
     e.flags |= f;
-  return e;
 }
 
 }  // namespace powbench::dsp

@@ -9,6 +9,12 @@ namespace powbench::dsp {
 /// Everything that happened in one closing. Pure: equal record and options give equal events, bit for bit.
 /// What a record does not show stays unknown (NaN) or not present; bad options or a record whose scale or
 /// rate cannot mean anything throw std::invalid_argument.
+/// No number is silent: `conclude` has been applied.
 Events extract_events(const Record&, const ExtractOptions& = {});
+
+/// What follows from the trains, the core and the coil of `record`: doubt admitted (dsp/doubt.h), the pole by force and its
+/// disagreement with the contact-voltage, the two trains, the common flags. To be called again when a train was replaced;
+/// a second call without a change changes nothing.
+void conclude(Events&, const Record&, const ExtractOptions&);
 
 }  // namespace powbench::dsp

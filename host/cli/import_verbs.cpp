@@ -5,7 +5,6 @@
 
 #include "core/phase.h"
 #include "core/version.h"
-#include "dsp/doubt.h"
 #include "dsp/extract.h"
 #include "host/cli/scene.h"
 #include "host/cli/show.h"
@@ -30,7 +29,6 @@ Imported read(const std::string& file, const std::string& calibration) {
 /// Events; where no closing angle was commanded, the one reached is taken for it.
 Events extract_imported(Imported& in, const dsp::ExtractOptions& options) {
   Events e = dsp::extract_events(in.record, options);
-  dsp::admit_doubt(e, in.record);
   if (in.angle_commanded) return e;
   e.flags &= ~static_cast<std::uint32_t>(flag_angle_off);
   e.coil.flags &= ~static_cast<std::uint32_t>(flag_angle_off);

@@ -95,6 +95,30 @@ Exit list_campaigns(const ResultArgs& args) {
   return Exit::pass;
 }
 
+namespace {
+
+void print_train(const char* title, const ContactTrain& train) {
+  if (!train.present) return;
+  fmt::print("  {}: {} re-openings, resolves {:.0f} us{}\n", title, train.bounce_count,
+             train.resolution * 1e6, train.flags ? " [" + flag_names(train.flags) + "]" : "");
+  const std::pair<const char*, const BounceTrain*> parts[] = {{"first train", &train.first_train},
+                                                              {"second train", &train.second_train}};
+  for (const auto& [name, part] : parts)
+    if (part->from.known())
+      fmt::print("    {}: {} re-openings, {} .. {} ms\n", name, part->openings, shown(part->from.value, "s"),
+                 shown(part->to.value, "s"));
+  for (const Contact& c : train.contacts)
+    fmt::print("    touch {:>9} ms  release {:>9} ms  peak {:>8} N  {}\n", shown(c.touch.value, "s"),
+               shown(c.release.value, "s"), shown(c.peak.value, "N"), flag_names(c.flags));
+}
+
+/// Microseconds, or a dash.
+std::string micro(double s) {
+  return std::isfinite(s) ? fmt::format("{:.1f}", s * 1e6) : "-";
+}
+
+}  // namespace
+
 void print_events(const Events& events) {
   for (const Quantity& q : quantity_table) {
     const Measured m = q.of(events);
@@ -102,16 +126,15 @@ void print_events(const Events& events) {
     fmt::print("  {:<9} {:>10} {:<3} +- {:<8} {}\n", q.symbol, shown(m.value, unit), shown_unit(unit),
                shown(m.u, unit), q.meaning);
   }
-  const std::pair<const char*, const ContactTrain*> trains[] = {
-      {"contact voltage", &events.contact_voltage}, {"film A", &events.pvdf_a}, {"film B", &events.pvdf_b}};
-  for (const auto& [title, train] : trains) {
-    if (!train->present) continue;
-    fmt::print("  {}: {} re-openings, resolves {:.0f} us{}\n", title, train->bounce_count,
-               train->resolution * 1e6, train->flags ? " [" + flag_names(train->flags) + "]" : "");
-    for (const Contact& c : train->contacts)
-      fmt::print("    touch {:>9} ms  release {:>9} ms  peak {:>8} N  {}\n", shown(c.touch.value, "s"),
-                 shown(c.release.value, "s"), shown(c.peak.value, "N"), flag_names(c.flags));
-  }
+  print_train("contact voltage", events.contact_voltage);
+  print_train("film A", events.pvdf_a);
+  print_train("film B", events.pvdf_b);
+  print_train("pole by force", events.pole.by_force);
+  const PoleEvents& p = events.pole;
+  if (p.disagreement.known())
+    fmt::print("  force and contact voltage differ for {} us +- {}, at most {} us +- {} at a time\n",
+               micro(p.disagreement.value), micro(p.disagreement.u), micro(p.longest_disagreement.value),
+               micro(p.longest_disagreement.u));
 }
 
 Exit show_events(const EventsArgs& args) {

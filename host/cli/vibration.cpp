@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "dsp/extract.h"
 #include "dsp/force.h"
 #include "dsp/spectrum.h"
 #include "dsp/threshold.h"
@@ -165,6 +166,7 @@ void apply_rule(Events& e, const Record& record, const dsp::ExtractOptions& opti
     *train = dsp::threshold_train(v.stripped, v.settled, fitted.noise, dsp::closing_end(record, v.force), r);
     train->flags |= fitted.flags;
   }
+  dsp::conclude(e, record, options);
   e.method = fmt::format("crossing of {:g} % of the settled force", *rule.force_percent);
 }
 

@@ -13,7 +13,6 @@
 
 #include "core/phase.h"
 #include "core/version.h"
-#include "dsp/doubt.h"
 #include "dsp/extract.h"
 #include "host/compare/compare.h"
 #include "host/run/stop.h"
@@ -81,7 +80,6 @@ Exit RunSummary::exit_code() const {
 
 Events extract_checked(const Record& record, const RunOptions& options) {
   Events events = dsp::extract_events(record, options.extract);
-  dsp::admit_doubt(events, record);
   const double off = wrap_half_turn(events.coil.closing_angle.value - effective_angle(record.conditions));
   if (events.coil.closing_angle.known() && std::abs(off) > options.angle_tolerance)
     events.coil.flags |= flag_angle_off;

@@ -56,6 +56,15 @@ Measured measured_from(const json& j) {
   return {number_from(j.at("value")), number_from(j.at("u"))};
 }
 
+Ordered part_json(const BounceTrain& b) {
+  return {{"openings", b.openings}, {"from_s", measured(b.from)}, {"to_s", measured(b.to)}};
+}
+BounceTrain part_from(const json& j) {
+  return {.openings = j.at("openings").get<int>(),
+          .from = measured_from(j.at("from_s")),
+          .to = measured_from(j.at("to_s"))};
+}
+
 Ordered train_json(const ContactTrain& t) {
   Ordered contacts = Ordered::array();
   for (const Contact& c : t.contacts)
@@ -70,6 +79,8 @@ Ordered train_json(const ContactTrain& t) {
           {"settled_force", measured(t.settled_force)},
           {"bounce_time_s", measured(t.bounce_time)},
           {"bounce_count", t.bounce_count},
+          {"first_train", part_json(t.first_train)},
+          {"second_train", part_json(t.second_train)},
           {"resolution_s", number(t.resolution)},
           {"noise", number(t.noise)},
           {"flags", flags_json(t.flags)}};
@@ -88,10 +99,24 @@ ContactTrain train_from(const json& j) {
   t.settled_force = measured_from(j.at("settled_force"));
   t.bounce_time = measured_from(j.at("bounce_time_s"));
   t.bounce_count = j.at("bounce_count").get<int>();
+  if (j.contains("first_train")) t.first_train = part_from(j["first_train"]);  // older texts have none
+  if (j.contains("second_train")) t.second_train = part_from(j["second_train"]);
   t.resolution = number_from(j.at("resolution_s"));
   t.noise = number_from(j.at("noise"));
   t.flags = flags_from(j.at("flags"));
   return t;
+}
+
+Ordered pole_json(const PoleEvents& p) {
+  return {{"by_force", train_json(p.by_force)},
+          {"disagreement_s", measured(p.disagreement)},
+          {"longest_disagreement_s", measured(p.longest_disagreement)}};
+}
+
+PoleEvents pole_from(const json& j) {
+  return {.by_force = train_from(j.at("by_force")),
+          .disagreement = measured_from(j.at("disagreement_s")),
+          .longest_disagreement = measured_from(j.at("longest_disagreement_s"))};
 }
 
 Ordered core_json(const CoreEvents& c) {
@@ -151,6 +176,7 @@ std::string to_json(const Events& e, int indent) {
   const Ordered j = {{"pvdf_a", train_json(e.pvdf_a)},
                      {"pvdf_b", train_json(e.pvdf_b)},
                      {"contact_voltage", train_json(e.contact_voltage)},
+                     {"pole", pole_json(e.pole)},
                      {"core", core_json(e.core)},
                      {"coil", coil_json(e.coil)},
                      {"method", e.method},
@@ -173,6 +199,7 @@ Events events_from_json(std::string_view text) {
     e.pvdf_a = train_from(j.at("pvdf_a"));
     e.pvdf_b = train_from(j.at("pvdf_b"));
     e.contact_voltage = train_from(j.at("contact_voltage"));
+    if (j.contains("pole")) e.pole = pole_from(j["pole"]);  // older texts have none
     e.core = core_from(j.at("core"));
     e.coil = coil_from(j.at("coil"));
     e.method = j.at("method").get<std::string>();

@@ -285,7 +285,7 @@ TEST_CASE("a hundred million samples stream through with the memory of one block
   const auto edge = static_cast<std::int64_t>(2 * c.warm_up());
   std::int64_t done = 0;
   double early = 0, late = 0;
-  std::size_t most = 0;
+  std::size_t most = 0, most_early = 0;
   const auto judge = [&] {
     for (std::size_t i = 0; i < out.size(); ++i) {
       const std::int64_t n = done + static_cast<std::int64_t>(i);
@@ -300,6 +300,7 @@ TEST_CASE("a hundred million samples stream through with the memory of one block
   for (int k = 0; k < 100; ++k) {
     stream.push(block, out);
     judge();
+    if (k == 9) most_early = most;
   }
   stream.finish(out);
   judge();
@@ -307,4 +308,5 @@ TEST_CASE("a hundred million samples stream through with the memory of one block
   CHECK(early < 1e-12);
   CHECK(late < 1e-12);
   CHECK(most < 5'000'000);
+  CHECK(most == most_early);  // ten times the record, the same memory
 }

@@ -101,6 +101,30 @@ TEST_CASE("clipping at half the peak: the fit restores the peak and says so") {
   CHECK(t.contacts[0].touch.value == Approx(0.010).margin(4e-6));
 }
 
+TEST_CASE("clipping at half the peak: over many records the restored peak is the true one") {
+  for (const double rate : {1e5, 1e6}) {
+    double sum = 0, squares = 0, worst = 0;
+    const int n = rate < 5e5 ? 60 : 20;
+    for (int k = 0; k < n; ++k) {
+      const double a = 0.010 + k * 13.7e-6;
+      const auto t = train_of(film(
+          [&](double x) {
+            return half_sine(x, a, a + 1e-3, 10) +
+                   (x > a + 3e-3 ? 3.0 * (1 - std::exp(-(x - a - 3e-3) / 1e-4)) : 0.0);
+          },
+          0.03, 5.0, 0.0, rate));
+      REQUIRE(t.contacts.size() == 2);
+      const double ratio = t.contacts[0].peak.value / 10;
+      CHECK((t.contacts[0].flags & flag_clipped) != 0);
+      sum += ratio, squares += ratio * ratio, worst = std::max(worst, std::abs(ratio - 1));
+    }
+    // 0.9994 +- 0.0012 at 100 kS/s, 0.9993 +- 0.0006 at 1 MS/s
+    CHECK(sum / n == Approx(0.999).margin(0.002));
+    CHECK(std::sqrt(squares / n - sum * sum / n / n) < 4e-3 * std::sqrt(1e6 / rate));
+    CHECK(worst < 0.01 * std::sqrt(1e6 / rate));
+  }
+}
+
 TEST_CASE("lost samples: the event that touches them is flagged, the others are not") {
   Record r = film([](double x) {
     return half_sine(x, 0.010, 0.0105, 20) + half_sine(x, 0.012, 0.0125, 10) +
@@ -242,5 +266,83 @@ TEST_CASE(
       CHECK(t->second_train.from.value == Approx(truth.core_seat + 0.05e-3).margin(40e-6));
     }
     CHECK(e.pole.longest_disagreement.value < 60e-6);
+  }
+}
+
+TEST_CASE("a film of the whole record ten times too strong or too weak is suspected, and no other") {
+  for (const double gain : {0.1, 1.0, 10.0}) {
+    Record r = bench::synthesise_full(1e5, 50, 1.0, 3);
+    for (auto& c : r.channels)
+      if (c.channel == Channel::pvdf_b) c.scale *= gain;
+    const Events e = extract_events(r);
+    CHECK(((e.flags & flag_gain) != 0) == (gain != 1.0));
+    for (const ContactTrain* t : {&e.pvdf_a, &e.pvdf_b})
+      CHECK(((t->flags & flag_gain) != 0) == (gain != 1.0));
+    CHECK((e.contact_voltage.flags & flag_gain) == 0);
+    CHECK(e.pvdf_b.contacts.size() == 6);  // times do not depend on the gain
+  }
+}
+
+TEST_CASE(
+    "films at 1 MS/s beside a laser of 20 kS/s: its averaging and holding is a delay, the films do not feel "
+    "it") {
+  const double rate = 1e6;
+  const std::size_t held = 50;  // samples of the record in one of the laser
+  double worst = 0, z2 = 0;
+  int n = 0;
+  for (std::uint64_t seed = 0; seed < 4; ++seed)
+    for (const std::size_t phase : {std::size_t{0}, std::size_t{17}}) {
+      bench::FullTruth truth;
+      Record r = bench::synthesise_full(rate, 50, 1.0, seed, &truth);
+      std::erase_if(r.channels,
+                    [](const auto& c) { return c.channel == Channel::aux; });  // would time the seat
+      const Events fast = extract_events(r);
+      for (auto& c : r.channels) {
+        if (c.channel != Channel::laser) continue;
+        auto slow = c.raw;
+        for (std::size_t i = phase; i + held <= slow.size(); i += held) {
+          double mean = 0;  // of the window before, shown until the next one is complete
+          for (std::size_t k = 0; k < held; ++k) mean += i >= held ? c.raw[i - held + k] : c.raw[i];
+          for (std::size_t k = 0; k < held; ++k)
+            slow[i + k] = static_cast<std::int16_t>(std::lround(mean / static_cast<double>(held)));
+        }
+        c.raw = std::move(slow);
+        c.delay = 50e-6;  // half a window of averaging, half a window of holding
+      }
+      const Events e = extract_events(r);
+      const double off = e.core.seat.value - truth.core_seat;
+      CHECK(e.core.impact_velocity.value == Approx(truth.impact_velocity).margin(0.06));
+      REQUIRE(e.pvdf_a.contacts.size() == 6);
+      REQUIRE(fast.pvdf_a.contacts.size() == 6);
+      for (std::size_t q = 0; q < 6; ++q)
+        CHECK(std::abs(fast.pvdf_a.contacts[q].touch.value - e.pvdf_a.contacts[q].touch.value) < 0.5e-6);
+      worst = std::max(worst, std::abs(off)), z2 += off * off / e.core.seat.u / e.core.seat.u, ++n;
+    }
+  CHECK(worst < 50e-6);  // one sample of the laser
+  CHECK(std::sqrt(z2 / n) < 1.25);
+}
+
+TEST_CASE("a blow that rises slowly dates the core's seat late, and its uncertainty says so") {
+  for (std::uint64_t seed = 0; seed < 4; ++seed) {
+    bench::FullTruth truth;
+    const Events e = extract_events(bench::synthesise_full(1e6, 50, 1.0, seed, &truth));
+    CHECK(e.core.seat.u < 20e-6);
+    CHECK(std::abs(e.core.seat.value - truth.core_seat) < 2 * e.core.seat.u);
+  }
+}
+
+TEST_CASE("two clocks 50 ppm apart: 5 us over 100 ms, a scale of time and not of index") {
+  Record r = film([](double x) {
+    return half_sine(x, 0.010, 0.0105, 20) + half_sine(x, 0.050, 0.0505, 20) +
+           (x > 0.055 ? 3.0 * (1 - std::exp(-(x - 0.055) / 1e-4)) : 0.0);
+  });
+  const auto own = train_of(r);
+  r.sample_rate *= 1 + 50e-6;
+  const auto other = train_of(r);
+  REQUIRE(own.contacts.size() == 3);
+  REQUIRE(other.contacts.size() == 3);
+  for (std::size_t q = 0; q < 3; ++q) {
+    const double t = own.contacts[q].touch.value;
+    CHECK(t - other.contacts[q].touch.value == Approx(50e-6 * t).margin(0.2e-6));
   }
 }

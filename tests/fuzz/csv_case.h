@@ -59,7 +59,10 @@ inline void must_be_honest(const Events& e, const Record& r) {
   const double margin = 1e-3;
   const double first = r.samples() ? r.time(0) - margin : 0.0;
   const double last = r.samples() ? r.time(r.samples() - 1) + margin : 0.0;
-  for (const ContactTrain* t : {&e.pvdf_a, &e.pvdf_b, &e.contact_voltage}) must_be_honest(*t, first, last);
+  for (const ContactTrain* t : {&e.pvdf_a, &e.pvdf_b, &e.contact_voltage, &e.pole.by_force})
+    must_be_honest(*t, first, last);
+  must_be_honest("disagreement", e.pole.disagreement);
+  must_be_honest("longest disagreement", e.pole.longest_disagreement);
   must_be_honest("seat", e.core.seat);
   must_be_honest("core settled", e.core.settled);
   must_be_honest("core bounce time", e.core.bounce_time);
@@ -89,8 +92,7 @@ inline bool run_csv(std::string_view text) {
   }
   must(in.record.samples() > 0 && std::isfinite(in.record.sample_rate));
   if (in.record.samples() > 20'000) return true;  // a stretched clock: right, but slow to search
-  Events e = dsp::extract_events(in.record, in.options);
-  dsp::admit_doubt(e, in.record);
+  const Events e = dsp::extract_events(in.record, in.options);
   must_be_honest(e, in.record);
   must(!host::to_events_json(e, in.record).empty());
   return true;

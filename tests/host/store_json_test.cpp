@@ -1,4 +1,5 @@
 #include <catch2/catch.hpp>
+#include <nlohmann/json.hpp>
 #include <stdexcept>
 #include <string>
 
@@ -19,8 +20,37 @@ TEST_CASE("events survive JSON bit for bit, unknown values and flags included", 
   CHECK_FALSE(same(sample_events(1), sample_events(2)));
 }
 
+TEST_CASE("the pole by force and the two trains stand in the events' JSON", "[store]") {
+  Events e = sample_events(3);
+  e.pole.by_force.first_train = {.openings = 2, .from = {12e-3, 1e-6}, .to = {14e-3, 2e-6}};
+  e.pole.by_force.second_train = {.openings = 3, .from = {17e-3, 1e-6}, .to = {}};
+  e.pole.disagreement = {80e-6, 4e-6};
+  e.pole.longest_disagreement = {50e-6, 3e-6};
+  auto j = nlohmann::json::parse(to_json(e));
+  const auto& by_force = j["pole"]["by_force"];
+  CHECK(by_force["contacts"].size() == 3);
+  CHECK(by_force["first_train"]["openings"] == 2);
+  CHECK(by_force["first_train"]["to_s"]["value"] == 14e-3);
+  CHECK(by_force["second_train"]["openings"] == 3);
+  CHECK(by_force["second_train"]["from_s"]["u"] == 1e-6);
+  CHECK(by_force["second_train"]["to_s"]["value"].is_null());
+  CHECK(j["pole"]["disagreement_s"]["value"] == 80e-6);
+  CHECK(j["pole"]["longest_disagreement_s"]["u"] == 3e-6);
+  for (const char* train : {"pvdf_a", "pvdf_b", "contact_voltage"})
+    CHECK((j[train].contains("first_train") && j[train].contains("second_train")));
+  // a text of an older store has none of it
+  j.erase("pole");
+  for (const char* train : {"pvdf_a", "pvdf_b", "contact_voltage"})
+    j[train].erase("first_train"), j[train].erase("second_train");
+  const Events old = events_from_json(j.dump());
+  CHECK_FALSE(old.pole.by_force.present);
+  CHECK_FALSE(old.pole.disagreement.known());
+  CHECK(old.pvdf_a.first_train.openings == 0);
+  CHECK(same(old.pvdf_a.settled, e.pvdf_a.settled));
+}
+
 TEST_CASE("every flag has a name and comes back", "[store]") {
-  for (std::uint32_t bit = 0; bit < 10; ++bit) {
+  for (std::uint32_t bit = 0; bit < 11; ++bit) {
     Events e;
     e.core.flags = 1U << bit;
     CHECK(events_from_json(to_json(e)).core.flags == 1U << bit);

@@ -93,10 +93,16 @@ inline Events sample_events(std::uint64_t seed) {
   e.pvdf_a.settled_force = value();
   e.pvdf_a.bounce_time = value();
   e.pvdf_a.bounce_count = 2;
+  e.pvdf_a.first_train = {.openings = 2, .from = value(), .to = value()};
+  e.pvdf_a.second_train = {.openings = 1, .from = value(), .to = {}};
   e.pvdf_a.resolution = 1.0 / 3.0;
   e.pvdf_a.noise = 5e-324;
   e.contact_voltage.present = true;
   e.contact_voltage.flags = flag_contradiction;
+  e.pole.by_force = e.pvdf_a;
+  e.pole.by_force.settled = value();
+  e.pole.disagreement = value();
+  e.pole.longest_disagreement = value();
   e.core.present = true;
   e.core.seat = value();
   e.core.travel = {1.7976931348623157e308, -0.0};
@@ -116,11 +122,16 @@ inline bool same(const Measured& a, const Measured& b) {
   return same(a.value, b.value) && same(a.u, b.u);
 }
 
+inline bool same(const BounceTrain& a, const BounceTrain& b) {
+  return a.openings == b.openings && same(a.from, b.from) && same(a.to, b.to);
+}
+
 inline bool same(const ContactTrain& a, const ContactTrain& b) {
   bool equal = a.present == b.present && a.contacts.size() == b.contacts.size() &&
                same(a.settled, b.settled) && same(a.settled_force, b.settled_force) &&
                same(a.bounce_time, b.bounce_time) && a.bounce_count == b.bounce_count &&
-               same(a.resolution, b.resolution) && same(a.noise, b.noise) && a.flags == b.flags;
+               same(a.resolution, b.resolution) && same(a.noise, b.noise) && a.flags == b.flags &&
+               same(a.first_train, b.first_train) && same(a.second_train, b.second_train);
   for (std::size_t i = 0; equal && i < a.contacts.size(); ++i) {
     const auto &x = a.contacts[i], &y = b.contacts[i];
     equal = same(x.touch, y.touch) && same(x.release, y.release) && same(x.peak, y.peak) &&
@@ -133,12 +144,14 @@ inline bool same(const Events& a, const Events& b) {
   const auto &c = a.core, &d = b.core;
   const auto &x = a.coil, &y = b.coil;
   return same(a.pvdf_a, b.pvdf_a) && same(a.pvdf_b, b.pvdf_b) && same(a.contact_voltage, b.contact_voltage) &&
-         c.present == d.present && same(c.seat, d.seat) && same(c.settled, d.settled) &&
-         same(c.bounce_time, d.bounce_time) && same(c.impact_velocity, d.impact_velocity) &&
-         same(c.travel, d.travel) && c.flags == d.flags && same(x.closing_angle, y.closing_angle) &&
-         same(x.switch_on, y.switch_on) && same(x.mains_hertz, y.mains_hertz) &&
-         same(x.supply_volts, y.supply_volts) && same(x.peak_current, y.peak_current) && x.flags == y.flags &&
-         a.method == b.method && a.parameters_hash == b.parameters_hash && a.flags == b.flags;
+         same(a.pole.by_force, b.pole.by_force) && same(a.pole.disagreement, b.pole.disagreement) &&
+         same(a.pole.longest_disagreement, b.pole.longest_disagreement) && c.present == d.present &&
+         same(c.seat, d.seat) && same(c.settled, d.settled) && same(c.bounce_time, d.bounce_time) &&
+         same(c.impact_velocity, d.impact_velocity) && same(c.travel, d.travel) && c.flags == d.flags &&
+         same(x.closing_angle, y.closing_angle) && same(x.switch_on, y.switch_on) &&
+         same(x.mains_hertz, y.mains_hertz) && same(x.supply_volts, y.supply_volts) &&
+         same(x.peak_current, y.peak_current) && x.flags == y.flags && a.method == b.method &&
+         a.parameters_hash == b.parameters_hash && a.flags == b.flags;
 }
 
 inline bool same(const Conditions& a, const Conditions& b) {

@@ -42,6 +42,16 @@ TEST_CASE("a shot of the simulated rig: export, import, events: the same times",
   CHECK_THAT(people.out, Contains("film A: ") && Contains("re-openings"));
   CHECK((people.out.find("core vibrates at") != std::string::npos ||
          people.out.find("no core vibration stands out") != std::string::npos));
+  CHECK(before["pole"]["by_force"]["present"].get<bool>());
+  CHECK_FALSE(before["pole"]["by_force"]["contacts"].empty());
+  CHECK(before["pole"]["longest_disagreement_s"]["value"].get<double>() <=
+        before["pole"]["disagreement_s"]["value"].get<double>());
+  CHECK(before["pvdf_a"]["first_train"]["openings"].get<int>() +
+            before["pvdf_a"]["second_train"]["openings"].get<int>() ==
+        before["pvdf_a"]["bounce_count"].get<int>());
+  const Finished by_id = run(folder, {"events", "1", "--db", db});
+  CHECK_THAT(by_id.out, Contains("pole by force: ") && Contains("first train: ") &&
+                            Contains("force and contact voltage differ for "));
   double before_level = 0;
   for (const char* percent : {"10", "50", "90"}) {
     const Finished lab =
