@@ -95,7 +95,7 @@ sim::PotentialTable parse_field_table(std::string_view bytes, const std::string&
       throw fail("damaged: fewer numbers than the header says");
     auto& values = t.*c.values;
     values.resize(count);
-    std::memcpy(values.data(), content.data() + at, count * sizeof(double));
+    if (count > 0) std::memcpy(values.data(), content.data() + at, count * sizeof(double));
     at += count * sizeof(double);
   }
   t.description = content.substr(last_line + 13, data - last_line - 13);

@@ -135,6 +135,7 @@ class Writer {
     size_ = sizeof(Header);
   }
   void put(const void* bytes, std::size_t n) {
+    if (n == 0) return;  // an empty range may have no address
     std::memcpy(memory_.data() + size_, bytes, n);
     size_ += n;
   }
