@@ -131,7 +131,8 @@ class Closing {
     const double speed = solid_.mean_velocity(contactor_.mover).z;
     const double rub = specimen_.core.friction * std::tanh(speed / 1e-3);
     // the rest at the open position does not throw the mover back
-    const double rest = height(contactor_.mover) < 0 ? specimen_.core.mass / (8 * options_.coupling) * speed : 0;
+    const double rest =
+        height(contactor_.mover) < 0 ? specimen_.core.mass / (8 * options_.coupling) * speed : 0;
     solid_.set_force(pull_, {0, 0, response_.pull - rub - rest});
     const double round = 2 * pi * specimen_.base.hertz;
     const double drag = 2 * specimen_.base.damping * round * specimen_.base.mass;
