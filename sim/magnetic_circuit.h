@@ -25,12 +25,15 @@ inline constexpr double mu0 = 4e-7 * pi;  ///< V s/(A m)
 
 /// Everything the circuit gives at one state.
 struct Field {
-  double mmf = 0;             ///< N i, A
-  double mmf_phi = 0;         ///< d mmf / d phi, A/Wb
-  double mmf_phi2 = 0;        ///< d mmf / d phi2
-  double mmf_separation = 0;  ///< d mmf / d separation, A/m
-  double ring_current = 0;    ///< i_sh, A
-  double pull = 0;            ///< N, on the moving core in closing direction
+  double mmf = 0;              ///< N i, A
+  double mmf_phi = 0;          ///< d mmf / d phi, A/Wb
+  double mmf_phi2 = 0;         ///< d mmf / d phi2
+  double mmf_separation = 0;   ///< d mmf / d separation, A/m
+  double ring_current = 0;     ///< i_sh, A; its derivative by phi is mmf_phi2
+  double ring_phi2 = 0;        ///< d ring_current / d phi2
+  double ring_separation = 0;  ///< d ring_current / d separation = d pull / d phi2
+  double pull = 0;  ///< N, on the moving core in closing direction; its derivative by phi is mmf_separation
+  double pull_separation = 0;  ///< d pull / d separation, N/m
 };
 
 class MagneticCircuit {
@@ -90,6 +93,9 @@ inline Field MagneticCircuit::field(double phi, double phi2, double separation) 
   const double widening = 1 / (1 + fringe_ * g);
   const double r = g * widening / (mu0 * area_);
   const double r_slope = widening * widening * gap_slope / (mu0 * area_);
+  const double gap_bend = separation >= 0 ? 0.0 : 2 * g * gap_slope / (residual_ * residual_);
+  const double r_bend =
+      widening * widening / (mu0 * area_) * (gap_bend - 2 * fringe_ * widening * gap_slope * gap_slope);
   const double b = phi / area_;
   const double steep = saturation_ * power(b);
   const double phi1 = phi - phi2;
@@ -98,8 +104,13 @@ inline Field MagneticCircuit::field(double phi, double phi2, double separation) 
   f.mmf_phi = iron_length_ / area_ * (linear_ + exponent_ * steep) + r * (1 + inverse_bare_);
   f.mmf_phi2 = -r * inverse_bare_;
   f.mmf_separation = r_slope * (phi + inverse_bare_ * phi1);
-  f.ring_current = r * (inverse_shaded_ * phi2 - inverse_bare_ * phi1);
-  f.pull = 0.5 * r_slope * (phi * phi + inverse_bare_ * phi1 * phi1 + inverse_shaded_ * phi2 * phi2);
+  const double unlike = inverse_shaded_ * phi2 - inverse_bare_ * phi1;
+  const double squares = phi * phi + inverse_bare_ * phi1 * phi1 + inverse_shaded_ * phi2 * phi2;
+  f.ring_current = r * unlike;
+  f.ring_phi2 = r * (inverse_shaded_ + inverse_bare_);
+  f.ring_separation = r_slope * unlike;
+  f.pull = 0.5 * r_slope * squares;
+  f.pull_separation = 0.5 * r_bend * squares;
   return f;
 }
 

@@ -14,8 +14,8 @@
 #include "host/export/gltf.h"
 #include "host/export/vtu.h"
 #include "sim/closing.h"
-#include "sim/solid/lumped_potential.h"
 #include "sim/solid/solid_closing.h"
+#include "sim/specimen_potential.h"
 
 namespace {
 
@@ -195,7 +195,7 @@ int main(int argc, char** argv) {
   Conditions conditions;
   conditions.closing_angle = radians(90);
   const auto lumped = simulate(specimen, conditions, 0.04, 0).truth;
-  const LumpedPotential field(specimen);
+  const SpecimenPotential field(specimen);
   std::printf(
       "Closing at 90 deg, 230 V, to 24 ms; lumped model: touch %.3f, seat %.3f, settled %.3f ms, %zu "
       "openings\n",

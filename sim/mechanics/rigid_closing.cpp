@@ -5,7 +5,7 @@
 #include <stdexcept>
 
 #include "core/units.h"
-#include "sim/mechanics/specimen_potential.h"
+#include "sim/specimen_potential.h"
 #include "sim/unilateral.h"
 #include "sim/validate.h"
 

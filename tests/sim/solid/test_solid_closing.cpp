@@ -2,8 +2,8 @@
 #include <iostream>
 
 #include "sim/closing.h"
-#include "sim/solid/lumped_potential.h"
 #include "sim/solid/solid_closing.h"
+#include "sim/specimen_potential.h"
 
 using namespace powbench;
 using namespace powbench::sim;
@@ -30,7 +30,7 @@ TEST_CASE("the mesh of the contactor has the specimen's masses and gaps") {
 
 TEST_CASE("the lumped circuit as a potential: current and pull are derivatives of its energy") {
   const Specimen specimen;
-  const LumpedPotential field(specimen);
+  const SpecimenPotential field(specimen);
   const MagneticState at{0.5, 1e-5, 1e-3};
   const auto energy = [&](double psi, double ring, double gap) { return field.at({psi, ring, gap}).energy; };
   const MagneticResponse r = field.at(at);
@@ -46,7 +46,7 @@ TEST_CASE(
   const Specimen specimen;
   Conditions conditions;
   conditions.closing_angle = radians(90);
-  const LumpedPotential field(specimen);
+  const SpecimenPotential field(specimen);
   SolidClosingOptions options;
   options.cell = 4e-3;
   options.end = 19e-3;

@@ -1,4 +1,4 @@
-#include "sim/mechanics/specimen_potential.h"
+#include "sim/specimen_potential.h"
 
 #include <algorithm>
 #include <cmath>
@@ -35,7 +35,12 @@ MagneticResponse SpecimenPotential::at(const MagneticState& s) const {
   // at constant psi: N dphi + ratio dmmf = 0, dmmf = stiff dphi + mmf_x dx
   const double keeps = 1 - ratio * stiff * slope;
   r.current_gap = f.mmf_separation * keeps / turns_;
-  r.current_ring = ring ? f.mmf_phi2 * keeps / turns_ : 0.0;
+  const double phi_gap = -ratio * f.mmf_separation * slope;
+  r.pull_gap = f.pull_separation + f.mmf_separation * phi_gap;
+  if (!ring) return r;
+  r.current_ring = f.mmf_phi2 * keeps / turns_;
+  r.ring_ring = f.ring_phi2 - ratio * f.mmf_phi2 * f.mmf_phi2 * slope;
+  r.ring_gap = f.ring_separation + f.mmf_phi2 * phi_gap;
   return r;
 }
 
