@@ -99,7 +99,7 @@ std::vector<Cell> grid(const Arguments& a) {
 }
 
 /// Records that nobody looked at while the extraction was made: their seeds begin here. To be moved on whenever it changes.
-constexpr std::uint64_t unseen_seeds = 500000;
+constexpr std::uint64_t unseen_seeds = 1100000;
 
 struct Sample {
   SynthRecord record;

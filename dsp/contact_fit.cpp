@@ -5,6 +5,7 @@
 
 #include "core/units.h"
 #include "dsp/least_squares.h"
+#include "dsp/pulse_margin.h"
 #include "dsp/statistics.h"
 
 namespace powbench::dsp {
@@ -21,10 +22,20 @@ double shape_uncertainty(double dt, double rise) {
   return dt / std::sqrt(12.0) * std::min(1.0, 5 * dt / std::max(rise, dt));
 }
 
+PulseGradient pulse_gradient(const PulseShape& f, double t) {
+  const double width = f.release - f.touch, v = (t - f.touch) / width;
+  if (!(v > 0) || !(v < 1)) return {};
+  const double w = f.skew == 1.0 ? v : std::pow(v, f.skew);
+  const double base = std::max(std::sin(pi * w), 1e-3);
+  const double power = std::pow(base, f.exponent);
+  const double slope = f.peak * f.exponent * power / base * pi * std::cos(pi * w);
+  const double by_v = slope * f.skew * w / v;
+  return {by_v * (v - 1) / width, -by_v * v / width, power, f.peak * power * std::log(base),
+          slope * w * std::log(v) * f.skew};
+}
+
 namespace {
 
-/// Weak knowledge of the exponent (half sine to Hertz), so that a pulse of ten samples stays determined.
-constexpr double exponent_prior = 1.25, exponent_prior_sigma = 0.5;
 constexpr double skew_prior_sigma = 0.3;  ///< of ln(skew), around 0
 
 struct Samples {
@@ -52,23 +63,6 @@ struct PulseFit {
   double chi2 = 0, dof = 0;
   double reduced() const { return chi2 / std::max(dof, 1.0); }
 };
-
-struct PulseGradient {
-  double touch = 0, release = 0, peak = 0, exponent = 0, log_skew = 0;
-};
-
-/// d F / d parameter. Next to the ends, where an exponent below 1 has no finite slope, the slope is held.
-PulseGradient pulse_gradient(const PulseShape& f, double t) {
-  const double width = f.release - f.touch, v = (t - f.touch) / width;
-  if (!(v > 0) || !(v < 1)) return {};
-  const double w = f.skew == 1.0 ? v : std::pow(v, f.skew);
-  const double base = std::max(std::sin(pi * w), 1e-3);
-  const double power = std::pow(base, f.exponent);
-  const double slope = f.peak * f.exponent * power / base * pi * std::cos(pi * w);
-  const double by_v = slope * f.skew * w / v;
-  return {by_v * (v - 1) / width, -by_v * v / width, power, f.peak * power * std::log(base),
-          slope * w * std::log(v) * f.skew};
-}
 
 /// Parameters relative to the start: times in units of the width, force in units of the start's peak.
 PulseFit fit_pulse(const Samples& s, const PulseShape& start, double noise, const ExtractOptions& o,
@@ -313,6 +307,11 @@ ContactFit fit_contact(const FitInput& in, const Interval& c, const Neighbours& 
   out.contact.touch = {best.shape.touch, std::hypot(best.ls.u(0) * width * b, floor)};
   out.contact.release = {best.shape.release, std::hypot(best.ls.u(1) * width * b, floor)};
   out.contact.peak = {best.shape.peak, best.ls.u(2) * peak * b};
+  if (!in.quick && !(best.ls.u(3) < open_exponent)) {
+    const PulseMargin m =
+        over_exponents(in.force, in.noise, best.shape, c.touch - before, c.release + after, o);
+    if (m.known) use_margin(out.contact, m, b);
+  }
   out.contact.impulse = impulse_of(in.force, best.shape.touch, best.shape.release, in.noise);
   out.contact.flags = flags_of_mask(in.force, c.touch, c.release) | (poor ? flag_poor_fit : 0U);
   out.shape = best.shape;

@@ -20,6 +20,16 @@ struct PulseShape {
   double operator()(double t) const;
 };
 
+/// d F / d parameter at t, 0 outside. Next to the ends, where an exponent below 1 has no finite slope, the slope is held.
+struct PulseGradient {
+  double touch = 0, release = 0, peak = 0, exponent = 0, log_skew = 0;
+};
+PulseGradient pulse_gradient(const PulseShape&, double t);
+
+/// Weak knowledge of the exponent (half sine to Hertz), so that a pulse of ten samples stays determined: mean and standard
+/// deviation.
+inline constexpr double exponent_prior = 1.25, exponent_prior_sigma = 0.5;
+
 /// What surrounds a contact: its fit must not look beyond.
 struct Neighbours {
   double previous_release = -1e300;  ///< s

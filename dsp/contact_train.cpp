@@ -7,6 +7,8 @@
 
 #include "dsp/contact_fit.h"
 #include "dsp/detect_round.h"
+#include "dsp/landing.h"
+#include "dsp/pulse_margin.h"
 #include "dsp/separate.h"
 #include "dsp/statistics.h"
 
@@ -66,14 +68,24 @@ double open_noise(const Signal& stripped, const Round& r, const Ring& ring, doub
 }
 
 /// Contacts of a joint fit that leaves nothing to ask; their uncertainties hold the ring's share.
-void use_joint_fit(Round& r, const JointModel& m, const Force& f, const Signal& stripped) {
+void use_joint_fit(Round& r, const JointModel& m, const Force& f, const Signal& stripped,
+                   const ExtractOptions& o) {
   r.intervals.clear();
   r.fits.clear();
   const auto grow = [](double reduced) { return std::sqrt(std::max(reduced, 1.0)); };
-  for (const JointPulse& p : m.pulses) {
+  for (std::size_t k = 0; k < m.pulses.size(); ++k) {
+    const JointPulse& p = m.pulses[k];
     ContactFit fit;
     fit.contact = contact_from(p.shape, {p.shape.touch, p.u_touch}, {p.shape.release, p.u_release},
                                {p.shape.peak, p.u_peak}, stripped, f.noise, grow(p.reduced_chi2));
+    if (p.u_exponent > open_exponent) {
+      const double before = k > 0 ? m.pulses[k - 1].shape.release : -1e300;
+      const double after = k + 1 < m.pulses.size() ? m.pulses[k + 1].shape.touch : m.rise->touch;
+      const PulseMargin margin =
+          over_exponents(stripped, f.noise, p.shape, std::max(before, p.shape.touch - o.fit_margin),
+                         std::min(after, p.shape.release + o.fit_margin), o);
+      if (margin.known) use_margin(fit.contact, margin, grow(p.reduced_chi2));
+    }
     r.intervals.push_back({p.shape.touch, p.shape.release});
     r.fits.push_back(std::move(fit));
   }
@@ -87,9 +99,21 @@ void use_joint_fit(Round& r, const JointModel& m, const Force& f, const Signal& 
   r.fits.push_back(std::move(last));
 }
 
+/// An amplifier that is late by D on the whole answers the start of a force at once and its middle late: with D taken out, an edge
+/// steeper than the amplifier shows up to D early on rising and late on falling. Uniform in between: D / sqrt(3). Slow edges,
+/// where a shape fitted and its rise was long beside D, are late by D throughout; their share falls in proportion.
+void admit_amplifier(Contact& c, double delay) {
+  const bool shaped = c.release.known() && !(c.flags & flag_poor_fit);
+  const double rise = shaped ? 0.5 * (c.release.value - c.touch.value) : 0.0;
+  const double u = delay / std::sqrt(3.0) * (rise > 10 * delay ? 10 * delay / rise : 1.0);
+  c.touch.u = std::hypot(c.touch.u, u);
+  c.release.u = std::hypot(c.release.u, u);
+}
+
 void fill_train(ContactTrain& train, const Round& r, const Force& f, double t_end, const ExtractOptions& o) {
   for (const ContactFit& fit : r.fits) {
     train.contacts.push_back(fit.contact);
+    admit_amplifier(train.contacts.back(), f.delay);
     train.flags |= fit.contact.flags & (flag_clipped | flag_gap);
   }
   train.noise = f.noise;
@@ -143,17 +167,27 @@ ForceAnalysis analyse_force(const Force& f, double t_end, const Measured& core_s
   if (!f.present) return out;
 
   Round round = detect_round(f.signal, f.noise, f.settled, t_end, o, false);
-  Separated best;
+  const std::vector<Interval> unaided = round.intervals;
+  Separated best, bare;
+  bool bare_enough = false;
   if (o.ring_modes > 0 && !round.intervals.empty()) {
     best = separate_ring(f, round, core_seat, t_end, o);
-    if (worth_stripping(best, f.noise)) {
+    // A ring has to earn its parameters: a settled force that bends a little is no vibration. Where the core was seen to land
+    // vibration is expected, and only its absence asks.
+    if (!core_seat.known() || !best.found) {
+      bare = without_ring(f, round, t_end, o);
+      bare_enough = convincing(bare) && !(best.found && best.model.cost() < bare.model.cost());
+    }
+    if (!bare_enough && worth_stripping(best, f.noise)) {
       out.ring = best.model.ring;
       take_out(best.model, out.stripped);
     }
   }
-  if (!out.ring.empty() && convincing(best)) {
+  if (bare_enough) {
+    use_joint_fit(round, bare.model, f, out.stripped, o);
+  } else if (!out.ring.empty() && convincing(best)) {
     round = std::move(best.round);
-    use_joint_fit(round, best.model, f, out.stripped);
+    use_joint_fit(round, best.model, f, out.stripped, o);
   } else {
     const double noise =
         out.ring.empty() ? f.noise : open_noise(out.stripped, best.round, out.ring, t_end, f.noise);
@@ -161,6 +195,9 @@ ForceAnalysis analyse_force(const Force& f, double t_end, const Measured& core_s
   }
   if (round.overlap) out.train.flags |= flag_ring_overlap;
   fill_train(out.train, round, f, t_end, o);
+  if (!out.ring.empty() &&
+      doubt_landing(out.train.contacts, unaided, core_seat, out.ring.amplitude_at(out.ring.onset)))
+    out.train.flags |= flag_ring_overlap;
   summarise(out.train, o.merge_openings);
   return out;
 }

@@ -19,4 +19,10 @@ namespace powbench::dsp {
 /// twice that.
 CoreEvents core_events(const Record&, const ExtractOptions&);
 
+/// s: a second landing sooner than this after the first is not told apart from it. A core may strike again within it (after
+/// 0.15 ms on the simulated rig): `bounce_time` 0 means none later than this.
+inline double core_resolution(const ExtractOptions& o) {
+  return o.seat_window;
+}
+
 }  // namespace powbench::dsp

@@ -137,6 +137,7 @@ Force restore_alone(const Record& record, Channel channel, const ExtractOptions&
   const auto [lowest, highest] = std::minmax_element(s.value.begin(), s.value.end());
   if (*lowest == *highest) return f;  // a dead channel shows nothing, not even noise
   f.present = true;
+  f.delay = std::abs(record.find(channel)->delay);
 
   const ChannelRecord& c = *record.find(channel);
   const double count = std::abs(c.scale), t_quiet = quiet_end(s, count);

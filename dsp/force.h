@@ -15,6 +15,7 @@ struct Force {
   Signal signal;            ///< N, offset and hum removed, droop undone, contact force positive
   double noise = 0.0;       ///< N: standard deviation of one sample's noise
   double settled = 0.0;     ///< N: median at the end of the hold time; 0 when not closed
+  double delay = 0.0;       ///< s: of the channel, already taken out of the time axis; 0 = not known
   std::uint32_t flags = 0;  ///< flag_no_hum_fit, flag_polarity
 };
 

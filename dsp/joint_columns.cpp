@@ -9,7 +9,7 @@ namespace powbench::dsp {
 
 namespace {
 
-constexpr double exponent_middle = 1.25, exponent_sigma = 0.5, skew_sigma = 0.3;
+constexpr double exponent_middle = exponent_prior, exponent_sigma = exponent_prior_sigma, skew_sigma = 0.3;
 constexpr double pedestal_sigma = 0.2;  ///< N
 constexpr std::size_t rise_terms = 6;   ///< polynomial of the settled force
 constexpr double smooth_step = 2e-3;    ///< s: half period of the fastest cosine of a free settled force

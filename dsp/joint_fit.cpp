@@ -71,6 +71,19 @@ Vector damped_solve(const Matrix& G, const Vector& g, double damping) {
   return scale.cwiseProduct(Vector(N.ldlt().solve(scale.cwiseProduct(g))));
 }
 
+/// Gauss-Newton step and the variances of the parameters.
+struct Solved {
+  Vector step, variance;
+};
+Solved solve(const Normal& n) {
+  const Vector scale = n.gram.diagonal().cwiseMax(1e-30).cwiseSqrt().cwiseInverse();
+  Matrix N = scale.asDiagonal() * n.gram * scale.asDiagonal();
+  N.diagonal().array() += 1e-11;
+  const Matrix inverse = N.ldlt().solve(Matrix::Identity(N.rows(), N.cols()));
+  return {-scale.cwiseProduct(inverse * scale.cwiseProduct(n.gradient)),
+          inverse.diagonal().cwiseProduct(scale.cwiseProduct(scale))};
+}
+
 constexpr double enough =
     0.01;  ///< gain of an iteration in the sum of squares: a tenth of a standard uncertainty
 
@@ -244,23 +257,39 @@ void leave_out_misfits(JointInput in, JointModel& m, JointRows& r) {
     unmodel(*m.rise);
 }
 
+/// Frees the skew of pulses where it is worth its parameter (Schwarz): the gain in the sum of squares, to second order from
+/// the symmetric solution, above the logarithm of the pulse's rows. True when any was freed.
+bool free_skews(const JointInput& in, JointModel& m, JointRows& r) {
+  JointModel free = m;
+  const auto rows_of = [&](const JointPulse& p) { return (p.shape.release - p.shape.touch) / r.dt; };
+  for (JointPulse& p : free.pulses) p.skewed = p.modelled && (p.skewed || rows_of(p) > 8);
+  weigh_rows(in, free, r);
+  JointSystem s;
+  evaluate(in, free, r, s, true);
+  const Normal n = normal_of(s, r);
+  const Solved x = solve(n);
+  bool any = false;
+  for (const JointBlock& b : s.blocks) {
+    if (b.kind != JointBlock::Kind::pulse || b.count < 5 || m.pulses[b.which].skewed) continue;
+    const Index skew = signed_of(b.column + 4);
+    if (!(x.step[skew] * x.step[skew] > std::log(rows_of(m.pulses[b.which])) * x.variance[skew])) continue;
+    m.pulses[b.which].skewed = any = true;
+    m.pulses[b.which].reduced_chi2 = 0;  // what was left belonged to the symmetric shape: full weight again
+  }
+  return any;
+}
+
 void fill_uncertainties(const JointInput& in, JointModel& m, JointRows& r) {
   weigh_rows(in, m, r);
   JointSystem s;
   evaluate(in, m, r, s, true);
-  const Normal n = normal_of(s, r);
-  const Vector scale = n.gram.diagonal().cwiseMax(1e-30).cwiseSqrt().cwiseInverse();
-  Matrix N = scale.asDiagonal() * n.gram * scale.asDiagonal();
-  N.diagonal().array() += 1e-11;
-  const Matrix inverse = N.ldlt().solve(Matrix::Identity(N.rows(), N.cols()));
-  const auto u = [&](std::size_t c) {
-    const Index i = signed_of(c);
-    return std::sqrt(std::max(inverse(i, i), 0.0)) * scale[i];
-  };
+  const Solved x = solve(normal_of(s, r));
+  const auto u = [&](std::size_t c) { return std::sqrt(std::max(x.variance[signed_of(c)], 0.0)); };
   for (const JointBlock& b : s.blocks) {
     if (b.kind == JointBlock::Kind::pulse) {
       JointPulse& p = m.pulses[b.which];
       p.u_touch = u(b.column), p.u_release = u(b.column + 1), p.u_peak = u(b.column + 3);
+      p.u_exponent = u(b.column + 2);
     } else if (b.kind == JointBlock::Kind::rise) {
       m.rise->u_touch = u(b.column);
     }
@@ -285,22 +314,16 @@ JointModel fit_joint(const JointInput& in, JointModel m, int iterations) {
   if (!in.keep_all && !m.ring.modes.empty()) leave_out_misfits(in, m, r);
   descend(in, m, r, iterations);
   judge(in, m, r);
-  bool changed = false;
-  for (JointPulse& p : m.pulses) {
-    const double rows = (p.shape.release - p.shape.touch) / r.dt;
-    if (p.modelled && !p.skewed && rows > 8 && p.reduced_chi2 > 1 + 4 * std::sqrt(2 / rows))
-      p.skewed = changed = true;
-  }
-  if (changed) {
+  if (free_skews(in, m, r)) {
     descend(in, m, r, std::min(iterations, 5));
     judge(in, m, r);
-    changed = false;
   }
   if (in.keep_all) {
     for (JointPulse& p : m.pulses) p.reduced_chi2 = 0;
     if (m.rise) m.rise->reduced_chi2 = 0;
     return m;
   }
+  bool changed = false;
   for (JointPulse& p : m.pulses)
     if (p.modelled && p.reduced_chi2 > 3.0) p.modelled = false, changed = true;
   if (m.rise && m.rise->modelled && m.rise->reduced_chi2 > 3.0) {

@@ -21,6 +21,7 @@ struct JointPulse {
   bool modelled = true;  ///< false: no pulse describes it; its samples are left out
   double reduced_chi2 = 0.0;
   double u_touch = 0, u_release = 0, u_peak = 0;  ///< standard uncertainties, the ring's share included
+  double u_exponent = 0;
 };
 
 /// The contact that stays closed: polynomial in time times 1 - exp(-(t - touch) / rise).

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <utility>
 
+#include "dsp/joint_start.h"
+#include "dsp/landing.h"
 #include "dsp/ring.h"
 
 namespace powbench::dsp {
@@ -37,8 +39,6 @@ Ring ring_from_tail(const Force& f, const Round& r, double t_end, const ExtractO
 
 constexpr double longest = 15e-3;          ///< s before the last touch in which a ring is looked for
 constexpr std::size_t most_contacts = 25;  ///< more are no bounce train
-constexpr double landing =
-    0.3e-3;  ///< s after the first impact in which a core may strike again and change the ring
 
 /// Window in which the core may have landed.
 std::pair<double, double> onset_range(const Round& r, const Measured& seat, double t0, double t_end) {
@@ -48,33 +48,6 @@ std::pair<double, double> onset_range(const Round& r, const Measured& seat, doub
   }
   const double last = last_event(r);
   return {std::max({r.intervals.front().touch - 4e-3, last - longest, 0.5e-3, t0}), last + 150e-6};
-}
-
-/// Start of a joint fit: pulses as crossed, or as the fit before had them where they overlap.
-JointModel model_of(const Round& r, double settled, const JointModel& before) {
-  JointModel m;
-  m.ring = before.ring;
-  m.pedestal = before.pedestal;
-  for (const Interval& c : r.intervals) {
-    if (c.open_ended()) {
-      m.rise = before.rise && before.rise->modelled && std::abs(before.rise->touch - c.touch) < 200e-6
-                   ? *before.rise
-                   : JointRise{.touch = c.touch, .rise = 2e-4, .modelled = true, .linear = {settled}};
-      continue;
-    }
-    JointPulse p;
-    const auto same = std::find_if(before.pulses.begin(), before.pulses.end(), [&](const JointPulse& q) {
-      return std::abs(q.shape.touch - c.touch) + std::abs(q.shape.release - c.release) < 80e-6;
-    });
-    if (same != before.pulses.end() && same->modelled) {
-      p = *same;
-    } else {
-      const double top = r.smooth_peak(c.touch, c.release);
-      p.shape = {c.touch, c.release, std::max(top, r.levels.touch), 1.2, 1.0};
-    }
-    m.pulses.push_back(p);
-  }
-  return m;
 }
 
 /// Modes larger than any vibration can be cancel each other where they are seen and say nothing elsewhere.
@@ -100,8 +73,22 @@ void add_modes(const JointInput& in, JointModel& m, double limit) {
   }
 }
 
+/// The strongest mode of `ring` at its onset is one of those of `other`, to a tenth.
+bool same_vibration(const Ring& ring, const Ring& other) {
+  const auto size = [&](const RingMode& m) {
+    return std::hypot(m.cosine, m.sine) * std::exp(-m.pole.decay * (ring.onset - ring.reference));
+  };
+  const auto main = std::max_element(ring.modes.begin(), ring.modes.end(),
+                                     [&](const RingMode& a, const RingMode& b) { return size(a) < size(b); });
+  return main != ring.modes.end() &&
+         std::any_of(other.modes.begin(), other.modes.end(), [&](const RingMode& m) {
+           return std::abs(m.pole.hertz - main->pole.hertz) < 0.1 * main->pole.hertz;
+         });
+}
+
 /// A ring that is not known yet: the strongest oscillation in what the contacts leave, its start tried every 0.2 ms.
-void seed_ring(const JointInput& in, JointModel& m, double from, double to) {
+/// False when there is none.
+bool seed_ring(const JointInput& in, JointModel& m, double from, double to) {
   const JointResidual left = joint_residual(in, m);
   double best = 0;
   for (double t = from; t < to; t += 0.2e-3) {
@@ -115,6 +102,7 @@ void seed_ring(const JointInput& in, JointModel& m, double from, double to) {
     best = gain;
     m.ring = std::move(ring);
   }
+  return best > 0;
 }
 
 /// Samples of [t1, t2].
@@ -150,6 +138,20 @@ void drop_stand_ins(const JointInput& in, JointModel& m) {
   }
 }
 
+/// The same after the core was seen to land: vibration that its own model did not reach yet crosses the levels as a small
+/// contact, and a fit with that contact keeps the vibration wrong. A pulse smaller than the ring where it lies stays only where it
+/// earns its parameters.
+void drop_ring_pieces(const JointInput& in, JointModel& m) {
+  for (std::size_t k = m.pulses.size(); k-- > 0;) {
+    const PulseShape f = m.pulses[k].shape;
+    if (!(f.peak < m.ring.amplitude_at(f.touch))) continue;
+    JointModel without = m;
+    without.pulses.erase(without.pulses.begin() + static_cast<std::ptrdiff_t>(k));
+    without = fit_joint(in, std::move(without), 8);
+    if (without.cost() < m.cost()) m = std::move(without);
+  }
+}
+
 struct Search {
   const Force& force;
   double t_end;
@@ -181,6 +183,7 @@ struct Search {
 
   Separated fitted(const Separated& s, Round r, double from, std::pair<double, double> onset,
                    int iterations) const {
+    const bool complete = from <= range.first;  // the window reaches back to the landing
     std::erase_if(r.intervals, [&](const Interval& c) {
       if (c.touch > from + 40e-6) return false;
       if (c.release > from && !c.open_ended()) from = c.release + 60e-6;
@@ -201,16 +204,19 @@ struct Search {
                         seat_known,
                         false,
                         seat_known ? range.first - 3 * seat_u - 10e-6 : 0.0,
-                        seat_known ? range.first + landing : 0.0};
-    JointModel start = model_of(out.round, force.settled, s.model);
+                        seat_known ? range.first + landing_time : 0.0};
+    const double limit = 1.5 * std::max(force.settled, 20 * force.noise);
+    JointModel start = start_of(out.round, force.settled, s.model);
     if (start.ring.empty()) {  // whatever rings is found in what the contacts leave
       JointInput all = in;
       all.keep_all = true;
       start = fit_joint(all, std::move(start), iterations);
-      if (start.reduced() > 1.1) seed_ring(all, start, in.onset_from, in.onset_to);
+      if (start.reduced() > 1.1 && seed_ring(all, start, in.onset_from, in.onset_to)) {
+        start = fit_joint(all, std::move(start), iterations);  // contacts are judged when all modes are in
+        add_modes(all, start, limit);
+      }
     }
     out.model = fit_joint(in, start, iterations);
-    const double limit = 1.5 * std::max(force.settled, 20 * force.noise);
     if (!bounded(out.model.ring, limit)) {  // better the ring that came in
       start.ring = s.model.ring;
       JointInput fixed = in;
@@ -222,10 +228,21 @@ struct Search {
     }
     if (!out.model.ring.empty()) {
       add_modes(in, out.model, limit);
-      if (!seat_known) drop_stand_ins(in, out.model);
+      if (!seat_known)
+        drop_stand_ins(in, out.model);
+      else if (complete)
+        drop_ring_pieces(in, out.model);
     }
     out.found = !out.model.ring.empty();
     return out;
+  }
+
+  /// A ring that died before its onset was reached is too faint to be carried back: looked for afresh in what the contacts of
+  /// the whole record leave.
+  void look_afresh(Separated& s, double from) const {
+    Separated fresh;
+    if (!round(fresh, from, range, 8) || !fresh.found) return;
+    if (!s.found || fresh.model.cost() < s.model.cost()) s = std::move(fresh);
   }
 
   /// A contact that nothing describes may hold the onset: starts all along it, the best is kept.
@@ -271,14 +288,24 @@ bool worth_stripping(const Separated& s, double noise) {
 }
 
 bool convincing(const Separated& s) {
-  if (!s.found || !s.whole || !(s.model.reduced() < 1.12) || s.model.left_out > 0 || !s.model.rise)
-    return false;
+  if (!s.whole || !(s.model.reduced() < 1.12) || s.model.left_out > 0 || !s.model.rise) return false;
   double before = -1e300;
   for (const JointPulse& p : s.model.pulses) {
     if (!(p.shape.touch > before) || !std::isfinite(p.u_touch + p.u_release)) return false;
     before = p.shape.release;
   }
   return s.model.rise->touch > before && std::isfinite(s.model.rise->u_touch);
+}
+
+Separated without_ring(const Force& f, const Round& first, double t_end, const ExtractOptions& o) {
+  Separated s;
+  if (first.intervals.empty() || first.intervals.size() > most_contacts) return s;
+  s.round = first;
+  const JointInput in{f.signal, f.noise, t_end, first.intervals.front().touch, first.intervals.front().touch,
+                      o};
+  s.model = fit_joint(in, start_of(first, f.settled, {}), 12);
+  s.whole = true;
+  return s;
 }
 
 Separated separate_ring(const Force& f, const Round& unaided, const Measured& core_seat, double t_end,
@@ -323,6 +350,14 @@ Separated separate_ring(const Force& f, const Round& unaided, const Measured& co
            s.model.ring.amplitude_at(s.model.ring.onset) >
                std::max(4 * f.noise * std::sqrt(std::min(1.0, f.signal.dt / 5e-6)), 0.015 * f.settled);
   };
+  if (!seat_known && s.found && !believable()) {
+    // Too faint to be vibration where it seems to start, so not followed to its start; afresh the same must be seen.
+    const Ring faint = std::exchange(s, {}).model.ring;
+    search.look_afresh(s, begin);
+    if (s.found && !same_vibration(s.model.ring, faint)) return {};
+  } else if (!seat_known && (!s.found || s.model.left_out > 0)) {
+    search.look_afresh(s, begin);
+  }
   if (!believable()) return {};
   if (seat_known) return s;  // what came before the core landed knows nothing of the ring
   const double onset = s.model.ring.onset;

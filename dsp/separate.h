@@ -23,6 +23,9 @@ bool worth_stripping(const Separated&, double noise);
 /// The explanation leaves nothing to ask: its sum of squares is what noise gives, and every contact is modelled.
 bool convincing(const Separated&);
 
+/// The whole record explained without any ring: all contacts of `first` in one joint fit.
+Separated without_ring(const Force&, const Round& first, double t_end, const ExtractOptions&);
+
 /// From the end backwards: the ring is first identified where the contact stays closed, then carried back in steps of 1.5 ms, so
 /// that it is never extrapolated far. In each step contacts are detected on the stripped force and fitted together with the
 /// ring; once the ring's onset lies well inside the window, the rest of the record is free of it. A ring that died before

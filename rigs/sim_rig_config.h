@@ -5,6 +5,7 @@
 #include <string>
 
 #include "core/units.h"
+#include "sim/supply/supply_modes.h"
 
 /// Everything a rig file can say about the simulated rig. Plain values in SI; defaults are a plausible bench.
 
@@ -90,6 +91,8 @@ struct SimRigConfig {
   DeviceConfig device;
   ScatterConfig scatter;
   FaultConfig faults;
+  sim::Supply
+      supply;  ///< source impedance, harmonics, dips, switch; volts, hertz and phase come with the shot
 };
 
 }  // namespace powbench::rigs

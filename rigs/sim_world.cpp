@@ -103,14 +103,15 @@ void SimWorld::begin_shot(firmware::SetPoints set_points) {
   Random random(static_cast<std::uint64_t>(set_points.seed));
   ++set_points.seed;
   const double celsius = 1e-3 * static_cast<double>(set_points.ambient_millidegc);
-  const sim::Mains mains{.volts = 1e-3 * static_cast<double>(set_points.supply_millivolts) *
-                                  (1.0 + config_.device.supply) *
-                                  (1.0 + config_.scatter.supply * random.normal()) * config_.faults.mains_dip,
-                         .hertz = 1e-3 * static_cast<double>(set_points.mains_millihertz),
-                         .phase = 2 * pi * random.uniform()};
+  sim::Mains mains = config_.supply.mains;
+  mains.volts = 1e-3 * static_cast<double>(set_points.supply_millivolts) * (1.0 + config_.device.supply) *
+                (1.0 + config_.scatter.supply * random.normal()) * config_.faults.mains_dip;
+  mains.hertz = 1e-3 * static_cast<double>(set_points.mains_millihertz);
+  mains.phase = 2 * pi * random.uniform();
   const sim::PlantOptions options{
       .relative_tolerance = config_.integrator_tolerance,
-      .coil_kelvin = celsius + zero_celsius + config_.scatter.coil_temperature * random.normal()};
+      .coil_kelvin = celsius + zero_celsius + config_.scatter.coil_temperature * random.normal(),
+      .coil_switch = config_.supply.coil_switch};
   const sim::Specimen device = device_for_shot(specimen_, config_, random);
   plant_ = std::make_unique<sim::Plant>(device, mains, options);
   sensors_ = std::make_unique<SensorChain>(config_.sensors, config_.sample_rate, mains.hertz, random.next());

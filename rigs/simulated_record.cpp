@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <stdexcept>
 
 #include "core/crc32.h"
 #include "core/phase.h"
@@ -35,34 +36,16 @@ std::uint32_t record_crc(const Record& record) {
   return crc;
 }
 
-}  // namespace
-
-SimulatedClosing simulate_record(const sim::Specimen& specimen, const Conditions& conditions,
-                                 const SimRigConfig& rig) {
-  const double rate = rig.sample_rate;
-  const auto samples = static_cast<std::size_t>(std::llrint(rig.record_length * rate));
-  const std::int64_t pretrigger = std::llrint(rig.pretrigger * rate);
-  const double angle = conditions.closing_angle + (conditions.polarity < 0 ? pi : 0.0);
-
-  // the plant's time starts with the record; sample n is taken at (n + 1) / rate, switch-on falls on a sample
-  const double switch_on = static_cast<double>(pretrigger + 1) / rate;
-  const double switch_off = switch_on + conditions.hold_time;
-  const sim::Mains mains{.volts = conditions.supply_volts,
-                         .hertz = conditions.mains_hertz,
-                         .phase = wrap_turn(angle - 2 * pi * conditions.mains_hertz * switch_on)};
-  sim::Plant plant(specimen, mains,
-                   {.relative_tolerance = rig.integrator_tolerance, .coil_kelvin = conditions.ambient});
-  SensorChain sensors(without_noise(rig.sensors), rate, conditions.mains_hertz, conditions.seed);
-
-  SimulatedClosing out;
-  Record& record = out.record;
+Record empty_record(const Conditions& conditions, const SimRigConfig& rig, const std::string& name) {
+  Record record;
   record.conditions = conditions;
-  record.sample_rate = rate;
-  record.fire_sample = pretrigger;
-  record.rig = "simulation";
+  record.sample_rate = rig.sample_rate;
+  record.fire_sample = std::llrint(rig.pretrigger * rig.sample_rate);
+  record.rig = name;
   record.firmware = program_version;
   record.calibration = "virtual";
-  const auto scales = channel_scales(rig.sensors, rate);
+  const auto samples = static_cast<std::size_t>(std::llrint(rig.record_length * rig.sample_rate));
+  const auto scales = channel_scales(rig.sensors, rig.sample_rate);
   for (std::size_t c = 0; c < channel_count; ++c) {
     record.channels.push_back({.channel = static_cast<Channel>(c),
                                .raw = std::vector<std::int16_t>(samples),
@@ -70,11 +53,45 @@ SimulatedClosing simulate_record(const sim::Specimen& specimen, const Conditions
                                .delay = scales[c].delay,
                                .corner_hertz = scales[c].corner_hertz});
   }
+  return record;
+}
+
+/// Samples first, first + 1, ... of the record from `oversampling` plant states each.
+void convert(SensorChain& sensors, const std::vector<sim::PlantSample>& states, std::size_t first,
+             Record& record) {
+  std::array<std::int16_t, channel_count> scan{};
+  for (std::size_t i = 0; i < states.size() / oversampling; ++i) {
+    sensors.convert({&states[i * oversampling], oversampling}, scan);
+    for (std::size_t c = 0; c < channel_count; ++c) record.channels[c].raw[first + i] = scan[c];
+  }
+}
+
+}  // namespace
+
+SimulatedClosing simulate_record(const sim::Specimen& specimen, const Conditions& conditions,
+                                 const SimRigConfig& rig) {
+  const double rate = rig.sample_rate;
+  const double angle = conditions.closing_angle + (conditions.polarity < 0 ? pi : 0.0);
+  SimulatedClosing out;
+  out.record = empty_record(conditions, rig, "simulation");
+  const std::size_t samples = out.record.samples();
+
+  // the plant's time starts with the record; sample n is taken at (n + 1) / rate, switch-on falls on a sample
+  const double switch_on = static_cast<double>(out.record.fire_sample + 1) / rate;
+  const double switch_off = switch_on + conditions.hold_time;
+  sim::Mains mains = rig.supply.mains;
+  mains.volts = conditions.supply_volts;
+  mains.hertz = conditions.mains_hertz;
+  mains.phase = wrap_turn(angle - 2 * pi * conditions.mains_hertz * switch_on);
+  sim::Plant plant(specimen, mains,
+                   {.relative_tolerance = rig.integrator_tolerance,
+                    .coil_kelvin = conditions.ambient,
+                    .coil_switch = rig.supply.coil_switch});
+  SensorChain sensors(without_noise(rig.sensors), rate, conditions.mains_hertz, conditions.seed);
 
   // in stretches of 1 ms: the integrator is not held to the converter's clock
   constexpr std::size_t stretch = 100;
   std::vector<SwitchEdge> edges{{switch_on, true}, {switch_off, false}};
-  std::array<std::int16_t, channel_count> scan{};
   for (std::size_t first = 0; first < samples; first += stretch) {
     const std::size_t count = std::min(stretch, samples - first);
     std::vector<double> times(count * oversampling);
@@ -87,17 +104,48 @@ SimulatedClosing simulate_record(const sim::Specimen& specimen, const Conditions
       edges.erase(edges.begin());
     }
     advance_through(plant, due, times, states);
-    for (std::size_t i = 0; i < count; ++i) {
-      sensors.convert({&states[i * oversampling], oversampling}, scan);
-      for (std::size_t c = 0; c < channel_count; ++c) record.channels[c].raw[first + i] = scan[c];
-    }
+    convert(sensors, states, first, out.record);
   }
-  record.crc32 = record_crc(record);
+  out.record.crc32 = record_crc(out.record);
 
   out.events.assign(plant.events().begin(), plant.events().end());
   for (auto& e : out.events) e.time -= switch_on;
   out.truth = sim::closing_truth(out.events, conditions.hold_time);
   out.evaluations = plant.evaluations();
+  return out;
+}
+
+SimulatedClosing simulate_record_with(const ClosingRun& run, const std::string& name,
+                                      const sim::Specimen& specimen, const Conditions& conditions,
+                                      const SimRigConfig& rig) {
+  const double dt = 1 / (rig.sample_rate * oversampling);
+  SimulatedClosing out;
+  out.record = empty_record(conditions, rig, name);
+  const std::size_t states = out.record.samples() * oversampling;
+  const std::size_t rest =
+      static_cast<std::size_t>(out.record.fire_sample + 1) * oversampling;  // at and before 0
+  if (rest >= states) throw std::invalid_argument("record_length: allowed above the pretrigger");
+  const double duration = static_cast<double>(states - rest) * dt;
+  auto closing = run(specimen, conditions, duration + 0.5 * dt, dt);
+
+  std::vector<sim::PlantSample> all(states);
+  const auto mains = sim::closing_mains(conditions);
+  sim::PlantSample last;
+  for (std::size_t i = 0; i < states; ++i) {
+    const bool known = i >= rest && i - rest < closing.samples.size();
+    if (known) last = closing.samples[i - rest];
+    all[i] = last;
+    all[i].time = static_cast<double>(i + 1) * dt;
+    const double t = all[i].time - static_cast<double>(rest) * dt;
+    all[i].mains_voltage = std::sqrt(2.0) * mains.volts * std::sin(2 * pi * mains.hertz * t + mains.phase);
+    if (!known && i >= rest) all[i].coil_voltage = t < conditions.hold_time ? all[i].mains_voltage : 0;
+  }
+  SensorChain sensors(without_noise(rig.sensors), rig.sample_rate, conditions.mains_hertz, conditions.seed);
+  convert(sensors, all, 0, out.record);
+  out.record.crc32 = record_crc(out.record);
+  out.events = std::move(closing.events);
+  out.truth = closing.truth;
+  out.evaluations = closing.evaluations;
   return out;
 }
 

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <functional>
+#include <string>
 #include <vector>
 
 #include "core/record.h"
@@ -20,5 +22,14 @@ struct SimulatedClosing {
 };
 
 SimulatedClosing simulate_record(const sim::Specimen&, const Conditions&, const SimRigConfig&);
+
+/// One closing on any rung: specimen, conditions, s simulated, s between samples; switch-on at 0.
+using ClosingRun = std::function<sim::Trajectory(const sim::Specimen&, const Conditions&, double duration,
+                                                 double sample_dt)>;
+
+/// The same record from another rung than the plant. `name` is kept with the record. A rung that ends early holds its last
+/// state to the end of the record.
+SimulatedClosing simulate_record_with(const ClosingRun&, const std::string& name, const sim::Specimen&,
+                                      const Conditions&, const SimRigConfig&);
 
 }  // namespace powbench::rigs

@@ -6,7 +6,7 @@
 
 namespace powbench::sim {
 
-Mains closing_mains(const Conditions& c) {
+Mains closing_mains(const Conditions& c, const Mains& bench) {
   if (!(c.supply_volts >= 0 && c.supply_volts <= 1e4))
     throw std::invalid_argument("supply_volts: allowed 0 .. 10000");
   if (!(c.mains_hertz >= 1 && c.mains_hertz <= 1000))
@@ -15,7 +15,7 @@ Mains closing_mains(const Conditions& c) {
   if (!(c.hold_time >= 0)) throw std::invalid_argument("hold_time: allowed 0 s and more");
   if (!(c.ambient >= 150 && c.ambient <= 600)) throw std::invalid_argument("ambient: allowed 150 .. 600 K");
   if (c.polarity != 1 && c.polarity != -1) throw std::invalid_argument("polarity: allowed +1, -1");
-  Mains m;
+  Mains m = bench;
   m.volts = c.supply_volts;
   m.hertz = c.mains_hertz;
   m.phase = c.closing_angle + (c.polarity < 0 ? pi : 0.0);
@@ -46,6 +46,7 @@ ClosingTruth closing_truth(std::span<const PlantEvent> events, double off) {
     const bool now_closed = a && b;
     if (now_closed == closed) continue;
     closed = now_closed;
+    if (e.time <= off) t.calm = closed ? off - e.time : 0;
     if (!closed) release = e.time;
     if (!closed && e.time > off && !t.opened) t.opened = e.time;
     if (!closed || e.time > off) continue;
@@ -61,10 +62,12 @@ ClosingTruth closing_truth(std::span<const PlantEvent> events, double off) {
 }
 
 Trajectory simulate(const Specimen& specimen, const Conditions& conditions, double duration, double sample_dt,
-                    double relative_tolerance) {
+                    double relative_tolerance, const Supply& bench) {
   if (!(duration > 0 && duration <= 100)) throw std::invalid_argument("duration: allowed 0 .. 100 s");
   if (!(sample_dt >= 0)) throw std::invalid_argument("sample_dt: allowed >= 0 s");
-  Plant plant(specimen, closing_mains(conditions), closing_options(conditions, relative_tolerance));
+  PlantOptions options = closing_options(conditions, relative_tolerance);
+  options.coil_switch = bench.coil_switch;
+  Plant plant(specimen, closing_mains(conditions, bench.mains), options);
   Trajectory result;
   std::vector<double> times;
   if (sample_dt > 0)
@@ -90,6 +93,7 @@ Trajectory simulate(const Specimen& specimen, const Conditions& conditions, doub
     result.truth.peak_current = std::max(result.truth.peak_current, std::fabs(s.coil_current));
   result.evaluations = plant.evaluations();
   result.energy_residual = plant.energy_residual();
+  result.supplied = plant.supplied_energy();
   return result;
 }
 

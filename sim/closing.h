@@ -29,7 +29,9 @@ struct ClosingTruth {
   double touch_velocity = 0;           ///< m/s, bridge against fixed contact at the first touch
   double seat_velocity = 0;            ///< m/s, core against stop at `core_seat`
   std::optional<double> opened;        ///< release of the measured pole after the coil was switched off
-  double peak_current = 0;             ///< A, largest magnitude among the samples
+  double calm =
+      0;  ///< s the pole had been closed without a break when the coil was switched off; 0: open then
+  double peak_current = 0;  ///< A, largest magnitude among the samples
 };
 
 struct Trajectory {
@@ -38,18 +40,19 @@ struct Trajectory {
   ClosingTruth truth;
   std::int64_t evaluations = 0;  ///< of the right-hand side
   double energy_residual = 0;
+  double supplied = 0;  ///< J, by the mains; 0 without a ledger
 };
 
-/// Mains and options a plant needs for these conditions.
-Mains closing_mains(const Conditions&);
+/// Mains and options a plant needs for these conditions: volts, hertz and phase are theirs, the rest is the bench's.
+Mains closing_mains(const Conditions&, const Mains& bench = {});
 PlantOptions closing_options(const Conditions&,
                              double relative_tolerance = PlantOptions{}.relative_tolerance);
 
-/// Simulates `duration` s from switch-on; the gate goes off at conditions.hold_time. Samples at k *
-/// sample_dt, k = 1, 2, ...; sample_dt = 0: none. Throws std::invalid_argument for a bad specimen or bad
-/// conditions.
+/// Simulates `duration` s from the command at t = 0, with which an ideal switch closes; the command goes off at
+/// conditions.hold_time. Samples at k * sample_dt, k = 1, 2, ...; sample_dt = 0: none. `bench`: source impedance,
+/// harmonics, dips and switch. Throws std::invalid_argument for a bad specimen, bad conditions or a bad supply.
 Trajectory simulate(const Specimen&, const Conditions&, double duration, double sample_dt,
-                    double relative_tolerance = PlantOptions{}.relative_tolerance);
+                    double relative_tolerance = PlantOptions{}.relative_tolerance, const Supply& bench = {});
 
 /// The truth in a list of events; `off` is the time the coil was switched off, s.
 ClosingTruth closing_truth(std::span<const PlantEvent> events, double off);

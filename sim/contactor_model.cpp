@@ -6,12 +6,14 @@ namespace powbench::sim {
 
 ContactorModel::ContactorModel(const Specimen& specimen, const Mains& mains, const PlantOptions& options)
     : specimen_(specimen),
-      mains_(mains),
+      supply_({mains, options.coil_switch}),
+      remanence_(remanence(specimen)),
       circuit_(specimen.magnet, specimen.core.travel),
       resistance_(specimen.coil.resistance *
                       (1 + specimen.coil.temperature_coefficient * (options.coil_kelvin - 293.15)) +
                   mains.resistance),
       source_resistance_(mains.resistance),
+      inductance_(specimen.coil.leakage + mains.inductance),
       open_stop_depth_(specimen.core.return_preload / specimen.core.stop_stiffness),
       seat_depth_(specimen.bridges.preload / specimen.bridges.seat_stiffness) {
   const auto& base = specimen_.base;
@@ -30,6 +32,7 @@ ContactorModel::ContactorModel(const Specimen& specimen, const Mains& mains, con
   add_groups();
   for (int i = 0; i < 4; ++i) scale_[static_cast<std::size_t>(ledger_ + i)] = 1;
   reset_modes();
+  start_energy_ = stored_energy(rest().data());
 }
 
 int ContactorModel::add_contact(double stiffness, double damping) {
@@ -70,6 +73,10 @@ void ContactorModel::add_groups() {
     scale_[at] = 1e-3;
     scale_[at + 1] = 1;
     next += 2;
+  }
+  if (remanence_.present()) {
+    scale_[static_cast<std::size_t>(next)] = remanence_.current;
+    offset_ = next++;
   }
   ledger_ = next;
 }
@@ -136,20 +143,35 @@ double ContactorModel::core_force(const double* s) const {
   return f.core;
 }
 
-void ContactorModel::flux_rates(const Field& f, double voltage, double separation_rate, double* ds) const {
+double ContactorModel::mmf_stiffness(const Field& f) const {
+  return circuit_.has_ring() ? f.mmf_phi : f.mmf_phi + circuit_.shaded_share() * f.mmf_phi2;
+}
+
+double ContactorModel::flux_rates(const Field& f, double offset, double voltage, double separation_rate,
+                                  double* ds) const {
   const auto& coil = specimen_.coil;
   const bool ring = circuit_.has_ring();
   const double share = circuit_.shaded_share();
   ds[phi2] = ring ? -circuit_.ring_resistance() * f.ring_current : 0.0;
-  const double stiffness = ring ? f.mmf_phi : f.mmf_phi + share * f.mmf_phi2;
+  const double stiffness = mmf_stiffness(f);
+  const double ratio = inductance_ / coil.turns;  // L di = ratio d mmf
+  double linkage_rate = 0;
   const double other = f.mmf_phi2 * ds[phi2] + f.mmf_separation * separation_rate;
-  if (coil_ == Coil::open) {
-    ds[phi] = -other / stiffness;
+  if (!supply_.feeds()) {
+    double mmf_rate = 0;  // without remanence the current stays zero
+    if (remanence_.present()) {
+      const double turning = remanence_.stiffness(offset, other < 0);
+      linkage_rate = -coil.turns * other / stiffness /
+                     (1 + turning * (coil.turns * coil.turns / stiffness + inductance_));
+      mmf_rate = -coil.turns * turning * linkage_rate;
+    }
+    ds[phi] = (mmf_rate - other) / stiffness;
   } else {
-    const double ratio = coil.leakage / coil.turns;  // L di = ratio d mmf
-    ds[phi] = (voltage - resistance_ * f.mmf / coil.turns - ratio * other) / (coil.turns + ratio * stiffness);
+    linkage_rate = voltage - resistance_ * f.mmf / coil.turns - resistance_ * offset;
+    ds[phi] = (linkage_rate - ratio * other) / (coil.turns + ratio * stiffness);
   }
   if (!ring) ds[phi2] = share * ds[phi];
+  return linkage_rate;
 }
 
 double ContactorModel::losses(const double* s, const Forces& f) const {
@@ -170,9 +192,9 @@ double ContactorModel::losses(const double* s, const Forces& f) const {
 void ContactorModel::derivative(double t, const double* s, double* ds) const {
   Forces f;
   forces(s, f);
-  const bool on = coil_ != Coil::open;
-  const double voltage = on ? mains(t) : 0.0;
-  flux_rates(f.field, voltage, s[static_core_ + 1] - s[v], ds);
+  const bool on = supply_.feeds();
+  const double voltage = on ? supply_.voltage(t) : 0.0;
+  const double linkage_rate = flux_rates(f.field, offset(s), voltage, s[static_core_ + 1] - s[v], ds);
 
   const auto& core = specimen_.core;
   ds[x] = s[v];
@@ -213,13 +235,16 @@ void ContactorModel::derivative(double t, const double* s, double* ds) const {
     dq[3] = -(b.half_length * (c[2] - c[3]) + b.seat_half_length * (c[0] - c[1])) / b.inertia;
   }
 
-  const double i = on ? f.field.mmf / specimen_.coil.turns : 0.0;
+  const double i = on ? f.field.mmf / specimen_.coil.turns + offset(s) : 0.0;
   double* ledger = ds + ledger_;
   ledger[0] = voltage * i;
   ledger[1] = resistance_ * i * i;
   ledger[2] =
       circuit_.has_ring() ? circuit_.ring_resistance() * f.field.ring_current * f.field.ring_current : 0.0;
   ledger[3] = losses(s, f);
+  if (offset_ < 0) return;
+  ds[offset_] = remanence_.rate(s[offset_], linkage_rate);
+  ledger[3] += remanence_.loss(s[offset_], linkage_rate);
 }
 
 }  // namespace powbench::sim

@@ -6,17 +6,19 @@
 
 #include "sim/magnetic_circuit.h"
 #include "sim/plant.h"
+#include "sim/remanence.h"
 #include "sim/unilateral.h"
 
 /// The contactor as a system with modes for `EventIntegrator`. One data model:
 ///
 ///   states   phi, phi2 | x, v (core) | z, w (base) | per bridge group y, y' [, tilt, tilt'] | [b, b' (static core
-///            on its buffer)] | ledger: 4 energies
-///   modes    coil open / closed / closed until the current's next zero | each contact pressed or
-///   free | friction guards   one per contact, one for friction, one for the current zero
+///            on its buffer)] | [i_h (remanence)] | ledger: 4 energies
+///   modes    those of the supply (sim/supply) | each contact pressed or free | friction
+///   guards   one per contact, one for friction, one for the current, one for what the supply does at its time
 ///
 /// Equations (SI, + = closing direction, s = travel - (x - b); b = z where the static core is part of the base):
 ///   N phi' + L i' = u - R i,   phi2' = -R_sh i_sh                     fluxes; with the coil open i = 0
+///   with remanence u - R (i + i_h) there, and i = -i_h with the coil open (sim/remanence.h)
 ///   instead M x''   = pull - F_r0 - k_r x - sum n (F_c0 + k_c (x - y) - F_seat) + F_open - F_stop - friction
 ///   M_h z'' = -pull - k_h z - c_h z' + F_stop + sum n (F_A + F_B)
 ///             with a buffer F_b = k_s (b - z) + c_s (b' - z') in place of F_stop - pull, and
@@ -30,36 +32,38 @@ namespace powbench::sim {
 class ContactorModel {
  public:
   static constexpr int max_poles = 8;
-  static constexpr int capacity = 6 + 4 * max_poles + 2 + 4;
-  static constexpr int guard_capacity = 2 + 4 * max_poles + 2;
+  static constexpr int capacity = 6 + 4 * max_poles + 2 + 1 + 4;
+  static constexpr int guard_capacity = 2 + 4 * max_poles + 3;
   using State = std::array<double, capacity>;
 
   enum : int { phi, phi2, x, v, z, w, first_group };
-  enum class Coil : std::uint8_t { open, closed, opening };
   enum class Friction : std::uint8_t { none, stick, forward, backward };
 
   ContactorModel(const Specimen&, const Mains&, const PlantOptions&);
 
   // The system, as EventIntegrator wants it.
   int size() const { return ledger_ + 4; }
-  int guard_count() const { return contact_count_ + 2; }
+  int guard_count() const { return contact_count_ + 3; }
   double scale(int i) const { return scale_[static_cast<std::size_t>(i)]; }
   void derivative(double t, const double* s, double* ds) const;
   void guards(double t, const double* s, double* g) const;
   void flip(double t, double* s, std::uint64_t which);
 
-  /// Static equilibrium without flux: all displacements are zero there.
-  State rest() const { return State{}; }
-  /// Back to the modes of the static equilibrium, coil open.
+  /// Static equilibrium at the start: all displacements are zero, the flux is what the iron remembers.
+  State rest() const { return rest(remanence_.start()); }
+  /// The same with another offset of remanence, A.
+  State rest(double offset) const;
+  double offset(const double* s) const { return offset_ < 0 ? 0.0 : s[offset_]; }
+  /// Back to the modes of the static equilibrium; those of the supply stay.
   void reset_modes();
   bool near_rest(const State&) const;
 
-  Coil coil() const { return coil_; }
+  const SupplyModes& supply() const { return supply_; }
   void set_coil(double t, double* s, bool on);
 
-  double mains(double t) const;                 ///< V
   double current(const double* s) const;        ///< A
   double stored_energy(const double* s) const;  ///< J, zero at rest
+  double supplied_energy(const double* s) const { return s[ledger_]; }
   /// Supplied energy minus losses minus stored energy, over the supplied one.
   double energy_residual(const double* s) const;
   void book_loss(double* s, double joule) const { s[ledger_ + 3] += joule; }
@@ -93,22 +97,30 @@ class ContactorModel {
   double core_force(const double* s) const;  ///< N, without friction
   double separation(const double* s) const { return specimen_.core.travel - (s[x] - s[static_core_]); }
   bool floats() const { return static_core_ != z; }
+  double coil_current(const double* s) const;  ///< A, as if fed
+  double mmf_stiffness(const Field&) const;    ///< d mmf / d phi, A/Wb, of what follows phi
+  double flux_linkage(const double* s) const;  ///< Wb, with all that is in series
+  double current_rate(const Field&, double separation_rate, const double* flux_rates) const;  ///< A/s
   double second_flux(const double* s) const {
     return circuit_.has_ring() ? s[phi2] : circuit_.shaded_share() * s[phi];
   }
-  void flux_rates(const Field&, double voltage, double separation_rate, double* ds) const;
+  /// Writes the rates of both fluxes; returns that of the flux linkage, V, which is known where there is remanence.
+  double flux_rates(const Field&, double offset, double voltage, double separation_rate, double* ds) const;
   double losses(const double* s, const Forces&) const;
   void flip_contact(double t, int k, double rate);
   void flip_friction(double t, double* s);
+  void settle_supply(double t, double* s, SupplyModes::Effect, double energy_before);
   void publish(PlantEvent::Kind, double t, double velocity);
   int add_contact(double stiffness, double damping);
   void add_groups();
 
   Specimen specimen_;
-  Mains mains_;
+  SupplyModes supply_;
+  Remanence remanence_;
   MagneticCircuit circuit_;
   double resistance_;  ///< coil, warm, with the source, ohm
   double source_resistance_;
+  double inductance_;          ///< in series with the core: leakage and source, H
   double base_rate_;           ///< N/m
   double base_damping_;        ///< N s/m
   double buffer_rate_ = 0;     ///< N/m
@@ -120,9 +132,9 @@ class ContactorModel {
   std::array<Unilateral, guard_capacity> contacts_{};
   std::array<double, capacity> scale_{};
   int contact_count_ = 0;
+  int offset_ = -1;  ///< state of the remanence, -1: none
   int ledger_ = 0;
-  Coil coil_ = Coil::open;
-  double current_sign_ = 1;
+  double start_energy_ = 0;  ///< J, of the remanence
   Friction friction_ = Friction::none;
   std::vector<PlantEvent> events_;
 };

@@ -14,10 +14,9 @@ void ContactorModel::reset_modes() {
     if (g.tilts) contacts_[static_cast<std::size_t>(g.first_contact + 1)].pressed = true;
   }
   friction_ = specimen_.core.friction > 0 ? Friction::stick : Friction::none;
-  coil_ = Coil::open;
 }
 
-void ContactorModel::guards(double, const double* s, double* g) const {
+void ContactorModel::guards(double t, const double* s, double* g) const {
   double pen[guard_capacity];
   double rate[guard_capacity];
   penetrations(s, pen, rate);
@@ -38,7 +37,8 @@ void ContactorModel::guards(double, const double* s, double* g) const {
       friction = -s[v];
       break;
   }
-  g[contact_count_ + 1] = coil_ == Coil::opening ? current_sign_ * current(s) : 1.0;
+  g[contact_count_ + 1] = supply_.watches_current() ? supply_.current_guard(coil_current(s)) : 1.0;
+  g[contact_count_ + 2] = supply_.next_change() - t;
 }
 
 void ContactorModel::flip(double t, double* s, std::uint64_t which) {
@@ -47,9 +47,12 @@ void ContactorModel::flip(double t, double* s, std::uint64_t which) {
   penetrations(s, pen, rate);
   for (int k = 0; k < contact_count_; ++k)
     if ((which >> k & 1U) != 0) flip_contact(t, k, rate[k]);
-  if ((which >> (contact_count_ + 1) & 1U) != 0) {
-    coil_ = Coil::open;
-    publish(PlantEvent::Kind::coil_open, t, 0);
+  const bool by_current = (which >> (contact_count_ + 1) & 1U) != 0;
+  const bool by_time = (which >> (contact_count_ + 2) & 1U) != 0;
+  if (by_current || by_time) {
+    const double before = stored_energy(s);
+    if (by_current) settle_supply(t, s, supply_.pass_current(current(s)), before);
+    if (by_time) settle_supply(t, s, supply_.pass(t, current(s)), before);
   }
   const bool friction = (which >> contact_count_ & 1U) != 0;
   if (friction || friction_ == Friction::stick) flip_friction(t, s);
@@ -84,30 +87,60 @@ void ContactorModel::publish(PlantEvent::Kind kind, double t, double velocity) {
   events_.push_back({kind, t, velocity});
 }
 
+ContactorModel::State ContactorModel::rest(double offset) const {
+  State s{};
+  if (offset_ < 0 || offset == 0) return s;
+  s[static_cast<std::size_t>(offset_)] = offset;
+  const double share = circuit_.shaded_share();  // the ring is at rest too
+  for (int pass = 0; pass < 60; ++pass) {
+    const Field f = circuit_.field(s[phi], share * s[phi], separation(s.data()));
+    const double change = (f.mmf + specimen_.coil.turns * offset) / (f.mmf_phi + share * f.mmf_phi2);
+    s[phi] -= change;
+    if (std::fabs(change) <= 1e-15 * std::fabs(s[phi])) break;
+  }
+  s[phi2] = share * s[phi];
+  return s;
+}
+
 bool ContactorModel::near_rest(const State& s) const {
-  if (coil_ != Coil::open) return false;
+  if (supply_.feeds() || supply_.pending()) return false;
+  const State calm = rest(offset(s.data()));
   for (int i = 0; i < ledger_; ++i) {
     const auto k = static_cast<std::size_t>(i);
     const bool displacement = i >= x && (i - x) % 2 == 0;  // friction may hold the core a little off zero
-    if (std::fabs(s[k]) > (displacement ? 1e-4 : 1e-5) * scale_[k]) return false;
+    if (std::fabs(s[k] - calm[k]) > (displacement ? 1e-4 : 1e-5) * scale_[k]) return false;
   }
   return true;
 }
 
 void ContactorModel::set_coil(double t, double* s, bool on) {
-  if (on) {
-    coil_ = Coil::closed;
-    return;
+  const double before = stored_energy(s);
+  settle_supply(t, s, supply_.command(t, on, current(s)), before);
+}
+
+/// After an event of the supply: a current that was cut is brought to zero, the flux jumps to what remains without it.
+void ContactorModel::settle_supply(double t, double* s, SupplyModes::Effect effect, double energy_before) {
+  if (effect == SupplyModes::Effect::none) return;
+  publish(PlantEvent::Kind::coil_open, t, 0);
+  if (effect != SupplyModes::Effect::cut) return;
+  const double before = flux_linkage(s);
+  const double offset_before = offset(s);
+  const double turns = specimen_.coil.turns;
+  for (int pass = 0; pass < 60; ++pass) {
+    const Field f = circuit_.field(s[phi], second_flux(s), separation(s));
+    double slope = mmf_stiffness(f);
+    double miss = f.mmf;
+    if (offset_ >= 0) {
+      const double gone = turns * s[phi] + inductance_ / turns * f.mmf - before;
+      s[offset_] = remanence_.after(offset_before, gone);
+      miss += turns * s[offset_];
+      slope += turns * remanence_.stiffness(s[offset_], gone > 0) * (turns + inductance_ / turns * slope);
+    }
+    s[phi] -= miss / slope;
+    if (std::fabs(miss / slope) <= 1e-15 * std::fabs(s[phi])) break;
   }
-  if (coil_ != Coil::closed) return;
-  const double i = current(s);
-  if (i == 0) {
-    coil_ = Coil::open;
-    publish(PlantEvent::Kind::coil_open, t, 0);
-    return;
-  }
-  coil_ = Coil::opening;
-  current_sign_ = i > 0 ? 1 : -1;
+  if (!circuit_.has_ring()) s[phi2] = circuit_.shaded_share() * s[phi];
+  book_loss(s, energy_before - stored_energy(s));
 }
 
 }  // namespace powbench::sim

@@ -1,19 +1,26 @@
 #include "sim/contactor_model.h"
 
 #include <cmath>
-#include <numbers>
 
-/// What the contactor shows: mains, current, energies, samples.
+/// What the contactor shows: current, energies, samples.
 
 namespace powbench::sim {
 
-double ContactorModel::mains(double t) const {
-  return std::numbers::sqrt2 * mains_.volts * std::sin(2 * pi * mains_.hertz * t + mains_.phase);
+double ContactorModel::current(const double* s) const {
+  return supply_.feeds() ? coil_current(s) : 0.0;
 }
 
-double ContactorModel::current(const double* s) const {
-  if (coil_ == Coil::open) return 0;
-  return circuit_.field(s[phi], second_flux(s), separation(s)).mmf / specimen_.coil.turns;
+double ContactorModel::coil_current(const double* s) const {
+  return circuit_.field(s[phi], second_flux(s), separation(s)).mmf / specimen_.coil.turns + offset(s);
+}
+
+double ContactorModel::flux_linkage(const double* s) const {
+  return specimen_.coil.turns * s[phi] + inductance_ * (coil_current(s) - offset(s));
+}
+
+double ContactorModel::current_rate(const Field& f, double separation_rate, const double* rates) const {
+  return (f.mmf_phi * rates[phi] + f.mmf_phi2 * rates[phi2] + f.mmf_separation * separation_rate) /
+         specimen_.coil.turns;
 }
 
 double ContactorModel::stored_energy(const double* s) const {
@@ -22,8 +29,9 @@ double ContactorModel::stored_energy(const double* s) const {
   double pen[guard_capacity];
   double rate[guard_capacity];
   penetrations(s, pen, rate);
-  const double i = current(s);
-  double e = circuit_.energy(s[phi], second_flux(s), separation(s)) + 0.5 * specimen_.coil.leakage * i * i;
+  const double i = offset_ < 0 ? current(s) : coil_current(s) - s[offset_];  // that the potential sees
+  double e = circuit_.energy(s[phi], second_flux(s), separation(s)) + 0.5 * inductance_ * i * i +
+             remanence_.stored(offset(s));
   e += 0.5 * core.mass * s[v] * s[v] + s[x] * (core.return_preload + 0.5 * core.return_rate * s[x]);
   e += 0.5 * specimen_.base.mass * s[w] * s[w] + 0.5 * base_rate_ * s[z] * s[z];
   if (floats()) {
@@ -50,26 +58,33 @@ double ContactorModel::stored_energy(const double* s) const {
 
 double ContactorModel::energy_residual(const double* s) const {
   const double* l = s + ledger_;
-  const double missing = l[0] - l[1] - l[2] - l[3] - stored_energy(s);
+  const double missing = l[0] - l[1] - l[2] - l[3] - (stored_energy(s) - start_energy_);
   return l[0] > 0 ? std::fabs(missing) / l[0] : std::fabs(missing);
 }
 
 void ContactorModel::sample(double t, const double* s, PlantSample& out) const {
   Forces f;
   forces(s, f);
-  const bool on = coil_ != Coil::open;
+  const bool on = supply_.feeds();
   const auto& measured = groups_.front();
   const double* c = f.contact + measured.first_contact;
   out.time = t;
-  out.mains_voltage = mains(t);
-  out.coil_current = on ? f.field.mmf / specimen_.coil.turns : 0.0;
-  out.flux_linkage = specimen_.coil.turns * s[phi] + specimen_.coil.leakage * out.coil_current;
+  out.mains_voltage = supply_.voltage_at(t);
+  out.coil_current = on ? f.field.mmf / specimen_.coil.turns + offset(s) : 0.0;
+  const double leaking = offset_ < 0 ? out.coil_current : f.field.mmf / specimen_.coil.turns;
+  out.flux_linkage = specimen_.coil.turns * s[phi] + specimen_.coil.leakage * leaking;
+  const double apart = s[static_core_ + 1] - s[v];
+  double rates[2];
   if (on) {
     out.coil_voltage = out.mains_voltage - source_resistance_ * out.coil_current;
+    const double source_inductance = supply_.mains().inductance;
+    if (source_inductance > 0) {
+      flux_rates(f.field, offset(s), out.mains_voltage, apart, rates);
+      out.coil_voltage -= source_inductance * current_rate(f.field, apart, rates);
+    }
   } else {
-    double rates[2];
-    flux_rates(f.field, 0, s[static_core_ + 1] - s[v], rates);
-    out.coil_voltage = specimen_.coil.turns * rates[phi];
+    const double linkage_rate = flux_rates(f.field, offset(s), 0, apart, rates);
+    out.coil_voltage = offset_ < 0 ? specimen_.coil.turns * rates[phi] : linkage_rate;
   }
   out.pull = f.field.pull;
   out.travel = s[x];

@@ -13,7 +13,9 @@ namespace powbench::sim {
 
 struct Plant::Impl {
   Impl(const Specimen& specimen, const Mains& mains, const PlantOptions& options)
-      : model(specimen, mains, options), integrator(model, options.relative_tolerance, 0.05 / mains.hertz) {
+      : model(specimen, mains, options),
+        integrator(model, options.relative_tolerance, 0.05 / mains.hertz),
+        rest_state(model.rest()) {
     model.events().reserve(256);
   }
   Impl(const Impl& other)
@@ -40,8 +42,7 @@ struct Plant::Impl {
   }
 
   void gate(bool on) {
-    const bool is_on = model.coil() == ContactorModel::Coil::closed;
-    if (on == is_on || (!on && model.coil() == ContactorModel::Coil::opening)) return;
+    if (on == model.supply().commanded()) return;
     auto s = state_now();
     model.set_coil(now, s.data(), on);
     integrator.restart(now, s, first_step);
@@ -50,11 +51,11 @@ struct Plant::Impl {
 
   void settle() {
     ContactorModel::State s = integrator.end_state();
-    ContactorModel::State calm = model.rest();
+    ContactorModel::State calm = model.rest(model.offset(s.data()));
     const auto ledger = static_cast<std::size_t>(model.size() - 4);
     std::copy(s.begin() + static_cast<std::ptrdiff_t>(ledger), s.begin() + model.size(),
               calm.begin() + static_cast<std::ptrdiff_t>(ledger));
-    model.book_loss(calm.data(), model.stored_energy(s.data()));
+    model.book_loss(calm.data(), model.stored_energy(s.data()) - model.stored_energy(calm.data()));
     model.reset_modes();
     rest_state = calm;
     at_rest = true;
@@ -85,9 +86,7 @@ struct Plant::Impl {
 
 Plant::Plant(const Specimen& specimen, const Mains& mains, const PlantOptions& options) {
   require_valid(specimen);
-  if (!(mains.hertz > 0 && mains.hertz < 1e5))
-    throw std::invalid_argument("mains hertz: allowed above 0, below 1e5");
-  if (!(mains.resistance >= 0)) throw std::invalid_argument("mains resistance: allowed 0 ohm and more");
+  require_valid(Supply{mains, options.coil_switch});
   if (!(options.relative_tolerance >= 1e-14 && options.relative_tolerance <= 1e-2))
     throw std::invalid_argument("relative tolerance: allowed 1e-14 .. 1e-2");
   impl_ = std::make_unique<Impl>(specimen, mains, options);
@@ -117,6 +116,9 @@ std::span<const PlantEvent> Plant::events() const {
 }
 std::int64_t Plant::evaluations() const {
   return impl_->integrator.evaluations();
+}
+double Plant::supplied_energy() const {
+  return impl_->model.supplied_energy(impl_->state_now().data());
 }
 double Plant::energy_residual() const {
   return impl_->model.energy_residual(impl_->state_now().data());

@@ -5,23 +5,17 @@
 #include <span>
 
 #include "sim/specimen.h"
+#include "sim/supply/supply_modes.h"
 
 /// The contactor as a dynamic system in virtual time: switch the coil, advance, read samples.
 /// The simulated rig steps it in lock-step with the firmware; `sim/closing.h` runs it alone.
 
 namespace powbench::sim {
 
-/// Mains at the coil switch: u(t) = sqrt(2) volts sin(2 pi hertz t + phase), behind `resistance`.
-struct Mains {
-  double volts = 230;     ///< V rms
-  double hertz = 50;      ///< Hz
-  double phase = 0;       ///< rad at t = 0
-  double resistance = 0;  ///< ohm, source
-};
-
 struct PlantOptions {
   double relative_tolerance = 1e-8;  ///< of the integrator, per state scale
   double coil_kelvin = 293.15;       ///< K
+  CoilSwitch coil_switch{};
 };
 
 /// Everything a sensor may want, at one instant. Two breaks of the measured bridge: A and B.
@@ -71,8 +65,8 @@ class Plant {
 
   double now() const;  ///< s
 
-  /// Gate of the coil switch, from now() on. On: closes at once. Off: opens at the next zero of the current
-  /// (triac).
+  /// Commands the coil switch on or off, from now() on. The default one closes at once and opens at the next zero of
+  /// the current.
   void gate(bool on);
 
   /// Integrates to `t_end` >= now() and fills `out[k]` with the state at `times[k]`, now() < times[k] <=
@@ -85,6 +79,8 @@ class Plant {
   /// Right-hand-side evaluations so far: the cost.
   std::int64_t evaluations() const;
 
+  /// By the mains so far, J.
+  double supplied_energy() const;
   /// Energy ledger: |supplied - stored - dissipated| / supplied so far. A check on the integration.
   double energy_residual() const;
 

@@ -24,6 +24,9 @@ namespace {
   X(magnet, bh_linear, "bh_linear_A_per_m_per_T", 1, 0.1, 1e6, "a of H = a B + b B^n")                       \
   X(magnet, bh_power, "bh_power_A_per_m", 1, 0, 1e6, "b of H = a B + b B^n, at 1 T")                         \
   X(magnet, bh_exponent, "bh_exponent", 1, 1, 40, "n of H = a B + b B^n")                                    \
+  X(magnet, coercive_field, "coercive_field_A_per_m", 1, 0, 1e4, "H_c of the iron; 0: no remanence")         \
+  X(magnet, coercive_span, "coercive_span_T", 1, 1e-4, 2, "B_c, in which the coercive field turns over")     \
+  X(magnet, remanence, "remanence", 1, -1, 1, "left by the last switch-off, of the largest there is")        \
   X(core, mass, "mass_g", 1e-3, 0.1, 2e4, "M, armature and holder")                                          \
   X(core, travel, "travel_mm", 1e-3, 0.1, 50, "contact gap plus overtravel")                                 \
   X(core, return_preload, "return_preload_N", 1, 0, 1e4, "F_r0, return spring, open")                        \

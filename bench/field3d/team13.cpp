@@ -13,31 +13,46 @@ namespace {
 
 constexpr double mm = 1e-3;
 
+/// Planes of the grid.
+struct Lines {
+  std::vector<double> x, y, z;
+
+  explicit Lines(double size) {
+    const auto line = [&](std::vector<sim::GridMark> marks) {
+      for (auto& m : marks) m = {m.at * mm, m.size * mm * size};
+      return sim::graded_line(marks, 1 + 2 * std::min(size, 1.2), 400 * size * mm);
+    };
+    x = line({{0, 0.8}, {1.6, 0.3}, {2.1, 0.25}, {75, 20}, {100, 20}, {118.9, 2}, {122.1, 2}, {1500, 400}});
+    y = line({{0, 12}, {15, 0.3}, {25, 0.3}, {65, 1.5}, {75, 20}, {100, 20}, {1500, 400}});
+    const auto half = y;
+    for (std::size_t k = 1; k < half.size(); ++k) y.insert(y.begin(), -half[k]);
+    z = line({{0, 12}, {50, 8}, {60, 0.2}, {63.2, 0.2}, {1500, 400}});
+  }
+};
+
+bool in_steel(const sim::Vec3& centre) {
+  const double x = centre[0] / mm, y = centre[1] / mm, z = centre[2] / mm;
+  const bool plate = x < 1.6 && std::fabs(y) < 25 && z < 63.2;
+  const bool across = y > 15 && y < 65;
+  const bool sheet = across && x > 2.1 && x < 122.1 && z > 60 && z < 63.2;
+  const bool arm = across && x > 118.9 && x < 122.1 && z < 63.2;
+  return plate || sheet || arm;
+}
+
+std::function<sim::Vec3(const sim::Vec3&)> coil() {
+  return sim::coil_field({0, 0, 75 * mm, 75 * mm, 25 * mm, 25 * mm, -50 * mm, 50 * mm, 1});
+}
+
 }  // namespace
 
 sim::Problem3 team13(double size, sim::Cell cell) {
-  const auto line = [&](std::vector<sim::GridMark> marks) {
-    for (auto& m : marks) m = {m.at * mm, m.size * mm * size};
-    return sim::graded_line(marks, 1 + 2 * std::min(size, 1.2), 400 * size * mm);
-  };
-  const auto x =
-      line({{0, 0.8}, {1.6, 0.3}, {2.1, 0.25}, {75, 20}, {100, 20}, {118.9, 2}, {122.1, 2}, {1500, 400}});
-  auto y = line({{0, 12}, {15, 0.3}, {25, 0.3}, {65, 1.5}, {75, 20}, {100, 20}, {1500, 400}});
-  const auto half = y;
-  for (std::size_t k = 1; k < half.size(); ++k) y.insert(y.begin(), -half[k]);
-  const auto z = line({{0, 12}, {50, 8}, {60, 0.2}, {63.2, 0.2}, {1500, 400}});
+  const Lines lines(size);
   enum { air, iron };
   sim::Problem3 p;
-  p.mesh = sim::grid_mesh(x, y, z, cell, [](const sim::Vec3& c) -> int {
-    const double cx = c[0] / mm, cy = c[1] / mm, cz = c[2] / mm;
-    const bool plate = cx < 1.6 && std::fabs(cy) < 25 && cz < 63.2;
-    const bool across = cy > 15 && cy < 65;
-    const bool sheet = across && cx > 2.1 && cx < 122.1 && cz > 60 && cz < 63.2;
-    const bool arm = across && cx > 118.9 && cx < 122.1 && cz < 63.2;
-    return plate || sheet || arm ? iron : air;
-  });
+  p.mesh = sim::grid_mesh(lines.x, lines.y, lines.z, cell,
+                          [](const sim::Vec3& c) -> int { return in_steel(c) ? iron : air; });
   p.media = {sim::air(), sim::solid(sim::builtin_steel("team13"))};
-  p.windings = {sim::coil_field({0, 0, 75 * mm, 75 * mm, 25 * mm, 25 * mm, -50 * mm, 50 * mm, 1})};
+  p.windings = {coil()};
   p.copies = 4;
   std::map<std::pair<double, double>, int> on_plane;  // nodes at x = 0 by y, z
   for (std::size_t n = 0; n < p.mesh.nodes.size(); ++n) {
@@ -59,6 +74,15 @@ double team13_plate_average(const sim::Coenergy3& function, const sim::State3& s
     for (int j = 0; j < ny; ++j)
       sum += probe.at({1.6 * mm * (i + 0.5) / nx, 50 * mm * ((j + 0.5) / ny - 0.5), z}).b[2];
   return std::fabs(sum) / (nx * ny);
+}
+
+EdgeProblem team13_edges(double size) {
+  const Lines lines(size);
+  return {lines.x, lines.y, lines.z, in_steel, sim::builtin_steel("team13"), coil(), 4};
+}
+
+double team13_plate_average(const EdgeProblem& p, const EdgeSolution& s, double z) {
+  return std::fabs(edge_average(p, s, 0, 1.6 * mm, -25 * mm, 25 * mm, z));
 }
 
 }  // namespace powbench::bench

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "bench/field3d/edge3.h"
 #include "sim/field3d/coenergy3.h"
 
 /// TEAM workshop problem 13: thin saturated plates with gaps of 0.5 mm round a coil.
@@ -9,6 +10,9 @@ namespace powbench::bench {
 /// A quarter of the whole: z >= 0 (H x n = 0 at z = 0) and x >= 0, whose face x = 0 is tied to itself, turned by 180
 /// degrees about z. One winding of one turn. `size` scales all cells.
 sim::Problem3 team13(double size, sim::Cell cell = sim::Cell::hex20);
+
+/// The same on the edges of the grid: the bound from the other side.
+EdgeProblem team13_edges(double size);
 
 struct Team13Plate {
   double z_mm, b;  ///< T, average |B_z| over the centre plate's section, 1000 A
@@ -25,5 +29,6 @@ inline constexpr Team13Air team13_air[] = {{10, 0.05930}, {20, 0.04000},  {30, 0
 
 /// Average |B_z| over the centre plate's section at height z, m.
 double team13_plate_average(const sim::Coenergy3&, const sim::State3&, double z);
+double team13_plate_average(const EdgeProblem&, const EdgeSolution&, double z);
 
 }  // namespace powbench::bench

@@ -5,12 +5,12 @@
 #include <cmath>
 #include <cstdio>
 #include <cstring>
-#include <fstream>
 #include <nlohmann/json.hpp>
 #include <string>
 
 #include "bench/fields/analytic.h"
 #include "bench/fields/contactor.h"
+#include "bench/fields/json_out.h"
 #include "core/random.h"
 #include "sim/fields/table_build.h"
 
@@ -23,7 +23,7 @@ Json closed_solutions() {
   Json list = Json::array();
   std::printf("closed solutions\n%-48s %-22s %14s %14s %9s %8s\n", "case", "quantity", "exact", "found",
               "error %", "unknowns");
-  for (const auto& cases : {bench::static_cases(), bench::alternating_cases()})
+  for (const auto& cases : {bench::static_cases(), bench::alternating_cases(), bench::circuit_cases()})
     for (const auto& r : cases) {
       std::printf("%-48s %-22s %14.7g %14.7g %+9.4f %8d\n", r.name.c_str(), r.quantity.c_str(), r.exact,
                   r.found, 100 * r.error(), r.unknowns);
@@ -223,20 +223,9 @@ Json tables() {
 }  // namespace
 
 int main(int argc, char** argv) {
-  std::string path;
-  for (int i = 1; i + 1 < argc; i += 2)
-    if (std::strcmp(argv[i], "--json") == 0) path = argv[i + 1];
   setvbuf(stdout, nullptr, _IOLBF, 0);
   const Json result{{"benchmark", "fields_accuracy"}, {"closed_solutions", closed_solutions()},
                     {"contactor", contactor_rows()},  {"cold_starts", cold_starts()},
                     {"convergence", convergence()},   {"tables", tables()}};
-  if (!path.empty()) {
-    std::ofstream out(path);
-    out << result.dump(2) << '\n';
-    if (!out) {
-      std::fprintf(stderr, "fields_accuracy: cannot write %s\n", path.c_str());
-      return 2;
-    }
-  }
-  return 0;
+  return bench::write_json(argc, argv, result);
 }

@@ -2,7 +2,7 @@
 #include <stdexcept>
 #include <unordered_map>
 
-#include "bench/fields/peers.h"
+#include "bench/fields/peer_run.h"
 
 namespace powbench::bench {
 

@@ -1,63 +1,20 @@
 #include "bench/fields/peers.h"
 
-#include <sys/resource.h>
-#include <sys/wait.h>
-#include <unistd.h>
-
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
-#include <map>
 #include <sstream>
 #include <vector>
+
+#include "bench/fields/peer_run.h"
 
 namespace powbench::bench {
 namespace {
 
 constexpr double mm = 1e-3, depth = 15e-3;
 constexpr double coil_section = 7e-3 * 18e-3;
-
-/// Runs a command with the shell; CPU seconds of the process and its children, or nothing where it fails.
-std::optional<double> cpu_of(const std::string& command) {
-  const pid_t child = fork();
-  if (child < 0) return std::nullopt;
-  if (child == 0) {
-    setenv("OPENBLAS_NUM_THREADS", "1", 1);
-    setenv("OMP_NUM_THREADS", "1", 1);
-    execl("/bin/sh", "sh", "-c", command.c_str(), static_cast<char*>(nullptr));
-    _exit(127);
-  }
-  int status = 0;
-  rusage use{};
-  if (wait4(child, &status, 0, &use) < 0 || !WIFEXITED(status) || WEXITSTATUS(status) != 0)
-    return std::nullopt;
-  const auto seconds = [](const timeval& t) {
-    return static_cast<double>(t.tv_sec) + 1e-6 * static_cast<double>(t.tv_usec);
-  };
-  return seconds(use.ru_utime) + seconds(use.ru_stime);
-}
-
-void write(const std::string& path, const std::string& text) {
-  std::ofstream(path) << text;
-}
-
-/// Closed polygon of the outline in mm: x, y, cell size.
-struct Corner {
-  double x, y, size;
-};
-
-void polygon(std::ostream& out, int& point, int& curve, int loop, const std::vector<Corner>& corners) {
-  const int first = point, first_curve = curve;
-  for (const auto& c : corners)
-    out << "Point(" << point++ << ") = {" << c.x << ", " << c.y << ", 0, " << c.size << "};\n";
-  const int count = static_cast<int>(corners.size());
-  for (int k = 0; k < count; ++k)
-    out << "Line(" << curve++ << ") = {" << first + k << ", " << first + (k + 1) % count << "};\n";
-  out << "Curve Loop(" << loop << ") = {" << first_curve << ":" << curve - 1 << "};\n";
-}
 
 /// The half model. The parts touch the axis, so the air is the box cut by the fragments of the parts.
 std::string geometry(double gap_mm, double s) {
@@ -100,9 +57,6 @@ std::string geometry(double gap_mm, double s) {
   return out.str();
 }
 
-/// H(B) = nu B with nu = 100 + 10 exp(1.8 B^2) up to the field where the slope is 1/mu0.
-constexpr const char *knee = "2.16084356878122", *knee_h = "96757.2372516224";
-
 std::string getdp_input() {
   std::ostringstream out;
   out << "DefineConstant[ AT = 1000, Most = 40 ];\n"
@@ -112,7 +66,7 @@ std::string getdp_input() {
          "}\n"
          "Function {\n"
          "  invmu = 1 / (4e-7 * Pi); Bk = "
-      << knee << "; Hk = " << knee_h
+      << law_end << "; Hk = " << law_end_h
       << ";\n"
          "  above[] = (Hk + (Norm[$1] - Bk) * invmu) / Norm[$1];\n"
          "  rel[Free] = invmu;\n"
@@ -166,7 +120,7 @@ std::string freefem_input(double ampere_turns, int most) {
          "Linear u = 0, du, test; Constant group = region;\n"
          "Constant steel = (group == 1) || (group == 2);\n"
          "real invmu = 1 / (4e-7 * pi), bk = "
-      << knee << ", hk = " << knee_h << ", density = " << ampere_turns
+      << law_end << ", hk = " << law_end_h << ", density = " << ampere_turns
       << " / 126.;\n"
          "Constant rel, extra, square;\n"  // lengths in mm, u in T mm
          "varf left(f, g) = int2d(Grid, qft = qf1pT)(rel * (dx(f) * dx(g) + dy(f) * dy(g))\n"
@@ -192,39 +146,15 @@ std::string freefem_input(double ampere_turns, int most) {
   return out.str();
 }
 
-/// FreeFem++'s own format; the rim are the outer edges between vertices where A = 0.
-void write_freefem_mesh(const std::string& path, const sim::Mesh& m) {
-  std::map<std::pair<int, int>, int> edges;
-  for (const auto& t : m.triangle)
-    for (std::size_t k = 0; k < 3; ++k) ++edges[std::minmax(t[k], t[(k + 1) % 3])];
-  std::vector<std::pair<int, int>> rim;
-  for (const auto& [ends, count] : edges)
-    if (count == 1 && m.zero[static_cast<std::size_t>(ends.first)] &&
-        m.zero[static_cast<std::size_t>(ends.second)])
-      rim.push_back(ends);
-  std::ofstream out(path);
-  out.precision(17);
-  out << m.x.size() << ' ' << m.triangle.size() << ' ' << rim.size() << '\n';
-  for (std::size_t k = 0; k < m.x.size(); ++k) out << m.x[k] << ' ' << m.y[k] << " 0\n";
-  for (std::size_t k = 0; k < m.triangle.size(); ++k)
-    out << m.triangle[k][0] + 1 << ' ' << m.triangle[k][1] + 1 << ' ' << m.triangle[k][2] + 1 << ' '
-        << m.region[k] << '\n';
-  for (const auto& [a, b] : rim) out << a + 1 << ' ' << b + 1 << " 10\n";
-}
-
 }  // namespace
 
 Peers::Peers(std::string folder) : folder_(std::move(folder)) {
   std::filesystem::create_directories(folder_);
 }
 
-bool Peers::have(const std::string& program) {
-  return std::system(("command -v " + program + " > /dev/null 2>&1").c_str()) == 0;
-}
-
 std::optional<sim::Mesh> Peers::mesh(double gap, double size) {
-  if (!have("gmsh")) return std::nullopt;
-  write(folder_ + "/half.geo", geometry(gap / mm, size));
+  if (!have_program("gmsh")) return std::nullopt;
+  write_file(folder_ + "/half.geo", geometry(gap / mm, size));
   const std::string common = "cd " + folder_ + " && gmsh -v 0 -2 -format msh22 half.geo -o ";
   if (!cpu_of(common + "mm.msh > gmsh.log 2>&1")) return std::nullopt;
   auto m = read_msh2(folder_ + "/mm.msh", PeerRegion::rim);
@@ -237,8 +167,8 @@ std::optional<sim::Mesh> Peers::mesh(double gap, double size) {
 }
 
 std::optional<PeerResult> Peers::getdp(double ampere_turns) {
-  if (!have("getdp")) return std::nullopt;
-  write(folder_ + "/half.pro", getdp_input());
+  if (!have_program("getdp")) return std::nullopt;
+  write_file(folder_ + "/half.pro", getdp_input());
   const auto run = [&](int most) {
     std::ostringstream command;
     command << "cd " << folder_ << " && getdp half.pro -msh m.msh -solve Run -pos Out -setnumber AT "
@@ -264,9 +194,9 @@ std::optional<PeerResult> Peers::getdp(double ampere_turns) {
 }
 
 std::optional<PeerResult> Peers::freefem(double ampere_turns) {
-  if (!have("FreeFem++")) return std::nullopt;
+  if (!have_program("FreeFem++")) return std::nullopt;
   const auto run = [&](int most) {
-    write(folder_ + "/half.edp", freefem_input(ampere_turns, most));
+    write_file(folder_ + "/half.edp", freefem_input(ampere_turns, most));
     return cpu_of("cd " + folder_ + " && FreeFem++ -nw -v 0 half.edp > freefem.log 2>&1");
   };
   const auto all = run(40);

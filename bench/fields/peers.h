@@ -25,8 +25,6 @@ class Peers {
  public:
   explicit Peers(std::string folder);  ///< made if missing
 
-  static bool have(const std::string& program);
-
   /// Meshes the half model at a gap, m; `size` scales all cells. Returns the mesh in m; empty without gmsh.
   std::optional<sim::Mesh> mesh(double gap, double size);
 
@@ -37,8 +35,5 @@ class Peers {
  private:
   std::string folder_;
 };
-
-/// Reads an ASCII mesh of version 2.2: triangles with their physical group as region, A = 0 on lines of the group `rim`.
-sim::Mesh read_msh2(const std::string& path, int rim);
 
 }  // namespace powbench::bench

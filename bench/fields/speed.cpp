@@ -8,12 +8,12 @@
 #include <cstring>
 #include <ctime>
 #include <filesystem>
-#include <fstream>
 #include <functional>
 #include <nlohmann/json.hpp>
 #include <string>
 
 #include "bench/fields/contactor.h"
+#include "bench/fields/json_out.h"
 #include "bench/fields/peers.h"
 #include "core/random.h"
 #include "sim/fields/table_build.h"
@@ -193,21 +193,10 @@ Json tables() {
 }  // namespace
 
 int main(int argc, char** argv) {
-  std::string path;
-  for (int i = 1; i + 1 < argc; i += 2)
-    if (std::strcmp(argv[i], "--json") == 0) path = argv[i + 1];
   setvbuf(stdout, nullptr, _IOLBF, 0);
   const Json result{{"benchmark", "fields_speed"},
                     {"same_mesh", same_mesh()},
                     {"own_grid", own_grid()},
                     {"tables", tables()}};
-  if (!path.empty()) {
-    std::ofstream out(path);
-    out << result.dump(2) << '\n';
-    if (!out) {
-      std::fprintf(stderr, "fields_speed: cannot write %s\n", path.c_str());
-      return 2;
-    }
-  }
-  return 0;
+  return bench::write_json(argc, argv, result);
 }

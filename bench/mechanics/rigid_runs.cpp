@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <ctime>
+#include <memory>
 
 namespace powbench::bench {
 namespace {
@@ -43,6 +44,25 @@ ClosingRun own_run(const sim::RigidParts& parts, double tolerance, int repeats) 
   auto r = run<double>(parts, tolerance, repeats);
   r.method = "own 8(5,3), events";
   return r;
+}
+
+UndampedRun undamped_run(double tolerance, long steps) {
+  using Contactor = sim::RigidContactor<double>;
+  using Solver = sim::EventSolver<Contactor>;
+  Contactor c(sim::without_losses(sim::reference_closing()), {}, true);
+  alignas(64) double y[Solver::capacity] = {};
+  c.equilibrium(y);
+  c.mark_energy(y);
+  const auto solver = std::make_unique<Solver>(c, tolerance, 1e-3);
+  solver->restart(0, y, 1e-6);
+  UndampedRun run;
+  while (solver->steps() < steps && solver->extend()) {
+    run.residual = std::max(run.residual, c.energy_residual(solver->end_state()));
+    c.events().clear();
+  }
+  run.seconds = solver->end();
+  run.events = static_cast<long>(solver->events());
+  return run;
 }
 
 ClosingRun exact_run(const sim::RigidParts& parts, long double tolerance) {

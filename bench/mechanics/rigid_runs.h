@@ -28,6 +28,13 @@ ClosingRun own_run(const sim::RigidParts&, double tolerance, int repeats);
 /// The reference: long double.
 ClosingRun exact_run(const sim::RigidParts&, long double tolerance);
 
+/// The closing without any loss, with its ledger: largest residual over so many steps.
+struct UndampedRun {
+  double residual = 0, seconds = 0;
+  long events = 0;
+};
+UndampedRun undamped_run(double tolerance, long steps);
+
 /// SUNDIALS, if it was found when this was built: CVODE (Adams, BDF) and ARKODE (Dormand-Prince 5, Fehlberg 8), each
 /// with roots for the contacts; the first two also restarted at every root.
 bool have_sundials();

@@ -25,19 +25,19 @@ struct Peer {
     contactor.follow_depths(true);
     states = contactor.size();
     for (int c = 0; c < sim::rigid_contacts; ++c)
-      if (contactor.uses(c)) contacts.push_back(c);
+      if (contactor.uses(contactor.number_of(c))) contacts.push_back(c);
   }
   Contactor contactor;
   alignas(64) double y[room] = {};
   alignas(64) double dy[room] = {};
   int states = 0;
   long evaluations = 0;
-  std::vector<int> contacts;
+  std::vector<int> contacts;  ///< by lane
   std::vector<sim::RigidEvent> events;
 
   void take_roots(double t, const std::vector<int>& found) {
     for (std::size_t i = 0; i < contacts.size(); ++i)
-      if (found[i] != 0) events.push_back({contacts[i], found[i] > 0, t, 0});
+      if (found[i] != 0) events.push_back({contactor.number_of(contacts[i]), found[i] > 0, t, 0});
   }
 };
 

@@ -96,6 +96,12 @@ void taylor() {
   } else {
     std::printf("    CalculiX: not installed, no peer in this run\n");
   }
+  for (const int finer : {4, 5}) {
+    const TaylorBar r = taylor_bar(finer, along * finer / across, true);
+    std::printf(
+        "    %d instead of %d cells to the radius: length %.3f mm, radius %.3f mm, plastic strain %.2f\n",
+        finer, across, 1e3 * r.length, 1e3 * r.radius, r.plastic_strain);
+  }
   const TaylorBar free = taylor_bar(across, along, false);
   std::printf(
       "    foot free to leave the wall: length %.3f mm, radius %.3f mm (published codes 21.3 .. 21.7 and 6.9 "

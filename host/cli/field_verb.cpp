@@ -1,46 +1,35 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
+#include <sstream>
 
+#include "host/cli/percent.h"
 #include "host/cli/verbs.h"
-#include "host/config/bad_input.h"
 #include "host/config/specimen_file.h"
 #include "host/export/field_svg.h"
+#include "host/export/field_vtu.h"
+#include "host/import/field_mesh.h"
 #include "host/store/field_table.h"
 #include "host/store/store.h"
+#include "sim/study/rungs.h"
 
 namespace powbench::host {
 namespace {
 
 namespace fs = std::filesystem;
 
-/// "0.5%" or "0.005".
-double accuracy_of(const std::string& word) {
-  char* end = nullptr;
-  double value = std::strtod(word.c_str(), &end);
-  const std::string rest = end;
-  if (rest == "%") value /= 100;
-  if (end == word.c_str() || (rest != "%" && !rest.empty()) || !(value >= 5e-4 && value <= 0.05))
-    throw BadInput({"--accuracy = " + word + ", allowed 0.05% .. 5%"});
-  return value;
-}
-
 sim::MagnetDesign design_of(const sim::Specimen& s, const std::string& steel) {
-  sim::MagnetDesign d;
-  d.shape = s.shape;
   try {
-    d.steel = steel.empty()
-                  ? sim::Steel::power_law(s.magnet.bh_linear, s.magnet.bh_power, s.magnet.bh_exponent)
-                  : sim::builtin_steel(steel);
+    auto design = sim::magnet_design(s);
+    if (!steel.empty()) design.steel = sim::builtin_steel(steel);
+    return design;
   } catch (const std::invalid_argument& error) {
     throw BadInput({error.what()});
   }
-  d.turns = s.coil.turns;
-  d.residual_gap = s.magnet.residual_gap;
-  return d;
 }
 
 void write(const fs::path& path, const std::string& text) {
@@ -66,8 +55,65 @@ std::vector<fs::path> pictures(const fs::path& folder, const sim::MagnetDesign& 
                                           gap * 1e3, psi, point.response.current, point.response.pull);
     files.push_back(folder / fmt::format("field-{}.svg", name));
     write(files.back(), field_svg(field, point, title));
+    files.push_back(folder / fmt::format("field-{}.vtu", name));
+    write(files.back(), to_vtu(field_grid(field.problem(), point.a)));
   }
   return files;
+}
+
+double metres_of(const std::string& unit) {
+  for (const auto& [name, metres] : {std::pair{"mm", 1e-3}, {"m", 1.0}, {"in", 25.4e-3}})
+    if (unit == name) return metres;
+  throw BadInput({"--mesh-unit = " + unit + ", allowed mm, m, in"});
+}
+
+std::string content_of(const std::string& path) {
+  std::ifstream in(path, std::ios::binary);
+  std::ostringstream text;
+  if (in) text << in.rdbuf();
+  if (!in) throw BadInput({path + ": cannot be read"});
+  return text.str();
+}
+
+/// One state on a mesh drawn elsewhere.
+Exit show_mesh(const FieldArgs& args, const sim::MagnetDesign& design) {
+  if (!(std::fabs(args.current) <= 1e4))
+    throw BadInput({fmt::format("--current = {}, allowed -10000 .. 10000", args.current)});
+  const double copies = args.symmetric ? 2 : 1;
+  auto drawn = read_field_mesh(content_of(args.mesh_file), args.mesh_file,
+                               {metres_of(args.mesh_unit), design.turns, copies * design.shape.stack,
+                                design.steel.stacked(design.shape.stack_factor)});
+  const sim::FieldProblem problem(std::move(drawn.mesh), drawn.setup);
+  sim::Newton newton(problem);
+  std::vector<double> a(static_cast<std::size_t>(problem.size()) + 1, 0), current;
+  const auto report = newton.solve({{false, args.current, 0}}, a, current);
+  double psi = 0;
+  for (std::size_t k = 0; k < a.size(); ++k) psi += problem.winding(0)[k] * a[k];
+  const fs::path file = fs::path(args.folder) / "field-mesh.vtu";
+  fs::create_directories(args.folder);
+  write(file, to_vtu(field_grid(problem, a)));
+  const double energy = newton.energy(), largest = problem.largest_field(a.data());
+  // towards positive y
+  const double force = drawn.armature.empty() ? 0 : problem.stress_force(a.data(), drawn.armature);
+  if (args.json) {
+    nlohmann::ordered_json out{{"unknowns", problem.size()},
+                               {"converged", report.converged},
+                               {"iterations", report.iterations},
+                               {"current_A", args.current},
+                               {"psi_Wb", psi},
+                               {"energy_J", energy},
+                               {"largest_field_T", largest}};
+    if (!drawn.armature.empty()) out["force_y_N"] = force;
+    out["picture"] = file.string();
+    fmt::print("{}\n", out.dump(2));
+  } else {
+    fmt::print("{}: {} unknowns, {} iterations{}\n  {:.6g} A: {:.6g} Wb, {:.6g} J, steel up to {:.3g} T\n",
+               args.mesh_file, problem.size(), report.iterations, report.converged ? "" : ", NOT CONVERGED",
+               args.current, psi, energy, largest);
+    if (!drawn.armature.empty()) fmt::print("  force on the armature along y: {:.6g} N\n", force);
+    fmt::print("{}\n", file.string());
+  }
+  return report.converged ? Exit::pass : Exit::outside_limits;
 }
 
 }  // namespace
@@ -76,13 +122,17 @@ Exit show_field(const FieldArgs& args) {
   const sim::Specimen specimen =
       args.specimen_file.empty() ? sim::Specimen{} : read_specimen(args.specimen_file);
   const auto design = design_of(specimen, args.steel);
+  if (!args.mesh_file.empty()) return show_mesh(args, design);
   sim::TableOptions options;
-  options.accuracy = accuracy_of(args.accuracy);
+  options.accuracy = share_option("--accuracy", args.accuracy, 5e-4, 0.05, "0.05% .. 5%");
   options.largest_gap = std::max(1.5 * specimen.core.travel, 0.2e-3);
   options.ring = args.ring;
   const fs::path folder(args.folder);
   sim::Team team(2);
-  const auto choice = obtain_field_table(folder, design, options, team);
+  if (args.ends && args.ring)
+    throw BadInput({"--ends and --ring: the table with ends has no ring flux, allowed one of them"});
+  const auto choice = args.ends ? obtain_end_table(folder, design, options, {}, team)
+                                : obtain_field_table(folder, design, options, team);
   const sim::TablePotential table(choice.table);
   const auto worst = [](const std::vector<double>& list) {
     return *std::max_element(list.begin(), list.end());

@@ -8,11 +8,13 @@
 #include <thread>
 
 #include "host/cli/gather.h"
+#include "host/cli/picture.h"
 #include "host/cli/scene.h"
 #include "host/cli/study.h"
 #include "host/run/stop.h"
 #include "host/study/fit_text.h"
 #include "host/study/problem.h"
+#include "host/study/study_svg.h"
 
 namespace powbench::host {
 namespace {
@@ -197,6 +199,10 @@ Exit fit_specimen(const FitArgs& args) {
   predict_unseen(args, report.file);
   const auto cells = fit_cells(report.file, source.closings);
   fmt::print("{}", args.json ? fit_json(source.job, report, cells) : fit_text(source.job, report, cells));
+  if (!args.picture.empty())
+    write_picture(args.picture,
+                  fit_svg(cells, args.database.empty() ? "Published closings, fitted and held out"
+                                                       : "Measured closings, fitted and held out"));
   sim::Specimen best = specimens(report.file, report.file.folds.back()).front();
   best.name = args.name.empty() ? best.name + "-fitted" : args.name;
   if (!args.output.empty()) replace_file(args.output, resolved_text(best));

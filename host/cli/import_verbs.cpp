@@ -122,7 +122,9 @@ Exit show_file_events(const EventsArgs& args) {
   apply_rule(events, in.record, in.options, rule);
   for (const std::string& note : in.notes) fmt::print(stderr, "{}: {}\n", args.shot, note);
   if (args.json) {
-    fmt::print("{}\n", to_events_json(events, in.record));
+    auto out = nlohmann::ordered_json::parse(to_events_json(events, in.record, 2, in.options));
+    out["bands"] = nlohmann::ordered_json::parse(bands_json(in.record, events, in.options));
+    fmt::print("{}\n", out.dump(2));
     return Exit::pass;
   }
   fmt::print("{}, method {}\n", args.shot, events.method);

@@ -8,13 +8,16 @@
 #include <nlohmann/json.hpp>
 
 #include "core/units.h"
+#include "host/cli/percent.h"
+#include "host/cli/picture.h"
 #include "host/cli/scene.h"
 #include "host/cli/study.h"
-#include "host/config/bad_input.h"
 #include "host/export/ladder_svg.h"
 #include "host/store/field_table.h"
 #include "host/store/store.h"
-#include "sim/study/ladder.h"
+#include "host/study/bounce_text.h"
+#include "host/study/scene_fields.h"
+#include "sim/study/rungs.h"
 
 namespace powbench::host {
 namespace {
@@ -28,16 +31,9 @@ double cpu_seconds() {
   return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
 }
 
-/// "1%" or "0.01"; 0 for "".
+/// 0 for "".
 double share_of(const std::string& word) {
-  if (word.empty()) return 0;
-  char* end = nullptr;
-  double value = std::strtod(word.c_str(), &end);
-  const std::string rest = end;
-  if (rest == "%") value /= 100;
-  if (end == word.c_str() || (rest != "%" && !rest.empty()) || !(value >= 1e-10 && value <= 0.5))
-    throw BadInput({"--accuracy = " + word + ", allowed 1e-8% .. 50%"});
-  return value;
+  return word.empty() ? 0 : share_option("--accuracy", word, 1e-10, 0.5, "1e-8% .. 50%");
 }
 
 /// A plan brings its specimen and the conditions of its first shot; options that are given come on top.
@@ -65,7 +61,7 @@ std::string time_text(double seconds, double per_second) {
 
 Json row_json(const sim::LadderRow& r, const std::vector<sim::Rung>& rungs, bool with_error) {
   Json j{{"rung", rungs[r.run.rung].name()},
-         {"tolerance", r.run.tolerance},
+         {rungs[r.run.rung].setting, r.run.tolerance},
          {"cpu_ms", r.run.cpu * 1e3},
          {"rhs_evaluations", r.run.evaluations},
          {"openings", r.run.openings}};
@@ -78,15 +74,19 @@ Json row_json(const sim::LadderRow& r, const std::vector<sim::Rung>& rungs, bool
   return j;
 }
 
+std::string setting(const std::vector<sim::Rung>& rungs, const sim::LadderRun& run) {
+  return fmt::format("{} {:g}", rungs[run.rung].setting, run.tolerance);
+}
+
 void print_rows(const std::vector<sim::LadderRow>& rows, const std::vector<sim::Rung>& rungs,
                 bool with_error) {
-  fmt::print("{:<14} {:>9} {:>8} {:>7}", "rung", "tolerance", "CPU ms", "rhs");
+  fmt::print("{:<17} {:>15} {:>10} {:>7}", "rung", "setting", "CPU ms", "rhs");
   for (const auto q : sim::ladder_quantities)
     fmt::print(" {:>11}{} {:>8}", fmt::format("{} ms", q), with_error ? "    err us" : "", "est us");
   fmt::print("\n");
   for (const auto& r : rows) {
-    fmt::print("{:<14} {:>9.0e} {:>8.3f} {:>7}", rungs[r.run.rung].name(), r.run.tolerance, r.run.cpu * 1e3,
-               r.run.evaluations);
+    fmt::print("{:<17} {:>15} {:>10.3f} {:>7}", rungs[r.run.rung].name(), setting(rungs, r.run),
+               r.run.cpu * 1e3, r.run.evaluations);
     for (std::size_t q = 0; q < r.estimate.size(); ++q)
       fmt::print(" {:>11}{} {:>8}", time_text(r.run.times[q], 1e3),
                  with_error ? fmt::format(" {:>9}", time_text(r.error[q], 1e6)) : "",
@@ -113,9 +113,9 @@ Exit choose(const sim::Case& c, const std::vector<sim::Rung>& rungs, double accu
     return choice.met ? Exit::pass : Exit::outside_limits;
   }
   print_rows(choice.tried, rungs, false);
-  fmt::print("{} at tolerance {:.0e} ({}): {} the wanted {:.3g} % of the touch time, estimate {:.2g} %; {}\n",
-             rung.name(), choice.run.tolerance, rung.meaning, choice.met ? "meets" : "does not meet",
-             accuracy * 100, choice.relative * 100,
+  fmt::print("{} at {} ({}): {} the wanted {:.3g} % of the touch time, estimate {:.2g} %; {}\n", rung.name(),
+             setting(rungs, choice.run), rung.meaning, choice.met ? "meets" : "does not meet", accuracy * 100,
+             choice.relative * 100,
              choice.met ? "the cheapest of those tried that does" : "nothing tried does; this comes nearest");
   fmt::print(
       "touch {} ms, seat {} ms, settled {} ms, {} re-openings; {:.3f} ms CPU, {:.3f} ms with choosing\n",
@@ -124,19 +124,44 @@ Exit choose(const sim::Case& c, const std::vector<sim::Rung>& rungs, double accu
   return choice.met ? Exit::pass : Exit::outside_limits;
 }
 
-void write_picture(const fs::path& file, const std::string& text) {
-  if (file.has_parent_path()) fs::create_directories(file.parent_path());
-  std::ofstream out(file, std::ios::binary);
-  out << text;
-  out.close();
-  if (!out) throw StoreError(file.string() + ": cannot be written; choose another folder with -o");
+/// Pairs of fields and mechanics. Without a name only one physics and no pair that takes seconds; with --all every pair that
+/// ends within minutes.
+std::vector<sim::Rung> rungs_of(const LadderArgs& args, const sim::Specimen& specimen) {
+  FieldCache cache;
+  cache.folder = args.cache;
+  cache.say = [](const std::string& text) { fmt::print(stderr, "{}\n", text); };
+  std::vector<std::string> fields = args.fields;
+  if (args.all && fields.empty()) fields.assign(sim::field_names.begin(), sim::field_names.end());
+  if (fields.empty()) fields = {"circuit"};
+  const bool one_physics = !args.accuracy.empty() && args.mechanics.empty();
+  std::vector<sim::Rung> rungs;
+  for (const auto& name : fields) {
+    const auto field = obtain_field(name, specimen, cache);
+    for (const auto mechanics : sim::mechanics_names) {
+      if (!args.mechanics.empty() && mechanics != args.mechanics) continue;
+      if (mechanics == "plant" && name != "circuit" && args.mechanics.empty()) continue;
+      if (mechanics == "modal" && one_physics) continue;
+      if (field.costly && mechanics != "rigid" && args.mechanics.empty()) continue;  // hours
+      const auto rung = sim::scene_rung(field, mechanics);
+      if (rung.costly && !args.all && args.mechanics.empty() && args.fields.empty()) continue;
+      if (mechanics == "explicit" && !args.all && args.mechanics.empty()) continue;
+      rungs.push_back(rung);
+    }
+  }
+  if (rungs.empty()) sim::scene_rung(sim::circuit_field(), args.mechanics);  // names what is known
+  return rungs;
 }
 
 }  // namespace
 
 Exit show_ladder(const LadderArgs& args) {
   const sim::Case c = case_of(args);
-  auto rungs = sim::rungs_with(args.mechanics);
+  std::vector<sim::Rung> rungs;
+  try {
+    rungs = rungs_of(args, c.specimen);
+  } catch (const std::invalid_argument& e) {
+    throw BadInput({e.what()});
+  }
   if (!args.table_file.empty()) {
     // the estimate speaks of one physics: it cannot choose between fields
     if (!args.accuracy.empty()) rungs.clear();
@@ -147,6 +172,9 @@ Exit show_ladder(const LadderArgs& args) {
   if (const double accuracy = share_of(args.accuracy); accuracy > 0)
     return choose(c, rungs, accuracy, options.duration, args.json);
   const auto ladder = sim::run_ladder(rungs, c, options, cpu_seconds);
+  sim::BounceStudyOptions believed;
+  believed.end = options.duration;
+  const auto bounces = bounces_of(rungs, c, believed);
   const std::string title = fmt::format("{}, {:g} V, {:g} degrees: error against cost", c.specimen.name,
                                         c.conditions.supply_volts, c.conditions.closing_angle * 180 / pi);
   const fs::path picture = fs::path(args.folder) / "ladder.svg";
@@ -158,16 +186,21 @@ Exit show_ladder(const LadderArgs& args) {
     for (const auto& m : ladder.models)
       models.push_back(
           {{"rung", rungs[m.rung].name()}, {"other", rungs[m.other].name()}, {"difference_s", m.difference}});
-    fmt::print("{}\n", Json{{"rows", rows}, {"models", models}, {"picture", picture.string()}}.dump(2));
+    fmt::print("{}\n", Json{{"rows", rows},
+                            {"models", models},
+                            {"bounces", Json::parse(bounce_json(bounces))},
+                            {"picture", picture.string()}}
+                           .dump(2));
     return Exit::pass;
   }
-  fmt::print("{}; errors against the same rung at tolerance {:.0e}\n", title, options.truth);
+  fmt::print("{}; errors against the same rung at tolerance {:.0e}, or its finest setting\n", title,
+             options.truth);
   print_rows(ladder.rows, rungs, true);
   for (const auto& m : ladder.models)
-    fmt::print("{} and {} are apart by touch {} us, seat {} us, settled {} us at {:.0e}\n",
-               rungs[m.rung].name(), rungs[m.other].name(), time_text(m.difference[0], 1e6),
-               time_text(m.difference[1], 1e6), time_text(m.difference[2], 1e6), options.truth);
-  fmt::print("{}\n", picture.string());
+    fmt::print("{} and {} are apart by touch {} us, seat {} us, settled {} us\n", rungs[m.rung].name(),
+               rungs[m.other].name(), time_text(m.difference[0], 1e6), time_text(m.difference[1], 1e6),
+               time_text(m.difference[2], 1e6));
+  fmt::print("\n{}{}\n", bounce_text(bounces, believed), picture.string());
   return Exit::pass;
 }
 

@@ -142,6 +142,13 @@ void add_plan_verbs(CLI::App& app) {
   simulate->add_option("-j,--threads", sim->threads, "threads; 0 = all cores")
       ->check(CLI::Range(0, 1024))
       ->capture_default_str();
+  simulate->add_option("--fields", sim->fields,
+                       "circuit, table, field2d or field3d; auto: as far up as the accuracy takes");
+  simulate->add_option("--mechanics", sim->mechanics, "plant, rigid, modal or explicit; auto likewise");
+  simulate->add_option("--accuracy", sim->accuracy,
+                       "wanted error of the touch time, such as 1%; [wanted] of the plan says more");
+  simulate->add_option("--cache", sim->cache, "folder for field tables; made if missing")
+      ->capture_default_str();
   simulate->add_flag("--json", sim->json, "summary as JSON to stdout");
   add_progress(simulate, sim->progress);
 }
@@ -183,8 +190,13 @@ void add_result_verbs(CLI::App& app) {
       verb(app, "export", "Write the waveforms of a stored shot for other programs", exported, export_shot);
   out->add_option("shot", exported->shot, "shot id")->required();
   add_result_options(out, *exported);
-  out->add_option("--to", exported->to, "format")->check(CLI::IsMember({"csv"}))->capture_default_str();
-  out->add_option("-o,--output", exported->file, "file; stdout if left out");
+  out->add_option("--to", exported->to, "format")
+      ->check(CLI::IsMember({"csv", "vtu", "gltf"}))
+      ->capture_default_str();
+  out->add_option("-o,--output", exported->file, "file; stdout if left out. vtu, gltf: folder");
+  out->add_option("--cell-mm", exported->cell_mm, "vtu, gltf: largest cell of the bodies")
+      ->capture_default_str();
+  out->add_option("--end-ms", exported->end_ms, "vtu, gltf: end of the closing")->capture_default_str();
 }
 
 void add_import_verb(CLI::App& app) {
@@ -205,6 +217,8 @@ void add_study_verbs(CLI::App& app) {
   show->add_option("--specimen", tables->specimen_file,
                    "specimen file (TOML); scenes/published.specimen.toml if left out");
   show->add_option("--fit", tables->fit_file, "fit file of `powbench fit`: its held-out predictions");
+  show->add_flag("--pressure", tables->pressure,
+                 "the statements on contact pressure beside two simulated trains");
   show->add_flag("--json", tables->json, "JSON to stdout");
   auto field_args = std::make_shared<FieldArgs>();
   CLI::App* field = verb(app, "field", "The magnet's potential by finite elements: table and pictures",
@@ -217,6 +231,13 @@ void add_study_verbs(CLI::App& app) {
       ->capture_default_str();
   field->add_option("--steel", field_args->steel, "built-in steel in place of the specimen's law");
   field->add_flag("--ring", field_args->ring, "the shading ring as a third variable");
+  field->add_option("--mesh", field_args->mesh_file,
+                    "plane mesh of gmsh (MSH 4.1) in place of the specimen's shape: one state at --current");
+  field->add_option("--mesh-unit", field_args->mesh_unit, "of the mesh's coordinates: mm, m or in")
+      ->capture_default_str();
+  field->add_option("--current", field_args->current, "A in the coil, with --mesh")->capture_default_str();
+  field->add_flag("--symmetric", field_args->symmetric, "the mesh is one half of the device");
+  field->add_flag("--ends", field_args->ends, "with the ends of stack and coil, from three dimensions");
   field->add_flag("--json", field_args->json, "JSON to stdout");
   auto args = std::make_shared<DemoArgs>();
   CLI::App* all =
@@ -265,6 +286,7 @@ void add_fit_verb(CLI::App& app) {
                 "file that keeps the search, to go on from after an interruption");
   v->add_option("-o,--output", fit->output, "specimen file to write");
   v->add_option("--name", fit->name, "name of the specimen written");
+  v->add_option("--svg", fit->picture, "picture to write: measured, fitted, held out");
   v->add_option("--fit", fit->fit_file,
                 "fit file to write: every specimen found, for `powbench tables --fit`");
   v->add_flag("--json", fit->json, "JSON to stdout");
@@ -301,6 +323,7 @@ void add_sweep_verb(CLI::App& app) {
               "how the metric moves with mains, temperature, angle, friction, mass and gap");
   v->add_flag("--best-angle", args->best_angle,
               "the closing angle with the smallest metric over a device with tolerances (--vary)");
+  v->add_option("--svg", args->picture, "picture to write");
   v->add_option("--angles", args->angles, "closing angles over half a period for --sensitivity, --best-angle")
       ->check(CLI::Range(1, 3600))
       ->capture_default_str();
@@ -330,7 +353,12 @@ void add_ladder_verb(CLI::App& app) {
   v->add_option("--accuracy", args->accuracy,
                 "such as 0.1%: take the cheapest rung and tolerance whose estimated error in touch, seat and "
                 "settled is below this share of the touch time");
-  v->add_option("--mechanics", args->mechanics, "only rungs with these mechanics: plant or rigid");
+  v->add_option("--fields", args->fields,
+                "fields of the rungs: circuit, table, field2d, field3d; may be repeated");
+  v->add_option("--mechanics", args->mechanics,
+                "only rungs with these mechanics: plant, rigid, modal or explicit");
+  v->add_flag("--all", args->all, "every pair of fields and mechanics, also those that take minutes");
+  v->add_option("--cache", args->cache, "folder for field tables; made if missing")->capture_default_str();
   v->add_option("--table", args->table_file,
                 "field table of `powbench field`: also the rung table+rigid; with --accuracy only this one");
   v->add_option("-o,--output", args->folder, "folder for the picture; made if missing")

@@ -6,6 +6,7 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
+#include "dsp/core_seat.h"
 #include "dsp/extract.h"
 #include "host/cli/gather.h"
 #include "host/cli/scene.h"
@@ -13,6 +14,7 @@
 #include "host/cli/verbs.h"
 #include "host/cli/vibration.h"
 #include "host/export/csv.h"
+#include "host/export/events_json.h"
 #include "host/import/calibration.h"
 #include "host/store/json.h"
 
@@ -97,6 +99,13 @@ Exit list_campaigns(const ResultArgs& args) {
 
 namespace {
 
+/// Microseconds with two significant digits (three from 100 us on), or a dash.
+std::string micro(double s) {
+  const double us = s * 1e6;
+  if (!std::isfinite(us)) return "-";
+  return fmt::format("{:.{}f}", us, us >= 9.95 ? 0 : us >= 0.995 ? 1 : 2);
+}
+
 void print_train(const char* title, const ContactTrain& train) {
   if (!train.present) return;
   fmt::print("  {}: {} re-openings, resolves {:.0f} us{}\n", title, train.bounce_count,
@@ -108,13 +117,9 @@ void print_train(const char* title, const ContactTrain& train) {
       fmt::print("    {}: {} re-openings, {} .. {} ms\n", name, part->openings, shown(part->from.value, "s"),
                  shown(part->to.value, "s"));
   for (const Contact& c : train.contacts)
-    fmt::print("    touch {:>9} ms  release {:>9} ms  peak {:>8} N  {}\n", shown(c.touch.value, "s"),
-               shown(c.release.value, "s"), shown(c.peak.value, "N"), flag_names(c.flags));
-}
-
-/// Microseconds, or a dash.
-std::string micro(double s) {
-  return std::isfinite(s) ? fmt::format("{:.1f}", s * 1e6) : "-";
+    fmt::print("    touch {:>9} ms +- {:>4} us  release {:>9} ms +- {:>4} us  peak {:>8} N  {}\n",
+               shown(c.touch.value, "s"), micro(c.touch.u), shown(c.release.value, "s"), micro(c.release.u),
+               shown(c.peak.value, "N"), flag_names(c.flags));
 }
 
 }  // namespace
@@ -123,13 +128,17 @@ void print_events(const Events& events) {
   for (const Quantity& q : quantity_table) {
     const Measured m = q.of(events);
     const std::string unit(q.unit);
-    fmt::print("  {:<9} {:>10} {:<3} +- {:<8} {}\n", q.symbol, shown(m.value, unit), shown_unit(unit),
-               shown(m.u, unit), q.meaning);
+    const bool time = unit == "s";  // in ms the uncertainty of a time would read zero
+    fmt::print("  {:<9} {:>10} {:<3} +- {:<6} {:<3} {}\n", q.symbol, shown(m.value, unit), shown_unit(unit),
+               time ? micro(m.u) : shown(m.u, unit), time ? "us" : shown_unit(unit), q.meaning);
   }
   print_train("contact voltage", events.contact_voltage);
   print_train("film A", events.pvdf_a);
   print_train("film B", events.pvdf_b);
   print_train("pole by force", events.pole.by_force);
+  if (events.core.seat.known())
+    fmt::print("  core: a second landing within {:.0f} us of the first is not told apart\n",
+               1e6 * dsp::core_resolution({}));
   const PoleEvents& p = events.pole;
   if (p.disagreement.known())
     fmt::print("  force and contact voltage differ for {} us +- {}, at most {} us +- {} at a time\n",
@@ -153,7 +162,12 @@ Exit show_events(const EventsArgs& args) {
   Events events = extract_checked(record, options);
   apply_rule(events, record, options.extract, rule);
   if (args.json) {
-    fmt::print("{}\n", to_json(events, 2));
+    Json out = Json::parse(to_json(events, 2));
+    // What a file's result has under these keys stands here too; `core` alone differs, as the store has it.
+    Json agreed = Json::parse(to_events_json(events, record, 2, options.extract));
+    for (const char* key : {"channels", "closing_angle_deg", "u_closing_angle_deg"}) out[key] = agreed[key];
+    out["bands"] = Json::parse(bands_json(record, events, options.extract));
+    fmt::print("{}\n", out.dump(2));
     return Exit::pass;
   }
   fmt::print("shot {}, {}, commanded {:.2f} deg, method {}\n", shot.id, name(shot.kind), shot.angle_deg,
@@ -208,6 +222,7 @@ Exit write_report(const ReportArgs& args) {
 }
 
 Exit export_shot(const ExportArgs& args) {
+  if (args.to != "csv") return export_closing(args);
   const Store store(args.database, Store::Mode::read_only);
   Record record = store.load_record(args.shot);
   record.conditions = store.shot(args.shot).conditions;

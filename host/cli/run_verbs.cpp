@@ -1,8 +1,6 @@
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <nlohmann/json.hpp>
-#include <thread>
 
 #include "host/cli/scene.h"
 #include "host/cli/verbs.h"
@@ -58,29 +56,6 @@ Exit run_plan(const RunArgs& args) {
   progress.finish();
   print_summary(summary, campaign, args.json);
   return summary.exit_code();
-}
-
-Exit simulate_plan(const SimArgs& args) {
-  const Scene scene = load_scene(args.plan);
-  const rigs::SimRigConfig sensors =
-      args.rig_file.empty() ? rigs::SimRigConfig{} : read_rig(args.rig_file).config;
-  Store store(args.database);
-  const StopOnSignal stop;
-  // beside the measurement of this plan if there is one, else in a campaign of its own
-  std::optional<std::int64_t> campaign;
-  for (const CampaignInfo& c : store.campaigns())
-    if (c.plan_hash == scene.plan_hash && c.specimen_hash == scene.specimen_hash) campaign = c.id;
-  if (!campaign) campaign = store.create_campaign(campaign_info(scene, "", "simulation only"));
-  const int threads =
-      args.threads > 0 ? args.threads : static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
-  Progress progress("simulate", scene.plan.angles.size(), progress_style(args.progress));
-  const std::size_t n = simulate_campaign(store, *campaign, scene.shots, scene.specimen, sensors,
-                                          run_options(scene.plan), threads, progress);
-  progress.finish();
-  if (args.json)
-    fmt::print("{}\n", nlohmann::ordered_json{{"campaign", *campaign}, {"simulated", n}}.dump(2));
-  fmt::print(stderr, "campaign {}: {} closings simulated\n", *campaign, n);
-  return StopOnSignal::asked() ? Exit::interrupted : Exit::pass;
 }
 
 }  // namespace powbench::host

@@ -26,6 +26,7 @@ struct FitArgs {
   std::uint64_t seed = 1;
   int threads = 0;
   std::string state_file, output, fit_file, name;
+  std::string picture;  ///< SVG to write; "" = none
   bool json = false;
   std::string progress = "auto";
 };
@@ -44,6 +45,7 @@ struct SweepArgs {
   bool best_angle = false;   ///< search instead of a sweep
   int angles = 90, draws = 60;
   std::string database = "powbench.db";
+  std::string picture;  ///< SVG to write; "" = none
   int threads = 0;
   bool json = false;
   std::string progress = "auto";
@@ -53,8 +55,11 @@ Exit sweep(const SweepArgs&);
 struct LadderArgs {
   std::string scene;  ///< specimen file, or a plan file NAME.plan.toml; "" = the reference contactor
   std::optional<double> angle_deg, supply_volts, ambient_degC;  ///< in place of the plan's first shot
-  std::string accuracy;   ///< of the touch time, "1%" or "0.01": choose a rung; "" = the whole ladder
-  std::string mechanics;  ///< only rungs with these; "" = all
+  std::string accuracy;  ///< of the touch time, "1%" or "0.01": choose a rung; "" = the whole ladder
+  std::vector<std::string> fields;  ///< of the rungs; empty = circuit
+  std::string mechanics;            ///< only rungs with these; "" = all that take less than seconds
+  bool all = false;                 ///< every pair, also those that take seconds to minutes
+  std::string cache = "field";      ///< folder of field tables
   std::string
       table_file;  ///< of `powbench field`: also the rung `table+rigid`, or only it for an accuracy; "" = none
   std::string folder = "ladder";

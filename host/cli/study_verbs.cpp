@@ -1,18 +1,38 @@
 #include <fmt/format.h>
 
+#include <cmath>
 #include <filesystem>
 #include <fstream>
+#include <set>
 
 #include "host/cli/scene.h"
 #include "host/cli/scenes.h"
 #include "host/cli/verbs.h"
+#include "host/paper/contact_pressure.h"
 #include "host/paper/simulator.h"
 #include "host/paper/table_output.h"
+#include "host/study/bounce_text.h"
 #include "host/study/held_out.h"
 
 namespace powbench::host {
 
+namespace {
+
+/// Closing angles at which the two specimens show the printed trains: the paper prints none.
+constexpr double level_deg = 112, tilted_deg = 180;
+
+}  // namespace
+
 Exit show_tables(const TablesArgs& args) {
+  if (args.pressure) {
+    const PressurePage page{
+        parse_specimen(std::string(contact_pressure_specimen), "contact-pressure.specimen.toml"),
+        parse_specimen(std::string(contact_pressure_tilted_specimen),
+                       "contact-pressure-tilted.specimen.toml"),
+        level_deg, tilted_deg};
+    fmt::print("{}", args.json ? pressure_json(page) + "\n" : pressure_text(page));
+    return Exit::pass;
+  }
   const sim::Specimen specimen =
       args.specimen_file.empty() ? parse_specimen(std::string(published_specimen), "published.specimen.toml")
                                  : read_specimen(args.specimen_file);
@@ -26,7 +46,17 @@ Exit show_tables(const TablesArgs& args) {
     held_out = held_out_provider(parse_fit_file(text, args.fit_file));
   }
   const auto rows = evaluate_tables(simulator_provider(specimen), held_out);
-  fmt::print("{}", args.json ? tables_json(rows) + "\n" : tables_text(rows));
+  if (args.json) {
+    fmt::print("{}\n", tables_json(rows));
+    return Exit::pass;
+  }
+  std::set<double> angles;
+  for (const auto& row : rows)
+    if (std::isfinite(row.published.theta_deg)) angles.insert(row.published.theta_deg);
+  std::vector<BounceRow> bounces;
+  for (const double theta : angles)
+    bounces.push_back({fmt::format("{:g} degrees", theta), published_bounces(specimen, theta)});
+  fmt::print("{}\n{}", tables_text(rows), bounce_text(bounces, published_bounce_options()));
   return Exit::pass;
 }
 

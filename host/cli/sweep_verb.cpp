@@ -7,11 +7,13 @@
 #include <thread>
 
 #include "core/version.h"
+#include "host/cli/picture.h"
 #include "host/cli/scene.h"
 #include "host/cli/study.h"
 #include "host/run/stop.h"
 #include "host/store/hash.h"
 #include "host/store/sweep_store.h"
+#include "host/study/study_svg.h"
 #include "host/study/sweep_text.h"
 #include "sim/validate.h"
 
@@ -151,6 +153,7 @@ Exit run_sweep(const SweepArgs& args, const Study& s, sim::Team& team) {
   progress.finish();
   fmt::print(stderr, "sweep {} in {}\n", id, args.database);
   fmt::print("{}", args.json ? sweep_json(design, rows, true) : sweep_text(rows));
+  if (!args.picture.empty()) write_picture(args.picture, sweep_svg(design, rows));
   return Exit::pass;
 }
 
@@ -160,6 +163,7 @@ Exit run_sensitivity(const SweepArgs& args, const Study& s, sim::Team& team) {
   const auto steps = sim::usual_steps();
   const auto rows = sim::sensitivities(s.base, angles, steps, *s.metric, s.options, team);
   fmt::print("{}", args.json ? sensitivity_json(rows, *s.metric) : sensitivity_text(rows, *s.metric));
+  if (!args.picture.empty()) write_picture(args.picture, sensitivity_svg(rows, *s.metric));
   return Exit::pass;
 }
 
@@ -178,6 +182,7 @@ Exit run_best_angle(const SweepArgs& args, const Study& s, sim::Team& team) {
   progress.finish();
   if (best.mean.empty()) return Exit::interrupted;
   fmt::print("{}", args.json ? best_angle_json(best, *s.metric) : best_angle_text(best, *s.metric));
+  if (!args.picture.empty()) write_picture(args.picture, best_angle_svg(best, *s.metric));
   return Exit::pass;
 }
 

@@ -59,7 +59,10 @@ struct SimArgs {
   std::string plan;
   std::string rig_file;  ///< sensors to simulate through; "" = built-in
   std::string database = "powbench.db";
-  int threads = 0;  ///< 0 = all cores
+  int threads = 0;                ///< 0 = all cores
+  std::string fields, mechanics;  ///< by name or auto; "" = the plan's
+  std::string accuracy;           ///< of the touch time, "1%" or "0.01"; "" = the plan's
+  std::string cache = "field";    ///< folder of field tables
   bool json = false;
   std::string progress = "auto";
 };
@@ -99,14 +102,19 @@ Exit write_report(const ReportArgs&);
 struct ExportArgs : ResultArgs {
   std::int64_t shot = 0;
   std::string to = "csv";
-  std::string file;  ///< "" = stdout
+  std::string file;    ///< "" = stdout; for vtu and gltf a folder, "" = closing
+  double cell_mm = 4;  ///< of the bodies in vtu and gltf
+  double end_ms = 24;
 };
 Exit export_shot(const ExportArgs&);
+/// The shot's closing once more, with deforming parts: motion and stress as VTU and PVD, or a film as glTF.
+Exit export_closing(const ExportArgs&);
 
 struct TablesArgs {
   std::string specimen_file;
   std::string
       fit_file;  ///< of `powbench fit`: held-out predictions; "" = those of the built-in specimen, none for another
+  bool pressure = false;  ///< the statements on contact pressure instead
   bool json = false;
 };
 Exit show_tables(const TablesArgs&);
@@ -115,8 +123,13 @@ struct FieldArgs {
   std::string specimen_file;  ///< "" = the reference contactor
   std::string folder = "field";
   std::string accuracy = "0.5%";
-  std::string steel;  ///< built-in steel; "" = the specimen's law
-  bool ring = false;  ///< the shading ring as a third variable
+  std::string steel;      ///< built-in steel; "" = the specimen's law
+  bool ring = false;      ///< the shading ring as a third variable
+  std::string mesh_file;  ///< a plane mesh (MSH 4.1) in place of the specimen's shape; "" = none
+  std::string mesh_unit = "mm";
+  double current = 0.3;    ///< A, with a mesh
+  bool symmetric = false;  ///< the mesh is one half of a symmetric device
+  bool ends = false;       ///< with what three dimensions add at the ends of stack and coil
   bool json = false;
 };
 Exit show_field(const FieldArgs&);

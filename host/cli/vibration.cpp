@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <nlohmann/json.hpp>
 
 #include "dsp/extract.h"
 #include "dsp/force.h"
@@ -170,28 +171,70 @@ void apply_rule(Events& e, const Record& record, const dsp::ExtractOptions& opti
   e.method = fmt::format("crossing of {:g} % of the settled force", *rule.force_percent);
 }
 
-std::vector<std::string> band_lines(const Record& record, const Events& events,
-                                    const dsp::ExtractOptions& options) {
-  std::vector<std::string> lines;
+namespace {
+
+/// A film that is there, its ring, and its bands where it rings.
+struct FilmRing {
+  Channel film;
+  dsp::Ring ring;
+  FilmBands bands;
+};
+
+std::vector<FilmRing> film_rings(const Record& record, const Events& events,
+                                 const dsp::ExtractOptions& options) {
+  std::vector<FilmRing> out;
   for (const Channel film : {Channel::pvdf_a, Channel::pvdf_b}) {
     const dsp::FilmVibration v = dsp::film_vibration(record, film, events, options);
     if (!v.present) continue;
-    if (v.ring.empty()) {
-      lines.push_back(fmt::format("{}: no core vibration stands out", film_name(film)));
-      continue;
-    }
+    out.push_back({film, v.ring, {}});
+    if (v.ring.empty()) continue;
     dsp::BandQuestion q;
     q.pulse_width = v.shortest;
-    const FilmBands b = film_bands(dsp::bands_of_ring(v.ring, q), v, film, "");
+    out.back().bands = film_bands(dsp::bands_of_ring(v.ring, q), v, film, "");
+  }
+  return out;
+}
+
+}  // namespace
+
+std::string bands_json(const Record& record, const Events& events, const dsp::ExtractOptions& options) {
+  using Json = nlohmann::ordered_json;
+  const auto number = [](double x) { return std::isfinite(x) ? Json(x) : Json(nullptr); };
+  Json out = Json::array();
+  for (const FilmRing& f : film_rings(record, events, options)) {
+    Json modes = Json::array();
+    for (const auto& m : f.ring.modes) modes.push_back(m.pole.hertz);
+    Json j = {{"film", info(f.film).name}, {"modes_hertz", modes}};
+    if (!f.ring.empty())
+      j.update({{"contact_hertz", number(f.bands.contact_hertz)},
+                {"ring_in_contact_db", number(f.bands.ring_in_contact_db)},
+                {"pulse_in_core_db", number(f.bands.pulse_in_core_db)},
+                {"overlaps", f.bands.overlaps},
+                {"filter", f.bands.filter},
+                {"canceller", f.bands.canceller}});
+    out.push_back(std::move(j));
+  }
+  return out.dump();
+}
+
+std::vector<std::string> band_lines(const Record& record, const Events& events,
+                                    const dsp::ExtractOptions& options) {
+  std::vector<std::string> lines;
+  for (const FilmRing& f : film_rings(record, events, options)) {
+    if (f.ring.empty()) {
+      lines.push_back(fmt::format("{}: no core vibration stands out", film_name(f.film)));
+      continue;
+    }
+    const FilmBands& b = f.bands;
     std::string modes;
-    for (const auto& m : v.ring.modes)
+    for (const auto& m : f.ring.modes)
       modes += fmt::format("{}{:.2f}", modes.empty() ? "" : ", ", m.pole.hertz * 1e-3);
     lines.push_back(
         fmt::format("{}: core vibrates at {} kHz, contact force reaches {:.2f} kHz: {:.1f} dB of the "
                     "vibration lie in the contact "
                     "band, {:.1f} dB of a contact in the core's; plain filter: {}; canceller: {}",
-                    film_name(film), modes, b.contact_hertz * 1e-3, b.ring_in_contact_db, b.pulse_in_core_db,
-                    b.filter, b.canceller));
+                    b.film, modes, b.contact_hertz * 1e-3, b.ring_in_contact_db, b.pulse_in_core_db, b.filter,
+                    b.canceller));
   }
   return lines;
 }

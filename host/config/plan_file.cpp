@@ -5,6 +5,7 @@
 #include "core/phase.h"
 #include "host/config/file_reader.h"
 #include "host/config/specimen_file.h"
+#include "sim/study/rungs.h"
 
 namespace powbench::host {
 namespace {
@@ -51,7 +52,27 @@ FileKind kind_of(Plan& p) {
     kind.number("max_" + limit_suffix(q), p.limits[i].high, {0, 1e6}, "largest value that passes",
                 Need::optional);
   }
+  kind.section("wanted", "of `powbench sim`: how accurate, or by which models");
+  const char* times[] = {"touch_percent", "seat_percent", "settled_percent"};
+  for (std::size_t i = 0; i < p.wanted.size(); ++i)
+    kind.number(times[i], p.wanted[i], {1e-6, 50}, "largest error of this time, in percent of the touch time",
+                Need::optional);
+  kind.text("fields", p.fields, "circuit, table, field2d, field3d, or auto: climb as far as it takes");
+  kind.text("mechanics", p.mechanics, "plant, rigid, modal, explicit, or auto");
   return kind;
+}
+
+/// One of the names of a list, `auto`, or nothing.
+template <std::size_t n>
+void check_rung(FileReader& reader, const char* key, const std::string& word,
+                const std::array<std::string_view, n>& names) {
+  if (word.empty() || word == "auto") return;
+  std::string known = "auto";
+  for (const auto name : names) {
+    if (name == word) return;
+    known += ", " + std::string(name);
+  }
+  reader.fail("wanted", key, "is '" + word + "'", known);
 }
 
 void check_angles(FileReader& reader, Plan& p) {
@@ -73,6 +94,8 @@ void check(FileReader& reader, Plan& p) {
     reader.fail("", "repeats",
                 "gives " + number_text(shots) + " shots with " + std::to_string(p.angles.size()) + " angles",
                 "1..100000 shots");
+  check_rung(reader, "fields", p.fields, sim::field_names);
+  check_rung(reader, "mechanics", p.mechanics, sim::mechanics_names);
   for (std::size_t i = 0; i < p.limits.size(); ++i) {
     if (!(p.limits[i].low > p.limits[i].high)) continue;
     const Quantity& q = quantity_table[i];

@@ -43,6 +43,11 @@ struct Plan {
   double crosstalk_a = 0.0, crosstalk_b = 0.0;  ///< share of the other film's force that film a, b shows
   double limits_vs_simulation = std::numeric_limits<double>::quiet_NaN();  ///< relative; NaN = no such limit
   std::array<Interval, quantity_table.size()> limits{};  ///< in the order of the quantity table
+  /// Wanted error of the simulated touch, seat and settled time, as a share of the touch time; NaN = not wanted.
+  std::array<double, 3> wanted{std::numeric_limits<double>::quiet_NaN(),
+                               std::numeric_limits<double>::quiet_NaN(),
+                               std::numeric_limits<double>::quiet_NaN()};
+  std::string fields, mechanics;  ///< of the simulation, by name or `auto`; "" = no wish
 
   std::filesystem::path folder;  ///< of the plan file; not part of the resolved text
 };

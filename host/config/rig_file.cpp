@@ -95,12 +95,57 @@ void declare_deviations(FileKind& kind, rigs::SimRigConfig& c) {
   kind.number("mains_dip_percent", c.faults.mains_dip, {0, 150}, "supply from arming on, of its set-point");
 }
 
+void declare_supply(FileKind& kind, sim::Supply& s) {
+  auto& m = s.mains;
+  std::vector<double*> percent, degrees, starts, lengths, depths, jumps, opens, closes;
+  for (auto& h : m.harmonics) {
+    percent.push_back(&h.share);
+    degrees.push_back(&h.phase);
+  }
+  for (auto& d : m.dips) {
+    starts.push_back(&d.start);
+    lengths.push_back(&d.duration);
+    depths.push_back(&d.depth);
+    jumps.push_back(&d.jump);
+  }
+  for (auto& b : s.coil_switch.bounces) {
+    opens.push_back(&b.open);
+    closes.push_back(&b.close);
+  }
+  kind.section("supply", "the mains behind the coil switch; volts, hertz and angle are the plan's");
+  kind.number("resistance_ohm", m.resistance, {0, 1000}, "of the source");
+  kind.number("inductance_mH", m.inductance, {0, 1000}, "of the source");
+  kind.numbers("harmonic_percent", percent, {0, 100}, "3rd, 5th, 7th and 11th, of the fundamental");
+  kind.numbers("harmonic_deg", degrees, {-360, 360}, "their phases at the fundamental's rising zero");
+  kind.numbers("dip_start_ms", starts, {0, 10'000}, "two dips; after the coil is commanded on");
+  kind.numbers("dip_length_ms", lengths, {0, 10'000}, "0: no dip");
+  kind.numbers("dip_depth_percent", depths, {0, 100}, "voltage that is missing; 100: interruption");
+  kind.numbers("dip_jump_deg", jumps, {-360, 360}, "by which the phase leads during the dip");
+
+  auto& c = s.coil_switch;
+  kind.section("switch", "the switch between mains and coil");
+  kind.choice("kind", c.kind, {"ideal", "relay", "triac"},
+              "ideal: closes at once and opens at the current's zero; relay: delays and bounces; triac: "
+              "gate, latching "
+              "and holding current");
+  kind.number("closing_delay_ms", c.closing_delay, {0, 1000}, "relay: command to first touch");
+  kind.number("opening_delay_ms", c.opening_delay, {0, 1000}, "relay: command to parting");
+  kind.numbers("bounce_open_us", opens, {0, 100'000}, "relay: four re-openings, after its first touch");
+  kind.numbers("bounce_close_us", closes, {0, 100'000}, "relay: their ends; 0: no bounce");
+  kind.number("latching_current_mA", c.latching_current, {0, 10'000},
+              "triac: stays on without its gate from here");
+  kind.number("holding_current_mA", c.holding_current, {0, 10'000}, "triac: off below, without its gate");
+  kind.number("gate_pulse_us", c.gate_pulse, {0, 1e6}, "triac: 0: driven as long as commanded");
+  kind.number("gate_period_us", c.gate_period, {0, 1e6}, "triac: from pulse to pulse; 0: a single one");
+}
+
 FileKind kind_of(RigFile& r) {
   FileKind kind("rig", "one simulated bench");
   declare_rig(kind, r);
   declare_force(kind, r.config.sensors);
   declare_electrical(kind, r.config.sensors);
   declare_deviations(kind, r.config);
+  declare_supply(kind, r.config.supply);
   return kind;
 }
 
@@ -121,6 +166,21 @@ bool is_ipv4(const std::string& text) {
   return parts == 4;
 }
 
+void check_switch(FileReader& reader, const sim::CoilSwitch& s) {
+  double touched = 0;
+  for (const auto& b : s.bounces) {
+    if (b.open == 0 && b.close == 0) continue;
+    if (b.open < touched || b.close < b.open)
+      reader.fail("switch", "bounce_close_us", "is not in order", "open <= close <= next open");
+    touched = b.close;
+  }
+  if (s.holding_current > s.latching_current)
+    reader.fail("switch", "holding_current_mA", "is above the latching current",
+                "at most latching_current_mA");
+  if (s.gate_period > 0 && s.gate_period < s.gate_pulse)
+    reader.fail("switch", "gate_period_us", "is shorter than the pulse", "0, or gate_pulse_us and more");
+}
+
 void check(FileReader& reader, const RigFile& r) {
   const auto& c = r.config;
   if (!is_ipv4(r.listen)) reader.fail("", "listen", "is no IPv4 address; for example 127.0.0.7");
@@ -131,6 +191,7 @@ void check(FileReader& reader, const RigFile& r) {
     reader.fail("force", "bandwidth_hertz", "is not above corner_hertz");
   if (c.sensors.contact_open_voltage > c.sensors.contact_full_scale)
     reader.fail("electrical", "contact_open_V", "saturates the channel", "at most contact_full_scale_V");
+  check_switch(reader, c.supply.coil_switch);
 }
 
 RigFile read_with(FileReader reader) {

@@ -49,6 +49,7 @@ constexpr std::array units{
     Unit{"mH", "mH", -3},
     Unit{"uH", "uH", -6},
     Unit{"A_per_m", "A/m"},
+    Unit{"T", "T"},
     Unit{"A_per_m_per_T", "A/(m T)"},
     Unit{"pC_per_N", "pC/N", -12},
     Unit{"N_per_V", "N/V"},

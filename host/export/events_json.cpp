@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/units.h"
+#include "dsp/core_seat.h"
 #include "host/store/json.h"
 
 namespace powbench::host {
@@ -46,7 +47,7 @@ Json train_json(const ContactTrain& t, std::uint32_t all) {
 
 }  // namespace
 
-std::string to_events_json(const Events& e, const Record& record, int indent) {
+std::string to_events_json(const Events& e, const Record& record, int indent, const dsp::ExtractOptions& o) {
   const std::uint32_t all = e.flags & flag_no_calibration;
   Json channels = Json::object();
   for (const auto& [channel, train] : {std::pair{Channel::pvdf_a, &e.pvdf_a},
@@ -63,6 +64,7 @@ std::string to_events_json(const Events& e, const Record& record, int indent) {
                      {"u_impact_velocity_m_per_s", number(c.impact_velocity.u)},
                      {"travel_m", number(c.travel.value)},
                      {"u_travel_m", number(c.travel.u)},
+                     {"resolution_s", c.seat.known() ? number(dsp::core_resolution(o)) : Json(nullptr)},
                      {"flags", flags_json(c.flags | all)}};
   const Json j = {{"channels", channels},
                   {"core", core},

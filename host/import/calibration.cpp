@@ -35,7 +35,17 @@ void declare_channel(FileKind& kind, Channel c, ChannelCalibration& k) {
               "share of the other film's force that this film shows");
 }
 
-FileKind kind_of(Calibration& k, const std::vector<Channel>& channels) {
+/// Only for files of others: what this program writes has the names already.
+void declare_columns(FileKind& kind, ForeignColumns& columns) {
+  kind.section("columns",
+               "what the columns of a foreign file are called there, as \"CH1 [V]\"; without [unit] the "
+               "header's own counts");
+  kind.text("time", columns[0], "the time column");
+  for (std::size_t i = 0; i < channel_count; ++i)
+    kind.text(std::string(channel_table[i].name), columns[1 + i], std::string(channel_table[i].meaning));
+}
+
+FileKind kind_of(Calibration& k, const std::vector<Channel>& channels, bool foreign = true) {
   FileKind kind("calibration", "what the numbers of a waveform file mean");
   kind.text("calibration", k.id, "name of the calibration in force; without it all results are flagged");
   kind.text("valid_until", k.valid_until, "its last day, as 2030-12-31; without it there is none");
@@ -48,6 +58,7 @@ FileKind kind_of(Calibration& k, const std::vector<Channel>& channels) {
   kind.number("mains_hertz", k.mains_hertz, {40, 70}, "nominal mains frequency");
   kind.number("closing_angle_deg", k.closing_angle, {0, 360}, "commanded; without it none is checked",
               Need::optional);
+  if (foreign) declare_columns(kind, k.columns);
   for (const Channel c : channels) declare_channel(kind, c, k.channels[index(c)]);
   return kind;
 }
@@ -120,7 +131,7 @@ std::string calibration_of(const Record& record) {
     to.clip_low = std::min(low, high);
     to.clip_high = std::max(low, high);
   }
-  return kind_of(k, channels).resolved_text();
+  return kind_of(k, channels, false).resolved_text();
 }
 
 bool in_force(const Calibration& k, const std::string& today) {

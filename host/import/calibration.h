@@ -8,6 +8,7 @@
 
 #include "core/channels.h"
 #include "core/record.h"
+#include "host/import/column.h"
 
 /// The calibration file: what a waveform's numbers cannot say by themselves. TOML, beside the waveform: the same name with
 /// the ending `.toml`. Owner: whoever recorded the waveform.
@@ -37,6 +38,7 @@ struct Calibration {
   double mains_hertz = 50.0;                                      ///< nominal
   double closing_angle = std::numeric_limits<double>::quiet_NaN();  ///< rad, commanded
   std::array<ChannelCalibration, channel_count> channels{};
+  ForeignColumns columns;
 
   const ChannelCalibration& of(Channel c) const { return channels[index(c)]; }
 };

@@ -98,6 +98,28 @@ std::string parse(const std::string& cell, Column& column) {
   return "";
 }
 
+/// `name [unit]` apart; no unit where there are no brackets.
+std::pair<std::string, std::string> apart(const std::string& cell) {
+  const std::size_t open = cell.find('['), close = cell.rfind(']');
+  std::string name(trimmed(std::string_view(cell).substr(0, open)));
+  if (open == std::string::npos || close == std::string::npos || close < open) return {name, ""};
+  return {name, std::string(trimmed(std::string_view(cell).substr(open + 1, close - open - 1)))};
+}
+
+/// What a foreign cell is called here, with its unit; nothing when no entry names it.
+std::optional<std::string> own_title(const std::string& cell, const ForeignColumns& foreign) {
+  const auto known = names();
+  const auto [name, unit] = apart(cell);
+  for (std::size_t i = 0; i < foreign.size(); ++i) {
+    if (foreign[i].empty()) continue;
+    const auto [wanted, wanted_unit] = apart(foreign[i]);
+    if (foreign[i] != cell && wanted != name) continue;
+    const std::string& u = wanted_unit.empty() ? unit : wanted_unit;
+    return u.empty() ? known[i] : known[i] + " [" + u + "]";
+  }
+  return std::nullopt;
+}
+
 }  // namespace
 
 std::string known_columns() {
@@ -107,15 +129,31 @@ std::string known_columns() {
 }
 
 std::vector<Column> read_header(const std::vector<std::string>& cells, const std::string& file, int line,
-                                bool clock) {
+                                bool clock, const ForeignColumns& foreign) {
+  const bool any_foreign =
+      std::any_of(foreign.begin(), foreign.end(), [](const std::string& f) { return !f.empty(); });
   std::vector<Column> columns(cells.size());
+  std::array<int, 1 + channel_count> answered{};
   std::vector<std::string> mistakes;
   const auto fail = [&](const std::string& what) {
     mistakes.push_back(file + ":" + std::to_string(line) + ": " + what);
   };
   int times = 0;
   for (std::size_t i = 0; i < cells.size(); ++i) {
-    const std::string wrong = parse(cells[i], columns[i]);
+    const auto own = own_title(cells[i], foreign);
+    const auto list = names();
+    const bool ours = std::find(list.begin(), list.end(), lower(apart(cells[i]).first)) != list.end();
+    if (any_foreign && !own && !ours) {
+      columns[i].title = cells[i];
+      columns[i].passed_over = true;
+      continue;
+    }
+    std::string wrong = parse(own.value_or(cells[i]), columns[i]);
+    if (own) {
+      columns[i].title = cells[i];
+      ++answered[columns[i].channel ? 1 + index(*columns[i].channel) : 0];
+      if (!wrong.empty()) wrong = "column '" + cells[i] + "', named in [columns]: " + wrong;
+    }
     if (!wrong.empty()) {
       fail(wrong);
       if (lower(cells[i]).starts_with("time")) ++times;
@@ -123,12 +161,22 @@ std::vector<Column> read_header(const std::vector<std::string>& cells, const std
     }
     times += !columns[i].channel;
     for (std::size_t j = 0; j < i; ++j)
-      if (columns[j].title.size() && columns[j].channel == columns[i].channel && columns[i].channel)
+      if (columns[j].title.size() && !columns[j].passed_over && columns[j].channel == columns[i].channel &&
+          columns[i].channel)
         fail("column '" + cells[i] + "': the channel stands here twice; allowed once");
   }
+  for (std::size_t i = 0; i < foreign.size(); ++i)
+    if (!foreign[i].empty() && answered[i] == 0 && mistakes.empty()) {
+      std::string header;
+      for (const std::string& cell : cells) header += (header.empty() ? "'" : ", '") + cell + "'";
+      fail("[columns] " + names()[i] + " = \"" + foreign[i] + "\": no column has that name; the header has " +
+           header);
+    }
+  const auto passed = std::count_if(columns.begin(), columns.end(), [](auto& c) { return c.passed_over; });
   if ((times > 1 || (times == 0 && clock)) && mistakes.empty())
     fail("the header has " + std::to_string(times) + " time columns; allowed one, as in `time [s]`");
-  if (cells.size() - static_cast<std::size_t>(times) < 1 && mistakes.empty())
+  if (cells.size() - static_cast<std::size_t>(times) - static_cast<std::size_t>(passed) < 1 &&
+      mistakes.empty())
     fail("the header has no channel; allowed " + known_columns());
   if (!mistakes.empty()) throw BadInput(mistakes);
   return columns;

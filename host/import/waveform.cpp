@@ -45,7 +45,9 @@ class Importer {
 
   Imported run(std::string_view text, const std::string& today) {
     table_ = read_csv(text, file_);
-    columns_ = read_header(table_.header, file_, table_.header_line, std::isnan(k_.sample_rate));
+    columns_ = read_header(table_.header, file_, table_.header_line, std::isnan(k_.sample_rate), k_.columns);
+    for (const Column& c : columns_)
+      if (c.passed_over) note(fmt::format("column '{}': not asked for, passed over", c.title));
     check_calibrated();
     if (table_.rows() < least_samples)
       fail(table_.header_line,
@@ -90,7 +92,7 @@ class Importer {
 
   std::size_t time_column() const {
     for (std::size_t c = 0; c < columns_.size(); ++c)
-      if (!columns_[c].channel) return c;
+      if (!columns_[c].channel && !columns_[c].passed_over) return c;
     return columns_.size();
   }
 

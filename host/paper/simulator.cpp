@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "core/units.h"
+#include "sim/mechanics/rigid_closing.h"
 
 namespace powbench::host {
 namespace {
@@ -39,6 +40,24 @@ PublishedView published_view(const sim::Trajectory& closing) {
     v.F_bounce_2 = peak_between(closing.samples, openings[0].touch, openings[1].release);
   }
   return v;
+}
+
+sim::BounceStudyOptions published_bounce_options() {
+  sim::BounceStudyOptions o;
+  o.tolerance = sim::PlantOptions{}.relative_tolerance;
+  o.end = duration;
+  return o;
+}
+
+sim::BounceStudy published_bounces(const sim::Specimen& specimen, double theta_deg,
+                                   const Conditions& conditions) {
+  Conditions c = conditions;
+  c.closing_angle = radians(theta_deg);
+  const auto run = [&](double tolerance, const sim::Factor& factor) {
+    return sim::contact_events(
+        sim::simulate(sim::varied(specimen, factor), c, duration, 0, tolerance).events);
+  };
+  return sim::study_bounces(run, published_bounce_options());
 }
 
 ClosingProvider simulator_provider(const sim::Specimen& specimen, const Conditions& conditions) {

@@ -16,7 +16,6 @@
 #include "dsp/extract.h"
 #include "host/compare/compare.h"
 #include "host/run/stop.h"
-#include "rigs/simulated_record.h"
 
 namespace powbench::host {
 
@@ -143,7 +142,8 @@ RunSummary run_campaign(Store& store, std::int64_t campaign, std::span<const Pla
 
 std::size_t simulate_campaign(Store& store, std::int64_t campaign, std::span<const PlannedShot> plan,
                               const sim::Specimen& specimen, const rigs::SimRigConfig& rig,
-                              const RunOptions& options, int threads, Progress& progress) {
+                              const RunOptions& options, int threads, Progress& progress,
+                              const RecordMaker& make_record) {
   std::set<double> known;
   for (const StoredShot& s : store.shots(campaign, ShotKind::simulated)) known.insert(s.angle_deg);
   // one simulation for each different angle: repeats differ by noise alone, and a prediction has none
@@ -163,7 +163,7 @@ std::size_t simulate_campaign(Store& store, std::int64_t campaign, std::span<con
   const auto work = [&] {
     for (std::size_t i = next++; i < shots.size() && !StopOnSignal::asked(); i = next++) {
       try {
-        results[i] = rigs::simulate_record(specimen, shots[i].conditions, rig);
+        results[i] = make_record(specimen, shots[i].conditions, rig);
         events[i] = extract_checked(results[i]->record, options);
       } catch (...) {
         const std::scoped_lock lock(mutex);

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <functional>
 #include <span>
 #include <string>
 #include <vector>
@@ -13,6 +14,7 @@
 #include "host/store/store.h"
 #include "rigs/rig.h"
 #include "rigs/sim_rig_config.h"
+#include "rigs/simulated_record.h"
 #include "sim/specimen.h"
 
 /// Executes a plan: every shot acquired, its events extracted, judged and stored before the next one is fired.
@@ -47,11 +49,15 @@ struct RunSummary {
 RunSummary run_campaign(Store&, std::int64_t campaign, std::span<const PlannedShot>, rigs::Rig&,
                         const RunOptions&, Progress&);
 
+/// How one closing becomes a record; the plant of the simulated rig unless a scene says otherwise.
+using RecordMaker =
+    std::function<rigs::SimulatedClosing(const sim::Specimen&, const Conditions&, const rigs::SimRigConfig&)>;
+
 /// Simulates each different set of conditions of the plan once, on `threads` threads, and stores the results as
 /// simulated shots with record and events. What is stored already is kept.
 std::size_t simulate_campaign(Store&, std::int64_t campaign, std::span<const PlannedShot>,
                               const sim::Specimen&, const rigs::SimRigConfig&, const RunOptions&, int threads,
-                              Progress&);
+                              Progress&, const RecordMaker& = rigs::simulate_record);
 
 /// Events of a record with the checks that need its conditions: closing angle within tolerance.
 Events extract_checked(const Record&, const RunOptions&);

@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <cstring>
 #include <fstream>
+#include <functional>
 #include <sstream>
 
 #include "core/crc32.h"
@@ -126,10 +127,12 @@ sim::PotentialTable load_field_table(const std::filesystem::path& path) {
   return parse_field_table(bytes.str(), path.string());
 }
 
-FieldTableChoice obtain_field_table(const std::filesystem::path& folder, const sim::MagnetDesign& design,
-                                    const sim::TableOptions& options, sim::Team& team) {
+namespace {
+
+/// From the folder, or from `build`.
+FieldTableChoice obtain(const std::filesystem::path& folder, std::uint64_t hash,
+                        const std::function<sim::PotentialTable(sim::TableReport*)>& build) {
   FieldTableChoice choice;
-  const std::uint64_t hash = sim::table_hash(design, options);
   choice.file = folder / ("field-" + hash_text(hash) + ".table");
   if (std::filesystem::exists(choice.file)) {
     choice.table = load_field_table(choice.file);
@@ -140,9 +143,25 @@ FieldTableChoice obtain_field_table(const std::filesystem::path& folder, const s
     return choice;
   }
   std::filesystem::create_directories(folder);
-  choice.table = sim::build_table(design, options, team, &choice.report);
+  choice.table = build(&choice.report);
   save_field_table(choice.file, choice.table);
   return choice;
+}
+
+}  // namespace
+
+FieldTableChoice obtain_field_table(const std::filesystem::path& folder, const sim::MagnetDesign& design,
+                                    const sim::TableOptions& options, sim::Team& team) {
+  return obtain(folder, sim::table_hash(design, options),
+                [&](sim::TableReport* report) { return sim::build_table(design, options, team, report); });
+}
+
+FieldTableChoice obtain_end_table(const std::filesystem::path& folder, const sim::MagnetDesign& design,
+                                  const sim::TableOptions& options, const sim::EndTableOptions& ends,
+                                  sim::Team& team) {
+  return obtain(folder, sim::end_table_hash(design, options, ends), [&](sim::TableReport* report) {
+    return sim::build_table_with_ends(design, options, ends, team, report);
+  });
 }
 
 }  // namespace powbench::host

@@ -116,6 +116,8 @@ void Coenergy3::assemble_linear() {
   const int per = rule.nodes, sources = windings() + 1;
   linear_ui_.assign(at(sources), std::vector<double>(at(unknowns()), 0));
   linear_ii_.assign(at(sources * sources), 0);
+  for (std::size_t k = 0; k < problem_.series.size(); ++k)
+    linear_ii_[k * at(sources + 1)] = problem_.series[k];
   std::vector<Vec3> gradient(at(per)), t(at(sources));
   for (int c = 0; c < mesh.count(); ++c) {
     const auto& law = laws_[at(mesh.region[at(c)])];

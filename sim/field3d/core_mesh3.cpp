@@ -129,6 +129,7 @@ Problem3 core_problem3(const MagnetDesign& design, const CoreMeshSizes3& sizes, 
               o.inside_ring(at[0], at[1]) / o.ring_bottom};  // downwards: the outer legs carry the flux back
     });
   p.copies = 4;
+  if (!sizes.ends) p.series = {design.end_leakage};
   return p;
 }
 

@@ -51,15 +51,28 @@ std::vector<EndCorrection> end_corrections(const MagnetDesign& design, const Cor
   return out;
 }
 
+std::vector<double> air_of_core3(const MagnetDesign& design, const CoreMeshSizes3& sizes,
+                                 const std::vector<double>& gaps) {
+  MagnetDesign bare = design;
+  bare.steel = Steel::linear(1);
+  bare.shape.stack_factor = 1;
+  MagnetField3 air(bare, sizes);
+  std::vector<double> out;
+  for (const double gap : gaps) {
+    air.set_gap(gap);
+    constexpr double unit = 1e-3;  // Wb; linear
+    const auto response = air.at_flux(unit, 0, {}, true).response;
+    out.insert(out.end(), {response.current_psi, response.current_gap / unit});
+  }
+  return out;
+}
+
 PotentialTable build_table3(const MagnetDesign& design, const CoreMeshSizes3& sizes,
                             const TableOptions& options, TableReport* report) {
   TableOptions open = options;
   open.ring = false;
   const TablePlan plan = plan_table(design, open);
-  MagnetDesign bare = design;
-  bare.steel = Steel::linear(1);
-  bare.shape.stack_factor = 1;
-  MagnetField3 field(design, sizes), air(bare, sizes);
+  MagnetField3 field(design, sizes);
   PotentialTable table;
   table.psi = plan.psi;
   table.gap = plan.gap;
@@ -67,11 +80,8 @@ PotentialTable build_table3(const MagnetDesign& design, const CoreMeshSizes3& si
   for (const double gap : plan.gap) {
     field.set_gap(gap);
     sweep(field, plan.psi, table, sum);
-    air.set_gap(gap);
-    constexpr double unit = 1e-3;  // Wb; linear
-    const auto bare_response = air.at_flux(unit, 0, {}, true).response;
-    table.air.insert(table.air.end(), {bare_response.current_psi, bare_response.current_gap / unit});
   }
+  table.air = air_of_core3(design, sizes, plan.gap);
   double largest = 0;
   for (std::size_t n = 2; n < table.nodes.size(); n += 4)
     largest = std::max(largest, std::fabs(table.nodes[n]));

@@ -27,4 +27,7 @@ std::vector<EndCorrection> end_corrections(const MagnetDesign&, const CoreMeshSi
 PotentialTable build_table3(const MagnetDesign&, const CoreMeshSizes3&, const TableOptions&,
                             TableReport* report = nullptr);
 
+/// PotentialTable::air at these gaps, m: the coil with its steel as air.
+std::vector<double> air_of_core3(const MagnetDesign&, const CoreMeshSizes3&, const std::vector<double>& gaps);
+
 }  // namespace powbench::sim

@@ -8,7 +8,8 @@
 #include "sim/fields/potential.h"
 
 /// The rung `field3d`: the core with stack ends, coil heads and ring heads, by finite elements in three dimensions. What the
-/// plane rung calls `end_leakage` is part of the field here; MagnetDesign::end_leakage is not read.
+/// plane rung calls `end_leakage` is part of the field here; MagnetDesign::end_leakage is read only where the mesh has no
+/// ends.
 
 namespace powbench::sim {
 

@@ -23,6 +23,8 @@ struct Problem3 {
   Mesh3 mesh;
   std::vector<Medium> media;                               ///< by region
   std::vector<std::function<Vec3(const Vec3&)>> windings;  ///< T_k, A/m per ampere
+  std::vector<double>
+      series;             ///< H in series with each winding: leakage that the mesh does not hold; empty: none
   std::vector<int> tied;  ///< [node] the node with the same potential; empty: each its own
   std::vector<std::pair<int, double>> fixed;  ///< nodes with a given potential, A. None: one node is held
   double copies = 1;  ///< of this part in the whole: 2 for a half model, 4 for a quarter

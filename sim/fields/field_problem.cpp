@@ -39,9 +39,26 @@ FieldProblem::FieldProblem(Mesh mesh, FieldSetup setup)
     : setup_(std::move(setup)),
       space_(make_space(std::move(mesh), setup_.order, setup_.axisymmetric, setup_.depth)) {
   sort_elements();
+  build_steel();
   build_linear();
   build_windings();
   set_gap(setup_.strip_height);
+}
+
+void FieldProblem::move_vertices(std::vector<double> x, std::vector<double> y) {
+  Mesh& m = space_.mesh;
+  if (x.size() != m.x.size() || y.size() != m.y.size())
+    throw std::invalid_argument("mesh: " + std::to_string(x.size()) + " places for " +
+                                std::to_string(m.x.size()) + " vertices");
+  m.x = std::move(x);
+  m.y = std::move(y);
+  for (const auto& t : m.triangle)
+    if (!(twice_area(m, t) > 0)) throw std::invalid_argument("mesh: a triangle turns over as vertices move");
+  place_unknowns(space_);
+  build_steel();
+  build_linear();
+  build_windings();
+  set_gap(gap_);
 }
 
 void FieldProblem::sort_elements() {
@@ -49,6 +66,15 @@ void FieldProblem::sort_elements() {
   for (std::size_t t = 0; t < region.size(); ++t)
     if (const int steel = of_region(setup_.steel_of_region, region[t], -1); steel >= 0)
       elements_.push_back({t, steel});
+  for (const auto& e : elements_) {
+    const auto positions = element_positions(space_, e.triangle);
+    positions_.insert(positions_.end(), positions.begin(), positions.end());
+  }
+}
+
+void FieldProblem::build_steel() {
+  curls_.clear();
+  weights_.clear();
   const int degree = setup_.axisymmetric ? 4 : setup_.order;
   const auto lanes = index(space_.lanes);
   for (const auto& e : elements_) {
@@ -59,8 +85,6 @@ void FieldProblem::sort_elements() {
       curls_.insert(curls_.end(), p.curl_x.begin(), p.curl_x.begin() + static_cast<std::ptrdiff_t>(lanes));
       curls_.insert(curls_.end(), p.curl_y.begin(), p.curl_y.begin() + static_cast<std::ptrdiff_t>(lanes));
     }
-    const auto positions = element_positions(space_, e.triangle);
-    positions_.insert(positions_.end(), positions.begin(), positions.end());
   }
 }
 
@@ -98,6 +122,7 @@ void FieldProblem::build_linear() {
 }
 
 void FieldProblem::build_windings() {
+  windings_.clear();
   for (const auto& w : setup_.windings) {
     std::vector<double> c(index(size()) + 1, 0);
     for (const auto& [region, turns] : w.parts) {

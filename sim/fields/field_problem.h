@@ -44,6 +44,11 @@ class FieldProblem {
   /// c_k, and the section of the winding's parts is that of the mesh. Wb per Wb/m.
   const std::vector<double>& winding(std::size_t k) const { return windings_[k]; }
 
+  /// Moves the vertices, m, one x and one y each; unknowns, their numbers and the pattern stay, so that a solution is a
+  /// start for the moved mesh and the analysis of a factorisation goes on serving. Throws std::invalid_argument where a
+  /// triangle loses its area or turns over.
+  void move_vertices(std::vector<double> x, std::vector<double> y);
+
   /// Height of the strip, > 0. Rebuilds K.
   void set_gap(double height);
   double gap() const { return gap_; }
@@ -84,6 +89,7 @@ class FieldProblem {
 
  private:
   void sort_elements();
+  void build_steel();
   void build_linear();
   void build_windings();
   template <int nodes, int lanes>

@@ -107,20 +107,9 @@ void number_unknowns(FieldSpace& s) {
   for (int& u : s.unknown)
     if (u >= 0) u = place[index(u)];
   s.pattern = pattern_of(count, s.unknown, s.nodes);
-  s.node_x.resize(index(count));
-  s.node_y.resize(index(count));
-  for (std::size_t k = 0; k < m.triangle.size(); ++k)
-    for (int n = 0; n < s.nodes; ++n) {
-      int& u = s.unknown[k * index(s.nodes) + index(n)];
-      if (u < 0) {
-        u = count;
-        continue;
-      }
-      const auto a = index(m.triangle[k][index(n % 3)]),
-                 b = index(m.triangle[k][index(n < 3 ? n : (n + 1) % 3)]);
-      s.node_x[index(u)] = 0.5 * (m.x[a] + m.x[b]);
-      s.node_y[index(u)] = 0.5 * (m.y[a] + m.y[b]);
-    }
+  for (int& u : s.unknown)
+    if (u < 0) u = count;
+  place_unknowns(s);
 }
 
 }  // namespace
@@ -143,6 +132,21 @@ FieldSpace make_space(Mesh mesh, int order, bool axisymmetric, double depth) {
                                     " m, must be >= 0");
   number_unknowns(s);
   return s;
+}
+
+void place_unknowns(FieldSpace& s) {
+  const Mesh& m = s.mesh;
+  s.node_x.resize(index(s.size()));
+  s.node_y.resize(index(s.size()));
+  for (std::size_t k = 0; k < m.triangle.size(); ++k)
+    for (int n = 0; n < s.nodes; ++n) {
+      const int u = s.unknowns(k)[n];
+      if (u == s.size()) continue;
+      const auto a = index(m.triangle[k][index(n % 3)]),
+                 b = index(m.triangle[k][index(n < 3 ? n : (n + 1) % 3)]);
+      s.node_x[index(u)] = 0.5 * (m.x[a] + m.x[b]);
+      s.node_y[index(u)] = 0.5 * (m.y[a] + m.y[b]);
+    }
 }
 
 ShapePoint shape_at(const FieldSpace& s, std::size_t triangle, const std::array<double, 3>& l) {

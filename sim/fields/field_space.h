@@ -35,6 +35,9 @@ struct FieldSpace {
 
 FieldSpace make_space(Mesh mesh, int order, bool axisymmetric, double depth);
 
+/// Sets `node_x` and `node_y` by the vertices of the mesh.
+void place_unknowns(FieldSpace&);
+
 /// The shape functions at one point of a triangle.
 struct ShapePoint {
   double weight = 0;                                  ///< of the quadrature, volume element included

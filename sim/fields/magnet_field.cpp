@@ -114,6 +114,7 @@ FieldPoint MagnetField::finish(std::vector<double> a, const std::vector<double>&
   if (has_ring()) p.response.ring_current = current[1];
   p.stress_pull = -problem_->stress_force(a.data(), layer_);
   p.largest_field = problem_->largest_field(a.data());
+  p.beyond_data = p.largest_field > problem_->setup().steels.front().data_end();
   p.response.energy = newton_->energy() + 0.5 * design_.end_leakage * current[0] * current[0];
   p.a = std::move(a);
   return p;

@@ -42,6 +42,7 @@ struct FieldPoint {
   double stress_pull =
       0;  ///< N: Maxwell's stress in one layer of the strip; its distance to `pull` is an error estimate
   double largest_field = 0;  ///< T, in the steel
+  bool beyond_data = false;  ///< `largest_field` is above Steel::data_end: part of the curve is extrapolated
   NewtonReport newton;
   std::vector<double> a;  ///< the solution, for pictures and for the next start
 };

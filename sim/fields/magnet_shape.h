@@ -1,7 +1,7 @@
 #pragma once
 
 /// The laminated core seen from the side, as the field rungs mesh it. A fixed and a moving half face each other across
-/// the gap; both are E-shaped (centre leg in the coil), or U-shaped with the coil on both legs. All lengths in m.
+/// the gap; the fixed one is E-shaped (centre leg in the coil), the moving one E- or I-shaped. All lengths in m.
 ///
 ///        |<------------ 2 outer + 2 window + centre ----------->|
 ///   moving half    +---------------------------------------------+   yoke

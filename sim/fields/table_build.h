@@ -23,6 +23,7 @@ struct TableReport {
   int iterations = 0;       ///< factorisations in all
   int most_iterations = 0;  ///< of one solution
   int unknowns = 0;
+  int beyond_data = 0;  ///< solutions with steel somewhere above the last row of its curve
   double stress_error =
       0;  ///< largest |pull by stress - pull by virtual work|, relative, where the pull is above 1 % of the largest
 };
@@ -35,11 +36,21 @@ PotentialTable build_table(const MagnetDesign&, const TableOptions&, Team&, Tabl
 struct TablePlan {
   std::vector<double> psi, ring, gap;
   FieldOptions field;
+  double mesh_error = 0;  ///< relative, that the sizes are meant for
 };
 TablePlan plan_table(const MagnetDesign&, const TableOptions&);
 
+/// The same for any coil without ring, up to this flux linkage, Wb.
+TablePlan plan_table(const TableOptions&, double largest_psi);
+
 /// Hash of everything the table depends on.
 std::uint64_t table_hash(const MagnetDesign&, const TableOptions&);
+
+/// Hash of numbers and of a curve, for tables of other shapes.
+std::uint64_t hash_values(const std::vector<double>& values, const Steel&);
+
+/// A hash with one more number in it.
+std::uint64_t mixed_hash(std::uint64_t hash, double value);
 
 /// Fills in `current_error` and `pull_error` from the table itself: each inner node is predicted from its neighbours along
 /// every axis, over a double cell; in a cell values err by 1/16 of what that misses, slopes by 0.2 of it over the width.

@@ -1,7 +1,9 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cmath>
+#include <type_traits>
 
 #include "sim/mechanics/dop853.h"
 
@@ -91,6 +93,40 @@ inline Crossing<Real> first_crossing(Bernstein<Real> b) {
   if (all_positive(b)) return {};
   int budget = 300;
   return crossing_detail::search(b, Real(0), Real(1), 0, budget);
+}
+
+/// First share, 0 .. most, at which a guard is negative, 2 if it is nowhere. at(share, slope) is its value and, where that
+/// is known, its slope (0 else). The bracket may be off by a little: the quintic is not the guard.
+template <class Real, class At>
+Real first_negative(const Crossing<Real>& bracket, Real most, const At& at) {
+  Real low = bracket.low;
+  Real high = bracket.high;
+  Real slope = 0;
+  Real g = at(high, slope);
+  for (int i = 0; g >= 0 && high < most && i < 12; ++i) {  // the quintic was a little early
+    high = std::min(most, high + (high - low + Real(1e-9L)));
+    g = at(high, slope);
+  }
+  if (g >= 0) return 2;
+  Real x = high;
+  for (Real wider = high - low; low > 0; wider *= 2) {  // or a little late
+    Real unused = 0;
+    if (at(low, unused) >= 0) break;
+    low = std::max(Real(0), low - wider);
+  }
+  const Real resolution = std::is_same_v<Real, double> ? Real(2e-16L) : Real(1e-19L);
+  for (int i = 0; i < 100 && high - low > resolution; ++i) {
+    Real next = slope < 0 ? x - g / slope : (low + high) / 2;
+    if (!(next > low && next < high) || i > 8) next = i % 3 == 0 || slope >= 0 ? (low + high) / 2 : next;
+    if (!(next > low && next < high)) next = (low + high) / 2;
+    if (next <= low || next >= high) break;
+    const Real moved = std::fabs(next - x);
+    x = next;
+    g = at(x, slope);
+    (g < 0 ? high : low) = x;
+    if (moved < Real(1e-10L) && slope < 0) break;  // the next Newton step would be round-off
+  }
+  return x;
 }
 
 /// False if none of the first n guards can turn negative within the step. n is a multiple of `dop853::lanes`.

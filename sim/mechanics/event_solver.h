@@ -4,7 +4,6 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
-#include <type_traits>
 
 #include "sim/mechanics/chatter_lock.h"
 #include "sim/mechanics/crossing.h"
@@ -34,7 +33,10 @@ namespace powbench::sim {
 /// d^1.5 = w^3, the touch is a simple zero of w, and everything is smooth through both ends of the contact.
 ///
 /// A step may overshoot: modes are locked while it lasts. The earliest crossing is bracketed on the quintic of
-/// each guard, refined on the dense output, and the state there is the start of the next step. Everything that
+/// each guard and refined on the dense output. A step of that length, repeated, is the start of the next one: the
+/// dense output is off by about the tolerance inside a step, a thousand times more than a step at its end, and energy
+/// lost there is lost for good. (The end of the followed contact and guards that are only compared in sign take the
+/// dense output.) Everything that
 /// crosses within `simultaneous` switches together, so the order of the guards does not matter. A guard that
 /// keeps switching is ignored for a while that doubles (`ChatterLock`).
 template <class System>
@@ -183,17 +185,23 @@ class EventSolver {
     Real* y = work_;
     dop853::argument(row, rows_, h, start_, k_, capacity, y);
     if (row == dop853::stages - 1) std::copy_n(y, rows_, near_end_);
-    Real* out = k_ + row * capacity;
-    if (!followed()) {
-      derivative(begin_ + static_cast<Real>(dop853::c[row]) * h, y, out);
-      out[n_] = 1;
-      for (int i = n_ + 1; i < rows_; ++i) out[i] = 0;
-      return;
-    }
+    const Real t = followed() ? begin_ + y[n_] : begin_ + static_cast<Real>(dop853::c[row]) * h;
+    own_slope(t, y, k_ + row * capacity);
+  }
+
+  /// Slope in the independent variable of the step.
+  void own_slope(Real t, const Real* y, Real* row) {
     const Real root = y[n_ + 1];
-    system_->set_root(root);
-    derivative(begin_ + y[n_], y, out);
-    slope_row(out, root, y, out);
+    if (followed()) system_->set_root(root);
+    derivative(t, y, row);
+    if (followed())
+      slope_row(row, root, y, row);
+    else
+      plain_row(row);
+  }
+  void plain_row(Real* row) {
+    row[n_] = 1;
+    for (int i = n_ + 1; i < rows_; ++i) row[i] = 0;
   }
 
   /// Length in time that a step of length h would have, to first order.
@@ -210,8 +218,7 @@ class EventSolver {
       slope_row(m_.slope, start_[n_ + 1], start_, k_);
     } else {
       std::copy_n(m_.slope, rows_, k_);
-      k_[n_] = 1;
-      for (int i = n_ + 1; i < rows_; ++i) k_[i] = 0;
+      plain_row(k_);
     }
     Real h = limit(followed() ? m_.root_step : m_.step);
     for (bool again = false;; again = true) {
@@ -232,6 +239,7 @@ class EventSolver {
   void accept(Real h, Real error, bool again) {
     dop853::argument(12, rows_, h, start_, k_, capacity, m_.y);
     length_ = h;
+    covered_ = 1;
     m_.time = followed() ? begin_ + m_.y[n_] : begin_ + h;
     const Real root = m_.y[n_ + 1];
     system_->set_root(root);
@@ -241,8 +249,7 @@ class EventSolver {
       slope_row(m_.slope, root, m_.y, last);
     } else {
       std::copy_n(m_.slope, rows_, last);
-      last[n_] = 1;
-      for (int i = n_ + 1; i < rows_; ++i) last[i] = 0;
+      plain_row(last);
     }
     dense_ready_ = false;
     const Real small = std::max(error, Real(1e-10L));
@@ -355,9 +362,13 @@ class EventSolver {
   }
 
   void land_at(Real share, int which, std::uint64_t suspects) {
-    dop853::dense_state(rows_, share, start_, dense_, capacity, m_.y);
-    m_.time = followed() ? begin_ + m_.y[n_] : begin_ + share * length_;
-    system_->set_root(m_.y[n_ + 1]);
+    const bool by_step = which < system_->smooth_guards() && which != m_.root;
+    if (!by_step || !step_to(share, which)) {
+      dop853::dense_state(rows_, share, start_, dense_, capacity, m_.y);
+      m_.time = followed() ? begin_ + m_.y[n_] : begin_ + share * length_;
+      system_->set_root(m_.y[n_ + 1]);
+    }
+    covered_ = share;
     GuardSet& g = sets_[1 - now_];
     system_->guards(m_.time, m_.y, nullptr, g);
     m_.pending = std::uint64_t{1} << which;
@@ -370,6 +381,32 @@ class EventSolver {
     }
     m_.slope_known = false;
     m_.last_error = Real(1e-4L);
+  }
+
+  /// Repeats the step up to a share of it and moves the rest of the way to the zero of smooth guard k, by the midpoint
+  /// rule. False: the way is too long for that.
+  bool step_to(Real share, int k) {
+    const Real h = share * length_;
+    for (int row = 1; row < dop853::stages; ++row) stage(row, h);
+    Real* y = near_end_;
+    dop853::argument(12, rows_, h, start_, k_, capacity, y);
+    const Real t = followed() ? begin_ + y[n_] : begin_ + h;
+    const Real root = y[n_ + 1];
+    system_->set_root(root);
+    Real rate = 0;
+    const Real value = system_->guard(k, t, y, rate);
+    if (followed()) rate *= root;
+    const Real rest = -value / rate;
+    if (!(rate < 0 && std::fabs(rest) < length_ / 8)) return false;
+    Real* row = k_ + 12 * capacity;
+    own_slope(t, y, row);
+    std::copy_n(y, rows_, m_.y);
+    for (int i = 0; i < rows_; ++i) y[i] += rest / 2 * row[i];
+    own_slope(followed() ? begin_ + y[n_] : t + rest / 2, y, row);
+    for (int i = 0; i < rows_; ++i) m_.y[i] += rest * row[i];
+    m_.time = followed() ? begin_ + m_.y[n_] : t + rest;
+    system_->set_root(m_.y[n_ + 1]);
+    return true;
   }
 
   /// Value of guard k at a share of the step, and its slope per share where it is known.
@@ -387,40 +424,7 @@ class EventSolver {
 
   /// First share at which guard k is negative on the dense output, 2 if it is nowhere.
   Real refine(int k, const Crossing<Real>& bracket, Real most) {
-    Real low = bracket.low;
-    Real high = bracket.high;
-    Real slope = 0;
-    Real g_high = guard_at(k, high, slope);
-    for (int i = 0; g_high >= 0 && high < most && i < 12; ++i) {  // the quintic was a little early
-      high = std::min(most, high + (high - low + Real(1e-9L)));
-      g_high = guard_at(k, high, slope);
-    }
-    if (g_high >= 0) return 2;
-    Real x = high;
-    Real g = g_high;
-    for (Real wider = high - low; low > 0; wider *= 2) {  // or a little late
-      Real unused = 0;
-      if (guard_at(k, low, unused) >= 0) break;
-      low = std::max(Real(0), low - wider);
-    }
-    guard_at(k, x, slope);
-    const Real resolution = std::is_same_v<Real, double> ? Real(2e-16L) : Real(1e-19L);
-    for (int i = 0; i < 100 && high - low > resolution; ++i) {
-      Real next = slope < 0 ? x - g / slope : (low + high) / 2;
-      if (!(next > low && next < high) || i > 8) next = i % 3 == 0 || slope >= 0 ? (low + high) / 2 : next;
-      if (!(next > low && next < high)) next = (low + high) / 2;
-      if (next <= low || next >= high) break;
-      const Real moved = std::fabs(next - x);
-      x = next;
-      g = guard_at(k, x, slope);
-      if (g < 0) {
-        high = x;
-      } else {
-        low = x;
-      }
-      if (moved < Real(1e-10L) && slope < 0) break;  // the next Newton step would be round-off
-    }
-    return x;
+    return first_negative(bracket, most, [&](Real share, Real& slope) { return guard_at(k, share, slope); });
   }
 
   void prepare_dense() {
@@ -438,7 +442,7 @@ class EventSolver {
   Real share_of(Real t) {
     if (!followed()) return (t - begin_) / length_;
     Real low = 0;
-    Real high = 1;
+    Real high = covered_;  // beyond the zero of the root the time runs backwards
     for (int i = 0; i < 60 && high - low > Real(1e-17L); ++i) {
       const Real x = (low + high) / 2;
       alignas(dop853::alignment) Real y[capacity];
@@ -467,7 +471,8 @@ class EventSolver {
   StepEnds<Real> ends_{};
   Crossing<Real> brackets_[System::guard_capacity];
   Real begin_ = 0;
-  Real length_ = 0;  ///< of the step in its own variable
+  Real length_ = 0;   ///< of the step in its own variable
+  Real covered_ = 1;  ///< share of it up to the event that ended it
   bool dense_ready_ = false;
   bool fresh_ = false;
 };

@@ -36,8 +36,7 @@ bool is_measured(const RigidEvent& e) {
 struct Sampler {
   const Specimen& specimen;
   const CoilDrive& drive;
-  double source = 0;  ///< ohm
-  double rest = 0;    ///< m, the core's place in equilibrium
+  double rest = 0;  ///< m, the core's place in equilibrium
   std::vector<PlantSample>& out;
 
   void operator()(double t, const RigidContactor<double>& c, const double* y) const {
@@ -48,13 +47,19 @@ struct Sampler {
     s.time = t;
     s.mains_voltage = c.mains(t);
     s.coil_current = c.current(y);
-    s.coil_voltage = dy[2 * n] + (drive.resistance - source) * s.coil_current;
+    const auto& source = drive.supply.mains;
+    s.coil_voltage = dy[2 * n] + (drive.resistance - source.resistance) * s.coil_current;
     s.flux_linkage = y[2 * n];
+    if (source.inductance > 0) {
+      s.coil_voltage -= source.inductance * c.current_rate(y, dy);
+      s.flux_linkage = c.coil_linkage(y);
+    }
     s.pull = c.pull(t, y);
     s.travel = y[0] - rest;
     s.core_velocity = y[n];
-    s.base = y[2];
-    s.base_acceleration = dy[n + 2];
+    const int base = specimen.base.core_mass > 0 ? 3 : 2;
+    s.base = y[base];
+    s.base_acceleration = dy[n + base];
     const int pole = core_group * rigid_lanes;
     s.core_force = c.force_of(pole, y) + c.force_of(pole + 1, y);
     s.force_a = c.force_of(0, y);
@@ -62,6 +67,44 @@ struct Sampler {
     out.push_back(s);
   }
 };
+
+}  // namespace
+
+std::vector<RigidEvent> contact_events(std::span<const PlantEvent> events) {
+  std::vector<RigidEvent> result;
+  for (const auto& e : events) {
+    using Kind = PlantEvent::Kind;
+    if (e.kind == Kind::stall || e.kind == Kind::coil_open) continue;
+    const bool core = e.kind == Kind::core_touch || e.kind == Kind::core_release;
+    const bool b = e.kind == Kind::touch_b || e.kind == Kind::release_b;
+    const bool closes = e.kind == Kind::touch_a || e.kind == Kind::touch_b || e.kind == Kind::core_touch;
+    const int contact = core ? core_group * rigid_lanes : b ? rigid_lanes : 0;
+    result.push_back({contact, closes, e.time, std::fabs(e.velocity)});
+  }
+  return result;
+}
+
+namespace {
+
+/// One mass on the mounting carries static core and fixed contacts; or it is a housing, with the static core on buffer
+/// springs inside: then it is the one mode of the base.
+void set_base(const Base& b, RigidParts& p) {
+  const bool floats = b.core_mass > 0;
+  const double mass = floats ? b.core_mass : b.mass;
+  const double omega = 2 * pi * (floats ? b.core_hertz : b.hertz);
+  p.static_mass = mass;
+  p.buffer_rate = mass * omega * omega;
+  p.buffer_damping = 2 * (floats ? b.core_damping : b.damping) * mass * omega;
+  p.pads_follow = floats ? 0 : 1;
+  if (!floats) return;
+  BaseMode housing;
+  housing.mass = b.mass;
+  housing.hertz = b.hertz;
+  housing.damping = b.damping;
+  housing.buffer = 1;
+  for (auto& ends : housing.shape) ends[0] = ends[1] = 1;
+  p.modes = {housing};
+}
 
 }  // namespace
 
@@ -80,11 +123,7 @@ RigidParts rigid_parts(const Specimen& s) {
   p.return_rate = s.core.return_rate;
   p.core_damping = 0;
   p.core_friction = s.core.friction;
-  p.static_mass = s.base.mass;
-  const double omega = 2 * pi * s.base.hertz;
-  p.buffer_rate = s.base.mass * omega * omega;
-  p.buffer_damping = 2 * s.base.damping * s.base.mass * omega;
-  p.pads_follow = 1;
+  set_base(s.base, p);
   p.pole = p.stop = half(s.core.stop_stiffness, damping_ratio(s.core.stop_restitution), s.core.mass);
   const auto& b = s.bridges;
   p.pad = half(b.contact_stiffness, damping_ratio(b.contact_restitution), b.mass);
@@ -110,8 +149,8 @@ namespace {
 
 Trajectory run_closing(const MagneticPotential& potential, bool pressed_gap, const Specimen& specimen,
                        const Conditions& conditions, double duration, double sample_dt,
-                       double relative_tolerance, bool ledger) {
-  const Mains mains = closing_mains(conditions);
+                       double relative_tolerance, bool ledger, const Supply& bench) {
+  const Mains mains = closing_mains(conditions, bench.mains);
   if (!(sample_dt >= 0)) throw std::invalid_argument("sample_dt: allowed >= 0 s");
   const auto parts = rigid_parts(specimen);
   const auto& coil = specimen.coil;
@@ -120,9 +159,8 @@ Trajectory run_closing(const MagneticPotential& potential, bool pressed_gap, con
   drive.resistance =
       coil.resistance * (1 + coil.temperature_coefficient * (conditions.ambient - 293.15)) + mains.resistance;
   drive.ring_resistance = SpecimenPotential(specimen).ring_resistance();
-  drive.volts = mains.volts;
-  drive.hertz = mains.hertz;
-  drive.phase = mains.phase;
+  drive.supply = {mains, bench.coil_switch};
+  drive.remanence = remanence(specimen);
   drive.pressed_gap = pressed_gap;
 
   Trajectory result;
@@ -134,7 +172,7 @@ Trajectory run_closing(const MagneticPotential& potential, bool pressed_gap, con
   o.off = conditions.hold_time < duration ? conditions.hold_time : 1e300;
   o.sample = sample_dt;
   const double rest = -specimen.core.return_preload / specimen.core.stop_stiffness;
-  o.each = Sampler{specimen, drive, mains.resistance, rest, result.samples};
+  o.each = Sampler{specimen, drive, rest, result.samples};
   const auto run = run_rigid(parts, drive, o);
   if (!run.completed) throw std::runtime_error(run.dump);
   for (const auto& e : run.events)
@@ -144,22 +182,24 @@ Trajectory run_closing(const MagneticPotential& potential, bool pressed_gap, con
     result.truth.peak_current = std::max(result.truth.peak_current, std::fabs(s.coil_current));
   result.evaluations = run.evaluations;
   result.energy_residual = run.energy_residual;
+  result.supplied = run.energies.supplied;
   return result;
 }
 
 }  // namespace
 
 Trajectory simulate_rigid(const Specimen& specimen, const Conditions& conditions, double duration,
-                          double sample_dt, double relative_tolerance, bool ledger) {
+                          double sample_dt, double relative_tolerance, bool ledger, const Supply& bench) {
   require_valid(specimen);
   return run_closing(SpecimenPotential(specimen), true, specimen, conditions, duration, sample_dt,
-                     relative_tolerance, ledger);
+                     relative_tolerance, ledger, bench);
 }
 
 Trajectory simulate_rigid_with(const MagneticPotential& potential, const Specimen& specimen,
                                const Conditions& conditions, double duration, double sample_dt,
-                               double relative_tolerance, bool ledger) {
-  return run_closing(potential, false, specimen, conditions, duration, sample_dt, relative_tolerance, ledger);
+                               double relative_tolerance, bool ledger, const Supply& bench) {
+  return run_closing(potential, false, specimen, conditions, duration, sample_dt, relative_tolerance, ledger,
+                     bench);
 }
 
 }  // namespace powbench::sim

@@ -11,13 +11,18 @@ namespace powbench::sim {
 /// stops, fixed contacts on the static core. What the specimen does not tell (the tilt of the bracket) is not excited.
 RigidParts rigid_parts(const Specimen&);
 
+/// The events of a trajectory as those of contacts: break A is contact 0, break B the other end of the same bridge, the
+/// core's stop the first pole face. Stalls and the switch are left out.
+std::vector<RigidEvent> contact_events(std::span<const PlantEvent>);
+
 /// Like `simulate`, by the rigid rung. `ledger`: with the energies as states, else the residual is 0. Throws
 /// std::invalid_argument for a bad specimen or bad conditions.
 Trajectory simulate_rigid(const Specimen&, const Conditions&, double duration, double sample_dt,
-                          double relative_tolerance = 1e-8, bool ledger = true);
+                          double relative_tolerance = 1e-8, bool ledger = true, const Supply& bench = {});
 
 /// The same with the magnet's potential from another rung of fields, defined for gaps from 0 on.
 Trajectory simulate_rigid_with(const MagneticPotential&, const Specimen&, const Conditions&, double duration,
-                               double sample_dt, double relative_tolerance = 1e-8, bool ledger = true);
+                               double sample_dt, double relative_tolerance = 1e-8, bool ledger = true,
+                               const Supply& bench = {});
 
 }  // namespace powbench::sim

@@ -59,6 +59,7 @@ ContactPlace contact_place(int contact) {
 template <class R>
 R RigidContactor<R>::scale(int i) const {
   const int n = lanes_.dof;
+  if (i == offset_ && offset_ >= 0) return static_cast<Real>(drive_.remanence.current);
   if (i >= 2 * n) return i >= ledger_ && ledger_ >= 0 ? Real(0.01L) : Real(0.1L);
   const int q = i % n;
   const bool rate = i >= n;
@@ -103,14 +104,8 @@ R RigidContactor<R>::pull(Real t, const Real* y) const {
 }
 
 template <class R>
-R RigidContactor<R>::mains(Real t) const {
-  const Real angle = two_pi<Real> * static_cast<Real>(drive_.hertz) * t + static_cast<Real>(drive_.phase);
-  return std::sqrt(Real(2)) * static_cast<Real>(drive_.volts) * std::sin(angle);
-}
-
-template <class R>
 R RigidContactor<R>::current(const Real* y) const {
-  return electric_ < 0 ? Real(0) : static_cast<Real>(field(y).current);
+  return electric_ < 0 ? Real(0) : static_cast<Real>(field(y).current) + offset(y);
 }
 
 template <class R>
@@ -134,14 +129,17 @@ void RigidContactor<R>::electric(Real t, const Real* y, const MagneticResponse& 
   const Real ring_rate =
       ring ? -static_cast<Real>(drive_.ring_resistance) * static_cast<Real>(m.ring_current) : Real(0);
   if (ring) dy[electric_ + 1] = ring_rate;
-  if (coil_ != Coil::open) {
-    dy[electric_] = mains(t) - static_cast<Real>(drive_.resistance) * static_cast<Real>(m.current);
-    return;
+  if (supply_.feeds()) {
+    dy[electric_] = supply_.voltage(t) -
+                    static_cast<Real>(drive_.resistance) * (static_cast<Real>(m.current) + offset(y));
+  } else {
+    const Real gap_rate = y[lanes_.dof + 2] - y[lanes_.dof];
+    const Real other =
+        static_cast<Real>(m.current_ring) * ring_rate + static_cast<Real>(m.current_gap) * gap_rate;
+    const Real turning = offset_ < 0 ? Real(0) : drive_.remanence.stiffness(y[offset_], other < 0);
+    dy[electric_] = -other / (static_cast<Real>(m.current_psi) + turning);
   }
-  const Real gap_rate = y[lanes_.dof + 2] - y[lanes_.dof];
-  dy[electric_] =
-      -(static_cast<Real>(m.current_ring) * ring_rate + static_cast<Real>(m.current_gap) * gap_rate) /
-      static_cast<Real>(m.current_psi);
+  if (offset_ >= 0) dy[offset_] = drive_.remanence.rate(y[offset_], dy[electric_]);
 }
 
 template <class R>
@@ -156,7 +154,7 @@ void RigidContactor<R>::book(Real t, const Real* y, const MagneticResponse& m, R
   rigid_forces(lanes_, d, rate, force);
   Real lost = 0;
   for (int c = 0; c < rigid_contacts; ++c) {
-    if (!uses(c)) continue;
+    if ((used_ >> c & 1U) == 0) continue;
     const int g = c / rigid_lanes;
     const int i = c % rigid_lanes;
     const auto& law = laws_[g + (g == core_group && i >= 2)];
@@ -166,8 +164,9 @@ void RigidContactor<R>::book(Real t, const Real* y, const MagneticResponse& m, R
     if (follow) elastic = lanes_.k[g][i] * root * root * root;
     lost += (force[g][i] - elastic) * rate[g][i];
   }
+  const Real squeeze = v[2] - rigid_foot(lanes_, v);
   Real damped = lanes_.core_damping * v[0] * v[0] + lanes_.tilt_damping * v[1] * v[1] +
-                lanes_.buffer_damping * v[2] * v[2];
+                lanes_.buffer_damping * squeeze * squeeze;
   for (int i = 0; i < lanes_.modes; ++i) damped += lanes_.mode_damping[i] * v[3 + i] * v[3 + i];
   for (int j = 0; j < lanes_.bridges; ++j) {
     const Real slip = v[0] + lanes_.at[j] * v[1] - v[3 + lanes_.modes + j];
@@ -175,10 +174,11 @@ void RigidContactor<R>::book(Real t, const Real* y, const MagneticResponse& m, R
   }
   Real* e = dy + ledger_;
   const bool coil = electric_ >= 0;
-  const Real i = static_cast<Real>(m.current);
+  const Real i = static_cast<Real>(m.current) + offset(y);
   const Real ring = static_cast<Real>(m.ring_current);
-  e[0] = coil ? (coil_ == Coil::open ? Real(0) : mains(t) * i) : f * (v[0] - v[2]);
-  e[1] = coil_ == Coil::open ? Real(0) : static_cast<Real>(drive_.resistance) * i * i;
+  e[0] = coil ? (supply_.feeds() ? supply_.voltage(t) * i : Real(0)) : f * (v[0] - v[2]);
+  e[1] = supply_.feeds() ? static_cast<Real>(drive_.resistance) * i * i : Real(0);
+  if (offset_ >= 0) e[1] += drive_.remanence.loss(y[offset_], dy[electric_]);
   e[2] = static_cast<Real>(drive_.ring_resistance) * ring * ring;
   e[3] = lost;
   e[4] = -lanes_.friction * v[0];
@@ -186,7 +186,21 @@ void RigidContactor<R>::book(Real t, const Real* y, const MagneticResponse& m, R
 }
 
 template <class R>
-R RigidContactor<R>::depth_of(int contact, const Real* y) const {
+int RigidContactor<R>::number_of(int lane_contact) const {
+  const int lane = lane_contact % rigid_lanes;
+  if (lane_contact >= core_group * rigid_lanes) return lane_contact;
+  return lane_contact - lane + number_[static_cast<std::size_t>(lane)];
+}
+
+template <class R>
+int RigidContactor<R>::lane_of(int contact) const {
+  const int bridge = contact % rigid_lanes;
+  if (contact >= core_group * rigid_lanes) return contact;
+  return contact - bridge + lane_[static_cast<std::size_t>(bridge)];
+}
+
+template <class R>
+R RigidContactor<R>::lane_depth(int contact, const Real* y) const {
   const auto& p = lanes_;
   const int g = contact / rigid_lanes;
   const int i = contact % rigid_lanes;
@@ -200,7 +214,7 @@ R RigidContactor<R>::depth_of(int contact, const Real* y) const {
 }
 
 template <class R>
-R RigidContactor<R>::rate_of(int contact, const Real* y) const {
+R RigidContactor<R>::lane_rate(int contact, const Real* y) const {
   const auto& p = lanes_;
   const Real* v = y + p.dof;
   const int g = contact / rigid_lanes;
@@ -216,20 +230,21 @@ R RigidContactor<R>::rate_of(int contact, const Real* y) const {
 
 template <class R>
 R RigidContactor<R>::force_of(int contact, const Real* y) const {
-  const int g = contact / rigid_lanes;
-  const int i = contact % rigid_lanes;
-  const Real d = depth_of(contact, y);
+  const int at = lane_of(contact);
+  const int g = at / rigid_lanes;
+  const int i = at % rigid_lanes;
+  const Real d = lane_depth(at, y);
   if (!uses(contact) || !is_pressing(contact) || d <= 0) return 0;
   const auto& law = laws_[g + (g == core_group && i >= 2)];
-  return std::max(Real(0), raw_force(law, d, rate_of(contact, y), lanes_.lambda[g][i]));
+  return std::max(Real(0), raw_force(law, d, lane_rate(at, y), lanes_.lambda[g][i]));
 }
 
 template <class R>
 R RigidContactor<R>::root_step(int guard, const Real* y) const {
   const int g = guard / rigid_lanes;
   const int i = guard % rigid_lanes;
-  const Real d = depth_of(guard, y);
-  return root_scale(lanes_.k[g][i], masses_[g][i], d, rate_of(guard, y));
+  const Real d = lane_depth(guard, y);
+  return root_scale(lanes_.k[g][i], masses_[g][i], d, lane_rate(guard, y));
 }
 
 /// The pressing contact that is nearest to its zero in time, on either side, within a few steps.
@@ -270,7 +285,7 @@ R RigidContactor<R>::pressing_margin(int contact, const Real* y, Real rate) cons
   const int i = contact % rigid_lanes;
   const Real stretch = 1 + lanes_.lambda[g][i] * rate;
   if (lanes_.c[g][i] == 0) return stretch;
-  const Real d = depth_of(contact, y);
+  const Real d = lane_depth(contact, y);
   const auto& law = laws_[g + (g == core_group && i >= 2)];
   if (law.form == DampingForm::linear)
     return (d > 0 ? elastic_force(law, d) : -elastic_force(law, -d)) * stretch + lanes_.c[g][i] * rate;
@@ -309,19 +324,20 @@ void RigidContactor<R>::plain_guards(Real t, const Real* y, GuardSet& g) const {
   if (friction_ == Friction::forward) slide = y[lanes_.dof];
   if (friction_ == Friction::backward) slide = -y[lanes_.dof];
   g.value[friction_guard] = slide;
-  g.value[coil_guard] = coil_ == Coil::opening ? current_sign_ * current(y) : Real(1);
+  g.value[coil_guard] = supply_.watches_current() ? supply_.current_guard(current(y)) : Real(1);
+  g.value[clock_guard] = static_cast<Real>(supply_.next_change()) - t;
 }
 
 template <class R>
 R RigidContactor<R>::guard(int k, Real t, const Real* y, Real& rate) const {
   if (k < rigid_contacts) {
     const Real sign = sign_[k / rigid_lanes][k % rigid_lanes];
-    rate = sign * rate_of(k, y);
-    return sign * depth_of(k, y);
+    rate = sign * lane_rate(k, y);
+    return sign * lane_depth(k, y);
   }
   GuardSet g;
   guards(t, y, nullptr, g);
-  rate = k == gap_guard ? g.rate[k] : Real(0);
+  rate = k == gap_guard ? g.rate[k] : k == clock_guard ? Real(-1) : Real(0);
   return g.value[k];
 }
 
@@ -333,8 +349,9 @@ EnergyLedger RigidContactor<R>::energies(const Real* y) const {
   EnergyLedger e;
   Real kinetic = 0;
   for (int i = 0; i < n; ++i) kinetic += bodies_[i] * v[i] * v[i] / 2;
+  const Real squeeze = y[2] - rigid_foot(p, y);
   Real springs = p.return_preload * y[0] + p.return_rate * y[0] * y[0] / 2 + p.tilt_rate * y[1] * y[1] / 2 +
-                 p.buffer_rate * y[2] * y[2] / 2;
+                 p.buffer_rate * squeeze * squeeze / 2;
   for (int i = 0; i < p.modes; ++i) springs += p.mode_rate[i] * y[3 + i] * y[3 + i] / 2;
   for (int j = 0; j < p.bridges; ++j) {
     const Real theta = y[3 + p.modes + p.bridges + j];
@@ -347,14 +364,14 @@ EnergyLedger RigidContactor<R>::energies(const Real* y) const {
   for (int c = 0; c < rigid_contacts; ++c) {
     const int g = c / rigid_lanes;
     const int i = c % rigid_lanes;
-    if (!uses(c) || d[g][i] <= 0) continue;
+    if ((used_ >> c & 1U) == 0 || d[g][i] <= 0) continue;
     const auto& law = laws_[g + (g == core_group && i >= 2)];
     contacts += elastic_force(law, d[g][i]) * d[g][i] / static_cast<Real>(law.exponent + 1);
   }
   e.kinetic = static_cast<double>(kinetic);
   e.springs = static_cast<double>(springs);
   e.contacts = static_cast<double>(contacts);
-  if (electric_ >= 0) e.magnetic = field(y).energy;
+  if (electric_ >= 0) e.magnetic = field(y).energy + drive_.remanence.stored(static_cast<double>(offset(y)));
   if (ledger_ < 0) return e;
   const auto at = [&](int i) { return static_cast<double>(y[ledger_ + i]); };
   e.supplied = at(0);

@@ -1,21 +1,25 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
+#include <memory>
 #include <vector>
 
 #include "sim/fields/potential.h"
 #include "sim/mechanics/event_solver.h"
 #include "sim/mechanics/rigid_lanes.h"
 #include "sim/mechanics/rigid_parts.h"
+#include "sim/remanence.h"
+#include "sim/supply/supply_modes.h"
 
 /// The rigid contactor as a system for `EventSolver`:
 ///
 ///   M x''      = F_m - F_r0 - k_r x - c x' - friction + sum_j (S_j - f_j) - N_L - N_R + P_L + P_R
 ///   I tilt''   = sum_j z_j (S_j - f_j) + a (N_L - N_R + P_R - P_L) - k_t tilt - c_t tilt'
-///   M_s x_s''  = -F_m + N_L + N_R - k_b x_s - c_b x_s' [+ sum pads]
+///   M_s x_s''  = -F_m + N_L + N_R - B [+ sum pads],   B = k_b (x_s - foot) + c_b (...)'
 ///   m_j y''    = f_j - S_j - F_1 - F_2,   f_j = F_c0 + k_c (x + z_j tilt - y) + c_c (...)'
 ///   J_j theta''= r (F_1 - F_2) + l (S_1 - S_2) - k_th theta
-///   base mode  = modal force of the pads
+///   base mode  = modal force of the pads and of B; foot: where the buffer stands, at rest or on the base
 ///
 /// with pads F, seats S, pole faces N and stops P by their contact laws. The depth of pad 2 grows with theta and that
 /// of pad 1 shrinks, so the torque is the difference of the forces: a level bridge does not spin.
@@ -46,9 +50,8 @@ struct CoilDrive {
   const MagneticPotential* potential = nullptr;  ///< nullptr: the pull is the given one
   double resistance = 0;                         ///< ohm, with the source
   double ring_resistance = 0;                    ///< ohm, one turn
-  double volts = 230;                            ///< V rms
-  double hertz = 50;
-  double phase = 0;          ///< rad at t = 0
+  Supply supply;
+  Remanence remanence;
   bool pressed_gap = false;  ///< the potential is also defined for gap < 0, faces pressed together
 };
 
@@ -56,6 +59,7 @@ struct CoilDrive {
 struct EnergyLedger {
   double kinetic = 0, springs = 0, contacts = 0, magnetic = 0;
   double supplied = 0;  ///< by the coil, or by the given pull
+  /// `coil`: R i^2, what the iron's remanence takes, and what a current that was cut leaves.
   double coil = 0, ring = 0, contact_loss = 0, friction = 0, damping = 0;
   double stored() const { return kinetic + springs + contacts + magnetic; }
   double lost() const { return coil + ring + contact_loss + friction + damping; }
@@ -66,7 +70,7 @@ class RigidContactor {
  public:
   using Real = R;
   static constexpr int guard_capacity = 48;
-  static constexpr int capacity = 2 * (3 + most_base_modes + 2 * most_bridges) + 2 + 8;
+  static constexpr int capacity = 2 * (3 + most_base_modes + 2 * most_bridges) + 3 + 8;
   using GuardSet = Guards<Real, guard_capacity>;
   enum : int {
     gap_guard = rigid_contacts,
@@ -74,10 +78,10 @@ class RigidContactor {
     regain_guard,
     friction_guard,
     coil_guard,
+    clock_guard,  ///< what the supply does at its time
     guards_used
   };
   enum class Friction : std::uint8_t { none, stick, forward, backward };
-  enum class Coil : std::uint8_t { open, closed, opening };
 
   /// `ledger`: energies are states too. Throws std::invalid_argument for impossible parts.
   explicit RigidContactor(const RigidParts&, const CoilDrive& = {}, bool ledger = false);
@@ -94,14 +98,17 @@ class RigidContactor {
   int choose_root(const GuardSet&, const Real* y, Real step, Real& root) const;
   void follow_root(int guard) { lanes_.followed = guard; }
   void set_root(Real root) { lanes_.root = root; }
-  Real depth_rate(const Real* y) const { return lanes_.followed < 0 ? Real(0) : rate_of(lanes_.followed, y); }
+  Real depth_rate(const Real* y) const {
+    return lanes_.followed < 0 ? Real(0) : lane_rate(lanes_.followed, y);
+  }
   Real root_step(int guard, const Real* y) const;
 
-  /// Static equilibrium without pull, by Newton; writes capacity values and sets the modes. Returns the largest
-  /// acceleration left, m/s2. Throws std::runtime_error if there is none.
+  /// Static equilibrium without pull, by Newton, with the flux that the iron remembers; writes capacity values and sets
+  /// the modes. Returns the largest acceleration left, m/s2. Throws std::runtime_error if there is none,
+  /// std::invalid_argument where a pad or pole face already presses in it.
   double equilibrium(Real* y);
 
-  /// Closes the coil's switch at time t, or opens it at the next zero of the current.
+  /// Commands the coil's switch at time t.
   void set_coil(Real t, Real* y, bool on);
 
   /// Lets the modes follow the depths, for integrators that know no modes.
@@ -109,16 +116,25 @@ class RigidContactor {
 
   int dof() const { return lanes_.dof; }
   int bridges() const { return lanes_.bridges; }
-  bool uses(int contact) const { return used_ >> contact & 1U; }
-  bool is_pressing(int contact) const { return pressing_ >> contact & 1U; }
-  Real depth_of(int contact, const Real* y) const;
-  Real rate_of(int contact, const Real* y) const;
+  /// Contacts and bridges have the numbers of the parts as given. Inside, bridges sit in lanes in canonical order.
+  bool uses(int contact) const { return used_ >> lane_of(contact) & 1U; }
+  bool is_pressing(int contact) const { return pressing_ >> lane_of(contact) & 1U; }
+  Real depth_of(int contact, const Real* y) const { return lane_depth(lane_of(contact), y); }
+  Real rate_of(int contact, const Real* y) const { return lane_rate(lane_of(contact), y); }
   Real force_of(int contact, const Real* y) const;
+  /// Where the travel of a bridge stands in the states; its angle follows bridges() later.
+  int bridge_state(int bridge) const { return 3 + lanes_.modes + lane_of(bridge); }
+  /// Number, as given, of the contact that guards() and depths() know by a lane; and back.
+  int number_of(int lane_contact) const;
+  int lane_of(int contact) const;
+  /// Depths by lane, five groups of eight.
   void depths(const Real* y, Lanes<Real>* d) const { rigid_depths(lanes_, y, Real(1), d); }
   Real separation(const Real* y) const { return travel_ - (y[0] - y[2]); }
   Real pull(Real t, const Real* y) const;
   Real current(const Real* y) const;
-  Real mains(Real t) const;
+  double coil_linkage(const Real* y) const;                  ///< Wb, without the source's inductance
+  double current_rate(const Real* y, const Real* dy) const;  ///< A/s, while the coil is fed
+  double mains(double t) const { return supply_.voltage_at(t); }
   EnergyLedger energies(const Real* y) const;
   /// |stored + lost - supplied - stored at equilibrium| over the largest of them and of F_r0 times the travel.
   double energy_residual(const Real* y) const;
@@ -130,6 +146,8 @@ class RigidContactor {
   const std::vector<RigidEvent>& events() const { return events_; }
 
  private:
+  Real lane_depth(int lane_contact, const Real* y) const;
+  Real lane_rate(int lane_contact, const Real* y) const;
   void set_contact(int group, int lane, const ContactLaw&, Real mass);
   void set_bridges(const RigidParts&);
   void set_core(const RigidParts&);
@@ -140,12 +158,19 @@ class RigidContactor {
   Real pressing_margin(int contact, const Real* y, Real rate) const;
   void plain_guards(Real t, const Real* y, GuardSet&) const;
   Real core_force(Real t, const Real* y) const;
+  void flip_supply(double t, Real* y, std::uint64_t which);
+  void settle_supply(Real* y, SupplyModes::Effect, double energy_before);
+  void magnetise(Real* y) const;
+  Real offset(const Real* y) const { return offset_ < 0 ? Real(0) : y[offset_]; }
+  double fed_current(const Real* y) const;  ///< A, zero while the coil is not fed
   void electric(Real t, const Real* y, const MagneticResponse&, Real* dy) const;
   void book(Real t, const Real* y, const MagneticResponse&, Real pull, Real* dy) const;
   MagneticResponse field(const Real* y) const;
   Real gap(const Real* y) const;
 
   RigidLanes<Real> lanes_{};
+  std::array<int, most_bridges> number_{};  ///< of the bridge in each lane
+  std::array<int, most_bridges> lane_{};    ///< of each bridge
   CoilDrive drive_;
   GivenPull given_;
   ContactLaw laws_[rigid_groups + 1];       ///< pad, pad, seat, seat, pole, stop
@@ -155,6 +180,7 @@ class RigidContactor {
   Real travel_ = 0;
   int size_ = 0;
   int electric_ = -1;  ///< first magnetic state
+  int offset_ = -1;    ///< state of the remanence, -1: none
   int ledger_ = -1;
   std::uint64_t used_ = 0;
   std::uint64_t rooted_ = 0;  ///< contacts whose force has a root of the depth
@@ -163,8 +189,9 @@ class RigidContactor {
   bool touching_ = false;  ///< pole faces overlap in the middle: the magnetic gap stays zero
   Real friction_limit_ = 0;
   Friction friction_ = Friction::none;
-  Coil coil_ = Coil::open;
-  Real current_sign_ = 1;
+  SupplyModes supply_;
+  std::shared_ptr<const MagneticPotential>
+      with_source_;  ///< the coil's potential with the source's inductance
   double start_energy_ = 0;
   double least_energy_ = 1;  ///< J, return preload over the travel
   std::vector<RigidEvent> events_;

@@ -44,7 +44,9 @@ struct RigidLanes {
   Real buffer_rate = 0, buffer_damping = 0;
   Real friction = 0;  ///< N, signed force of sliding friction on the core
   bool stuck = false;
-  Real follow = 0;  ///< of the pads with the static core
+  Real follow = 0;                  ///< of the pads with the static core
+  bool buffer_on_base = false;      ///< the buffer's foot moves with the base modes
+  Real foot[most_base_modes] = {};  ///< shape of a mode there
   Real mode_rate[most_base_modes] = {}, mode_damping[most_base_modes] = {},
        inverse_mode[most_base_modes] = {};
 };
@@ -113,6 +115,15 @@ POWBENCH_INLINE void rigid_forces(const RigidLanes<Real>& p, Lanes<Real>* d, con
   }
 }
 
+/// Displacement of the buffer's foot at q (its rate at q').
+template <class Real>
+POWBENCH_INLINE Real rigid_foot(const RigidLanes<Real>& p, const Real* q) {
+  Real foot = 0;
+  if (!p.buffer_on_base) return foot;
+  for (int m = 0; m < p.modes; ++m) foot += p.foot[m] * q[3 + m];
+  return foot;
+}
+
 /// dy of the mechanical states; `pull` acts on the core and, reversed, on the static core. Writes past the states.
 template <class Real>
 POWBENCH_INLINE void rigid_rhs(const RigidLanes<Real>& p, const Real* s, Real pull, Real* ds) {
@@ -154,14 +165,16 @@ POWBENCH_INLINE void rigid_rhs(const RigidLanes<Real>& p, const Real* s, Real pu
   a[0] = p.stuck ? Real(0) : (core + p.friction) * p.inverse_core;
   a[1] = (lane_sum<Real>(p.at * on_core - p.to_tilt * c) - p.tilt_rate * s[1] - p.tilt_damping * v[1]) *
          p.inverse_tilt;
-  a[2] = ((c[0] + c[1]) - pull - p.buffer_rate * s[2] - p.buffer_damping * v[2] +
-          p.follow * lane_sum<Real>(pads)) *
-         p.inverse_static;
+  const Real squeeze = p.buffer_rate * (s[2] - rigid_foot(p, s));
+  const Real resist = p.buffer_damping * (v[2] - rigid_foot(p, v));
+  a[2] = ((c[0] + c[1]) - pull - squeeze - resist + p.follow * lane_sum<Real>(pads)) * p.inverse_static;
   for (int m = 0; m < p.modes; ++m) {
     const Real push = (p.active & 3U) != 0 || p.automatic
                           ? lane_sum<Real>(p.shape[m][0] * f[0] + p.shape[m][1] * f[1])
                           : Real(0);
-    a[3 + m] = (push - p.mode_rate[m] * s[3 + m] - p.mode_damping[m] * v[3 + m]) * p.inverse_mode[m];
+    a[3 + m] =
+        (push + p.foot[m] * (squeeze + resist) - p.mode_rate[m] * s[3 + m] - p.mode_damping[m] * v[3 + m]) *
+        p.inverse_mode[m];
   }
   store<Real>(ay, a + first);
   store<Real>(at, a + first + p.bridges);

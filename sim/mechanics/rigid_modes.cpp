@@ -1,18 +1,30 @@
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <stdexcept>
+#include <string>
 
 #include "core/units.h"
+#include "sim/mechanics/canonical_order.h"
 #include "sim/mechanics/rigid_contactor.h"
+#include "sim/supply/series_inductance.h"
 
 /// The rigid contactor: from parts to lanes, its modes, and its static equilibrium.
 
 namespace powbench::sim {
 
 template <class R>
-RigidContactor<R>::RigidContactor(const RigidParts& parts, const CoilDrive& drive, bool ledger)
-    : drive_(drive), given_(parts.pull) {
-  require_valid(parts);
+RigidContactor<R>::RigidContactor(const RigidParts& given, const CoilDrive& drive, bool ledger)
+    : drive_(drive), given_(given.pull), supply_(drive.supply) {
+  require_valid(given);
+  const auto [parts, number] = in_canonical_order(given);
+  number_ = number;
+  for (std::size_t lane = 0; lane < number.size(); ++lane)
+    lane_[static_cast<std::size_t>(number[lane])] = static_cast<int>(lane);
+  if (drive.potential != nullptr && supply_.mains().inductance > 0) {
+    with_source_ = std::make_shared<SeriesInductance>(*drive.potential, supply_.mains().inductance);
+    drive_.potential = with_source_.get();
+  }
   lanes_.bridges = static_cast<int>(parts.bridges.size());
   lanes_.modes = static_cast<int>(parts.modes.size());
   lanes_.dof = 3 + lanes_.modes + 2 * lanes_.bridges;
@@ -28,6 +40,7 @@ RigidContactor<R>::RigidContactor(const RigidParts& parts, const CoilDrive& driv
   if (drive.potential != nullptr) {
     electric_ = size_;
     size_ += drive.potential->has_ring() ? 2 : 1;
+    if (drive.remanence.present()) offset_ = size_++;
   }
   if (ledger) {
     ledger_ = size_;
@@ -98,6 +111,8 @@ void RigidContactor<R>::set_core(const RigidParts& parts) {
     p.mode_rate[m] = mass * omega * omega;
     p.mode_damping[m] = 2 * real(mode.damping) * mass * omega;
     bodies_[3 + m] = mass;
+    p.foot[m] = real(mode.buffer);
+    if (mode.buffer != 0) p.buffer_on_base = true;
     for (int j = 0; j < p.bridges; ++j)
       for (int end = 0; end < 2; ++end) p.shape[m][end][j] = real(mode.shape[j][end]);
   }
@@ -151,13 +166,14 @@ void RigidContactor<R>::flip_contact(Real t, const Real* y, int contact) {
   auto& group = sign_[contact / rigid_lanes];
   const int lane = contact % rigid_lanes;
   const bool closes = group[lane] < 0;
-  const Real rate = rate_of(contact, y);
+  const Real rate = lane_rate(contact, y);
   group[lane] = closes ? Real(1) : Real(-1);
   press(contact, closes);
   const bool was_detached = detached_ >> contact & 1U;
   detached_ &= ~(std::uint64_t{1} << contact);
   if (!was_detached)  // else the force had ended before
-    events_.push_back({contact, closes, static_cast<double>(t), std::fabs(static_cast<double>(rate))});
+    events_.push_back(
+        {number_of(contact), closes, static_cast<double>(t), std::fabs(static_cast<double>(rate))});
   if (!closes) return;
   const int g = contact / rigid_lanes;
   const int i = contact % rigid_lanes;
@@ -172,12 +188,12 @@ void RigidContactor<R>::flip_detached(Real t, const Real* y, bool release) {
   constexpr Real round_off = Real(1e-9L);
   for (std::uint64_t bits = release ? pressing_ : detached_; bits != 0; bits &= bits - 1) {
     const int c = __builtin_ctzll(bits);
-    const Real rate = rate_of(c, y);
+    const Real rate = lane_rate(c, y);
     const Real margin = pressing_margin(c, y, rate);
     if (release ? margin > round_off : margin < -round_off) continue;
     press(c, !release);
     detached_ ^= std::uint64_t{1} << c;
-    events_.push_back({c, !release, static_cast<double>(t), std::fabs(static_cast<double>(rate))});
+    events_.push_back({number_of(c), !release, static_cast<double>(t), std::fabs(static_cast<double>(rate))});
   }
 }
 
@@ -202,20 +218,8 @@ void RigidContactor<R>::flip(Real& t, Real* y, std::uint64_t which) {
   if (which >> release_guard & 1U) flip_detached(t, y, true);
   if (which >> regain_guard & 1U) flip_detached(t, y, false);
   if (which >> gap_guard & 1U) touching_ = !touching_;
-  if (which >> coil_guard & 1U) coil_ = Coil::open;
+  if (which >> coil_guard & 3U) flip_supply(static_cast<double>(t), y, which >> coil_guard);
   if ((which >> friction_guard & 1U) || friction_ == Friction::stick) flip_friction(y, t);
-}
-
-template <class R>
-void RigidContactor<R>::set_coil(Real, Real* y, bool on) {
-  if (on) {
-    coil_ = Coil::closed;
-    return;
-  }
-  if (coil_ != Coil::closed) return;
-  const Real i = current(y);
-  coil_ = i == 0 ? Coil::open : Coil::opening;
-  current_sign_ = i > 0 ? 1 : -1;
 }
 
 namespace {
@@ -243,6 +247,22 @@ bool solve(int n, Real (&a)[Most][Most], Real (&b)[Most]) {
 
 }  // namespace
 
+namespace {
+
+/// Refuses parts that touch at rest although each gap is positive: seats give way by some micrometres.
+void require_open(int contact, double depth, double gap) {
+  const auto place = contact_place(contact);
+  if (place.kind != ContactKind::pad && place.kind != ContactKind::pole) return;
+  const std::string key =
+      place.kind == ContactKind::pad ? "bridge " + std::to_string(place.part + 1) + ".gap" : "travel";
+  char text[160];
+  std::snprintf(text, sizeof text, "rigid: %s = %.6g, allowed above %.6g (parts overlap at t = 0 otherwise)",
+                key.c_str(), gap, gap + depth);
+  throw std::invalid_argument(text);
+}
+
+}  // namespace
+
 template <class R>
 double RigidContactor<R>::equilibrium(Real* y) {
   constexpr int most = 3 + most_base_modes + 2 * most_bridges;
@@ -260,7 +280,7 @@ double RigidContactor<R>::equilibrium(Real* y) {
   still.lanes_.stuck = false;
   still.lanes_.friction = 0;
   still.lanes_.followed = -1;
-  still.ledger_ = still.electric_ = -1;
+  still.ledger_ = still.electric_ = still.offset_ = -1;
   still.given_.peak = 0;
   alignas(64) Real dy[dop853::padded(capacity + 2)];
   alignas(64) Real moved[dop853::padded(capacity + 2)];
@@ -294,12 +314,16 @@ double RigidContactor<R>::equilibrium(Real* y) {
   depths(y, d);
   pressing_ = detached_ = 0;
   for (int c = 0; c < rigid_contacts; ++c) {
-    if (!uses(c)) continue;
-    const bool on = d[c / rigid_lanes][c % rigid_lanes] > 0;
+    if ((used_ >> c & 1U) == 0) continue;
+    const Real pressed = d[c / rigid_lanes][c % rigid_lanes];
+    const bool on = pressed > 0;
+    const Real gap = c < 2 * rigid_lanes ? p.gap[c / rigid_lanes][c % rigid_lanes] : travel_;
+    if (on) require_open(number_of(c), static_cast<double>(pressed), static_cast<double>(gap));
     press(c, on);
     sign_[c / rigid_lanes][c % rigid_lanes] = on ? Real(1) : Real(-1);
   }
   touching_ = separation(y) < 0;
+  if (offset_ >= 0) magnetise(y);
   return static_cast<double>(worst);
 }
 

@@ -86,6 +86,14 @@ void require_valid(const RigidParts& p) {
   positive("pull.range", p.pull.range);
 }
 
+RigidParts without_losses(RigidParts p) {
+  p.core_damping = p.core_friction = p.tilt_damping = p.buffer_damping = 0;
+  for (auto& b : p.bridges) b.damping = 0;
+  for (auto& m : p.modes) m.damping = 0;
+  for (ContactLaw* law : {&p.pad, &p.seat, &p.pole, &p.stop}) law->form = DampingForm::none;
+  return p;
+}
+
 RigidParts reference_closing(double stiffness, double damping) {
   RigidParts p;
   p.core_mass = 0.1;

@@ -34,6 +34,7 @@ struct BaseMode {
   double hertz = 820;                  ///< Hz
   double damping = 0.01;               ///< ratio
   double shape[most_bridges][2] = {};  ///< at the fixed contact of bridge j, break s
+  double buffer = 0;                   ///< shape at the foot of the static core's buffer springs
 };
 
 /// Pull that is given instead of computed:
@@ -73,6 +74,9 @@ struct RigidParts {
 /// bridges of slightly different gaps, four base modes of 0.8 .. 4.8 kHz, 24 contacts with Hunt-Crossley damping,
 /// k = 1e8 (pole faces 1e9) times `stiffness`.
 RigidParts reference_closing(double stiffness = 1, double damping = 1);
+
+/// The same parts without any loss: no damping in contacts, springs and modes, no friction.
+RigidParts without_losses(RigidParts);
 
 /// Throws std::invalid_argument with one sentence for the first value that no contactor can have: key, value,
 /// allowed range.

@@ -47,7 +47,7 @@ void check(const RigidOptions& o) {
   if (!(o.end > 0 && o.end <= 100)) refuse("end", o.end, "above 0 .. 100 s");
   if (!(o.largest_step > 1e-9 && o.largest_step <= 1e-2))
     refuse("largest_step", o.largest_step, "above 1e-9 .. 0.01 s");
-  if (!(o.energy_bound > 0)) refuse("energy_bound", o.energy_bound, "above 0");
+  if (!(o.energy_bound >= 0)) refuse("energy_bound", o.energy_bound, "0 and above");
 }
 
 }  // namespace
@@ -95,7 +95,8 @@ class Closing {
         contactor_(parts, drive, options.ledger),
         solver_(contactor_, options.tolerance, options.largest_step),
         stiff_(contactor_, options.tolerance),
-        next_sample_(options.sample > 0 ? options.sample : 1e300) {
+        next_sample_(options.sample > 0 ? options.sample : 1e300),
+        bound_(options.energy_bound > 0 ? options.energy_bound : std::max(1e-6, 100 * options.tolerance)) {
     contactor_.equilibrium(y_);
     contactor_.mark_energy(y_);
     contactor_.set_coil(0, y_, true);
@@ -144,7 +145,7 @@ class Closing {
   void judge(bool moved) {
     const double residual = options_.ledger ? contactor_.energy_residual(solver_.end_state()) : 0.0;
     run_.energy_residual = std::max(run_.energy_residual, residual);
-    if (moved && residual <= options_.energy_bound) return;
+    if (moved && residual <= bound_) return;
     const char* why = !moved ? "the step became too small" : "the energy ledger does not close";
     run_.completed = false;
     run_.dump = describe(contactor_, solver_.end_state(), solver_.end(), residual, why);
@@ -178,6 +179,7 @@ class Closing {
   RigidRun run_;
   alignas(64) double y_[Solver::capacity] = {};
   double next_sample_;
+  double bound_;
   long samples_ = 0;
   int patience_ = 0;
   bool on_ = true;

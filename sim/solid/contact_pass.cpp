@@ -143,11 +143,33 @@ double ContactPass::deepest(const NodeView& view) const {
 }
 
 double ContactPass::stiffness(std::size_t slave, double area) const {
+  if (pair_->layer > 0) return 0.5 * pair_->layer * area;
   return pair_->factor * series(slave_->stiffness[slave], master_stiffness_) * area;
 }
 
+/// Along the normal, N s/m.
+double ContactPass::damping(std::size_t slave, double area) const {
+  const double layer = 0.5 * pair_->layer_damping * area;
+  const double inverse = (*inverse_mass_)[4 * static_cast<std::size_t>(slave_->nodes[slave])];
+  return inverse > 0 ? layer + 2 * pair_->damping * std::sqrt(stiffness(slave, area) / inverse) : layer;
+}
+
+/// In the face while sticking, N s/m.
+double ContactPass::sticking(std::size_t slave, double area) const {
+  const double inverse = (*inverse_mass_)[4 * static_cast<std::size_t>(slave_->nodes[slave])];
+  return inverse > 0 ? 2 * pair_->stick_damping * std::sqrt(stiffness(slave, area) / inverse) : 0;
+}
+
+/// A force on the node, against the face it touches.
+void ContactPass::spread(const Touch& touch, int node, const Vec3& force, NodeForces& forces) const {
+  const Facet& facet = master_->facets[static_cast<std::size_t>(touch.facet)];
+  forces.add(node, force);
+  for (std::size_t c = 0; c < static_cast<std::size_t>(facet.corners()); ++c)
+    forces.add(facet.nodes[c], -touch.weights[c] * force);
+}
+
 Vec3 ContactPass::friction(std::size_t slave, const Touch& touch, const Vec3& relative, double dt,
-                           double normal_force, ContactSums& sums) {
+                           double normal_force, ContactSums& sums, Vec3& damped) {
   Anchor& anchor = anchors[slave];
   const double k = stiffness(slave, anchor.area);
   const Vec3 before = anchor.force;
@@ -164,17 +186,15 @@ Vec3 ContactPass::friction(std::size_t slave, const Touch& touch, const Vec3& re
   sums.friction_lost += work - gained;
   sums.stored += 0.5 * dot(trial, trial) / k;
   anchor.force = trial;
-  if (slides || pair_->stick_damping <= 0) return trial;
-  const double inverse = (*inverse_mass_)[4 * static_cast<std::size_t>(slave_->nodes[slave])];
-  const double c = inverse > 0 ? 2 * pair_->stick_damping * std::sqrt(k / inverse) : 0;
-  sums.damping_lost += c * dot(speed, speed) * dt;
-  return trial - c * speed;
+  if (!slides && pair_->stick_damping > 0) damped -= sticking(slave, anchor.area) * speed;
+  return trial;
 }
 
 void ContactPass::apply(const NodeView& view, double dt, double sign, bool start, NodeForces& forces,
-                        ContactSums& sums, ContactReport& report) {
+                        NodeForces& damped, ContactSums& sums, ContactReport& report) {
   pressed_.clear();
   const bool rubs = pair_->friction_static > 0 || pair_->friction_dynamic > 0;
+  const bool damps = pair_->damping > 0 || pair_->layer_damping > 0 || pair_->stick_damping > 0;
   const auto release = [&](std::size_t slave) {
     if (!anchors[slave].touching) return;
     sums.friction_lost +=
@@ -199,27 +219,28 @@ void ContactPass::apply(const NodeView& view, double dt, double sign, bool start
     if (!anchor.touching) {
       const double area = slave_->area_along(slave, touch.normal, [&](int n) { return view.place(n); });
       const double came = start ? touch.depth : 1.5 * dt * std::max(0.0, -dot(relative, touch.normal));
-      anchor = {{}, std::max(area, 1e-3 * slave_->areas[slave]), std::max(0.0, touch.depth - came), 0, true};
+      anchor = {{}, std::max(area, 1e-3 * slave_->areas[slave]), std::max(0.0, touch.depth - came), true};
     }
     anchor.zero = std::min(anchor.zero, touch.depth);
     const double depth = touch.depth - anchor.zero;
     const double stiff = stiffness(slave, anchor.area);
     double normal_force = stiff * depth;
     sums.stored += 0.5 * normal_force * depth;
-    if (pair_->damping > 0) {
-      const double inverse = (*inverse_mass_)[4 * static_cast<std::size_t>(node)];
-      const double closing = -dot(relative, touch.normal);
-      const double c = inverse > 0 ? 2 * pair_->damping * std::sqrt(stiff / inverse) : 0;
-      const double damped = std::max(0.0, normal_force + c * closing);
-      sums.damping_lost += 0.5 * dt * closing * (anchor.damped + damped - normal_force);
-      anchor.damped = damped - normal_force;
-      normal_force = damped;
+    Vec3 lossy;
+    if (damps) {  // may take from the pressure all there is, not more
+      const double by = -damping(slave, anchor.area) * dot(relative, touch.normal);
+      lossy = std::max(by, -normal_force) * touch.normal;
+      normal_force = std::max(0.0, normal_force + by);
     }
     Vec3 force = normal_force * touch.normal;
-    if (rubs) force += friction(slave, touch, relative, dt, normal_force, sums);
-    forces.add(node, force);
-    for (std::size_t c = 0; c < static_cast<std::size_t>(facet.corners()); ++c)
-      forces.add(facet.nodes[c], -touch.weights[c] * force);
+    if (rubs) {
+      Vec3 sticks;
+      force += friction(slave, touch, relative, dt, normal_force, sums, sticks);
+      force += sticks;
+      lossy += sticks;
+    }
+    spread(touch, node, force, forces);
+    if (damps) spread(touch, node, lossy, damped);
     report.force += sign * force;
     report.force_sum += normal_force;
     if (sign > 0) report.area += anchor.area;
@@ -244,7 +265,17 @@ void ContactPass::add_stiffness(std::vector<double>& all) const {
     all[static_cast<std::size_t>(slave_->nodes[n])] += stiffness(n, slave_->areas[n]);
   for (std::size_t n = 0; n < master_->nodes.size(); ++n)  // as much comes from the nodes that stand on it
     all[static_cast<std::size_t>(master_->nodes[n])] +=
-        pair_->factor * series(master_->stiffness[n], master_stiffness_) * master_->areas[n];
+        pair_->layer > 0
+            ? 0.5 * pair_->layer * master_->areas[n]
+            : pair_->factor * series(master_->stiffness[n], master_stiffness_) * master_->areas[n];
+}
+
+void ContactPass::add_damping(std::vector<double>& all) const {
+  if (!(pair_->damping > 0 || pair_->layer_damping > 0 || pair_->stick_damping > 0)) return;
+  for (std::size_t n = 0; n < slave_->nodes.size(); ++n) {
+    const double c = std::max(damping(n, slave_->areas[n]), sticking(n, slave_->areas[n]));
+    all[static_cast<std::size_t>(slave_->nodes[n])] += 2 * c;  // as much from the nodes that stand on it
+  }
 }
 
 EdgePass::EdgePass(const ContactPair& pair, const SolidSurface& one, const SolidSurface& two)

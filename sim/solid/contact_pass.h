@@ -12,7 +12,6 @@ namespace powbench::sim {
 struct ContactSums {
   double stored = 0;         ///< J, now
   double friction_lost = 0;  ///< J, so far
-  double damping_lost = 0;   ///< J, so far
 };
 
 /// What a node that touches remembers: the tangential force, and the area with which it touched first.
@@ -20,8 +19,6 @@ struct Anchor {
   Vec3 force;
   double area = 0;  ///< m2
   double zero = 0;  ///< m, depth that counts as none: a node that comes in from the side is not thrown out
-  double damped =
-      0;  ///< N, damping force of the step before: half of its work is booked with the speed after it
   bool touching = false;
 };
 
@@ -38,8 +35,11 @@ class ContactPass {
   /// other part to have come to it are passed over.
   void set_travel(double travel) { travel_ = travel; }
   /// `sign`: +1 where the slave is part a of the pair, else -1; `start`: depths there now are meant.
-  void apply(const NodeView&, double dt, double sign, bool start, NodeForces&, ContactSums&, ContactReport&);
+  /// The damping forces are added to `forces` and, once more, to `damped`.
+  void apply(const NodeView&, double dt, double sign, bool start, NodeForces& forces, NodeForces& damped,
+             ContactSums&, ContactReport&);
   void add_stiffness(std::vector<double>&) const;
+  void add_damping(std::vector<double>&) const;
   /// Adds the normal forces of the latest step over the areas, at the nodes of both sides, Pa.
   void add_pressure(std::vector<double>&) const;
 
@@ -65,8 +65,11 @@ class ContactPass {
   Touch nearest(std::size_t active, const NodeView&) const;
   bool behind_all(const NodeView&, const Facet&, const Projection&) const;
   double stiffness(std::size_t slave, double area) const;
+  double damping(std::size_t slave, double area) const;
+  double sticking(std::size_t slave, double area) const;
+  void spread(const Touch&, int node, const Vec3& force, NodeForces&) const;
   Vec3 friction(std::size_t slave, const Touch&, const Vec3& slip, double dt, double normal_force,
-                ContactSums&);
+                ContactSums&, Vec3& damped);
 
   const ContactPair* pair_;
   const SolidSurface *slave_, *master_;

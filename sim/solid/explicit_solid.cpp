@@ -5,6 +5,22 @@
 #include "sim/team.h"
 
 namespace powbench::sim {
+namespace {
+
+NodeShares shares_by_mass(const std::vector<double>& masses, int begin, int end) {
+  NodeShares all;
+  double mass = 0;
+  for (int n = begin; n < end; ++n) {
+    all.nodes.push_back(n);
+    all.shares.push_back(masses[static_cast<std::size_t>(n)]);
+    mass += all.shares.back();
+  }
+  for (double& s : all.shares) s /= mass;
+  return all;
+}
+
+}  // namespace
+
 ExplicitSolid::ExplicitSolid(const SolidMesh& mesh, const std::vector<SolidMaterial>& materials,
                              const SolidOptions& options)
     : cells_(mesh, materials, options.float_forces),
@@ -14,6 +30,7 @@ ExplicitSolid::ExplicitSolid(const SolidMesh& mesh, const std::vector<SolidMater
       v_(4 * mesh.nodes.size(), 0.0),
       inverse_mass_(4 * mesh.nodes.size(), 0.0),
       extra_(mesh.nodes.size()),
+      damped_(mesh.nodes.size()),
       found_bad_(static_cast<std::size_t>(cells_.count()), -1) {
   if (!(options.safety > 0 && options.safety <= 1))
     throw std::invalid_argument("safety = " + std::to_string(options.safety) + ", must be in (0, 1]");
@@ -21,6 +38,8 @@ ExplicitSolid::ExplicitSolid(const SolidMesh& mesh, const std::vector<SolidMater
     throw std::invalid_argument("energy_bound = " + std::to_string(options.energy_bound) + ", must be > 0");
   for (std::size_t n = 0; n < mesh.nodes.size(); ++n)
     for (std::size_t i = 0; i < 3; ++i) inverse_mass_[4 * n + i] = 1 / cells_.masses()[n];
+  for (int p = 0; p < static_cast<int>(mesh.parts.size()); ++p)
+    whole_.push_back(shares_by_mass(cells_.masses(), cells_.nodes_begin(p), cells_.nodes_end(p)));
 }
 
 ExplicitSolid::~ExplicitSolid() = default;
@@ -55,7 +74,7 @@ void ExplicitSolid::add_spring(const SolidSpring& spring) {
 
 void ExplicitSolid::add_plane(int part, const Vec3& point, const Vec3& normal, double factor) {
   const SolidSurface s = surface_of(cells_.mesh(), part, cells_.material(part));
-  SolidPlane plane{point, unit(normal), {}, {}};
+  SolidPlane plane{point, unit(normal), {}, {}, {}};
   std::map<int, double> stiffness;
   for (const Facet& f : s.facets) {
     std::array<Vec3, 4> p{};
@@ -79,23 +98,15 @@ void ExplicitSolid::set_contact(const ContactOptions& options) {
 }
 
 NodeShares ExplicitSolid::whole_part(int part) const {
-  NodeShares all;
-  double mass = 0;
-  for (int n = cells_.nodes_begin(part); n < cells_.nodes_end(part); ++n) {
-    all.nodes.push_back(n);
-    all.shares.push_back(cells_.masses()[static_cast<std::size_t>(n)]);
-    mass += all.shares.back();
-  }
-  for (double& s : all.shares) s /= mass;
-  return all;
+  return whole_.at(static_cast<std::size_t>(part));
 }
 
 Vec3 ExplicitSolid::mean_velocity(int part) const {
-  return mean(whole_part(part), v_.data());
+  return mean(whole_.at(static_cast<std::size_t>(part)), v_.data());
 }
 
 Vec3 ExplicitSolid::mean_displacement(int part) const {
-  return mean(whole_part(part), u_.data());
+  return mean(whole_.at(static_cast<std::size_t>(part)), u_.data());
 }
 
 void ExplicitSolid::begin() {
@@ -113,7 +124,7 @@ void ExplicitSolid::begin() {
   compute_loads();
   advance_nodes(-0.5 * dt_, 0);
   extra_.clear();
-  booked_external_ = 0;
+  damped_.clear();
   dt_before_ = dt_;
 }
 
@@ -152,12 +163,20 @@ void ExplicitSolid::compute_forces() {
 }
 
 void ExplicitSolid::compute_loads() {
-  load_store_ = apply_loads({}, springs_, planes_, view(), extra_, &plane_force_);
-  if (contact_) contact_->apply(view(), dt_before_, dt_, extra_);
+  load_store_ = apply_loads({}, springs_, planes_, view(), extra_, damped_, &plane_force_);
+  if (contact_) contact_->apply(view(), dt_before_, dt_, extra_, damped_);
 }
 
-void ExplicitSolid::book_external(double half_dt) {
+double ExplicitSolid::damping_work(double half_dt) const {
+  double power = 0;
+  for (const int n : damped_.touched()) power += dot(damped_[n], velocity(n));
+  return -half_dt * power;
+}
+
+/// Half a step's work of the forces at its middle, with the speed of that half.
+void ExplicitSolid::book_work(double half_dt) {
   for (const auto& load : loads_) booked_external_ += half_dt * dot(load.force, mean(load.on, v_.data()));
+  booked_contact_ += damping_work(half_dt);
 }
 
 void ExplicitSolid::advance_nodes(double dt, double drift) {
@@ -220,7 +239,7 @@ void ExplicitSolid::step() {
   follow_cells();
   compute_forces();
   compute_loads();
-  book_external(0.5 * dt_before_);
+  book_work(0.5 * dt_before_);
   const bool due = asked_ || (options_.ledger_every > 0 && steps_ % options_.ledger_every == 0);
   const double mean_dt = 0.5 * (dt_ + dt_before_);
   std::vector<double> before;
@@ -228,10 +247,10 @@ void ExplicitSolid::step() {
   for (std::size_t p = 0; p < cells_.mesh().parts.size(); ++p)
     damped = damped || damping_of(static_cast<int>(p)) > 0;
   if (due || damped) before = v_;
-  double turning = 0;
-  for (const auto& [part, body] : rigid_) turning += body.kinetic();
+  std::map<int, RigidPart> turning;
+  if (due) turning = rigid_;
   advance_nodes(mean_dt, dt_);
-  book_external(0.5 * dt_);
+  book_work(0.5 * dt_);
   if (damped)
     for (int p = 0; p < static_cast<int>(cells_.mesh().parts.size()); ++p)
       for (int n = cells_.nodes_begin(p); damping_of(p) > 0 && n < cells_.nodes_end(p); ++n)
@@ -241,14 +260,14 @@ void ExplicitSolid::step() {
           if (inverse_mass_[at] > 0)
             booked_damping_ += damping_of(p) * mean_dt / inverse_mass_[at] * middle * middle;
         }
-  extra_.clear();
-  dt_before_ = dt_;
   if (due) {
     energies_.kinetic = 0;
-    for (const auto& [part, body] : rigid_) energies_.kinetic += 0.5 * body.kinetic();
-    energies_.kinetic += 0.5 * turning;
+    for (const auto& [part, body] : rigid_) energies_.kinetic += body.kinetic_between(turning.at(part));
     balance(before);
   }
+  extra_.clear();
+  damped_.clear();
+  dt_before_ = dt_;
   time_ += dt_;
   ++steps_;
 }
@@ -277,10 +296,10 @@ void ExplicitSolid::balance(const std::vector<double>& v_before) {
   }
   e.contact = load_store_ + (contact_ ? contact_->stored() : 0);
   e.friction = contact_ ? contact_->friction_lost() : 0;
-  e.contact_damping = contact_ ? contact_->damping_lost() : 0;
   double ahead = 0;  // half of this step's work belongs to the next balance
   for (const auto& load : loads_) ahead += 0.5 * dt_ * dot(load.force, mean(load.on, v_.data()));
   e.external = booked_external_ - ahead;
+  e.contact_damping = booked_contact_ - damping_work(0.5 * dt_);
   e.damping = booked_damping_;
   e.frozen = booked_frozen_;
   if (steps_ == 0) e.start = e.stored() + e.lost() - e.external;
@@ -321,14 +340,14 @@ SolidState ExplicitSolid::save() const {
   s.v = v_;
   s.cells = cells_.memory();
   if (contact_) s.contact = contact_->memory();
-  s.booked = {booked_external_, booked_damping_, booked_frozen_,     largest_,
-              limit_,           energies_.start, begun_ ? 1.0 : 0.0, transit_};
+  s.booked = {booked_external_, booked_damping_,    booked_frozen_, largest_,       limit_,
+              energies_.start,  begun_ ? 1.0 : 0.0, transit_,       booked_contact_};
   s.rigid = rigid_;
   return s;
 }
 
 void ExplicitSolid::restore(const SolidState& s) {
-  if (s.u.size() != u_.size() || s.booked.size() != 8)
+  if (s.u.size() != u_.size() || s.booked.size() != 9)
     throw std::invalid_argument("restart: the saved state belongs to another mesh");
   cells_.restore_memory(s.cells);
   if (contact_) contact_->restore_memory(s.contact);
@@ -346,6 +365,7 @@ void ExplicitSolid::restore(const SolidState& s) {
   energies_.start = s.booked[5];
   begun_ = s.booked[6] != 0;
   transit_ = s.booked[7];
+  booked_contact_ = s.booked[8];
   rigid_ = s.rigid;
 }
 

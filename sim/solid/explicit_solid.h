@@ -29,7 +29,7 @@ struct SolidEnergies {
   double kinetic = 0, strain = 0, plastic = 0, hourglass = 0;
   double contact = 0;   ///< stored in penalty springs, normal and tangential, and in springs and planes
   double friction = 0;  ///< dissipated by sliding
-  double contact_damping = 0;  ///< dissipated by the contacts' damping
+  double contact_damping = 0;  ///< dissipated by the damping of contacts and planes
   double damping = 0;          ///< dissipated by mass-proportional damping
   double frozen = 0;           ///< kinetic energy of deformation given up when parts were frozen
   double external = 0;         ///< work of the loads
@@ -124,7 +124,8 @@ class ExplicitSolid {
   void compute_loads();
   void advance_nodes(double dt, double drift);
   void each_worker(const std::function<void(int)>&);
-  void book_external(double half_dt);
+  void book_work(double half_dt);
+  double damping_work(double half_dt) const;
   void balance(const std::vector<double>& v_before);
   void follow_cells();
   double damping_of(int part) const { return cells_.material(part).damping; }
@@ -134,15 +135,16 @@ class ExplicitSolid {
   std::unique_ptr<Team> team_;
   std::unique_ptr<SolidContact> contact_;
   std::vector<double> u_, v_, inverse_mass_;
+  std::vector<NodeShares> whole_;  // all nodes of each part
   std::vector<SolidLoad> loads_;
   std::vector<SolidSpring> springs_;
   std::vector<SolidPlane> planes_;
-  NodeForces extra_;
+  NodeForces extra_, damped_;  // of contacts, springs, planes; those of them that only dissipate
   std::map<int, RigidPart> rigid_;
   std::vector<int> found_bad_;
   double time_ = 0, dt_ = 0, dt_before_ = 0, plane_force_ = 0, load_store_ = 0;
-  double booked_external_ = 0, booked_damping_ = 0, booked_frozen_ = 0, largest_ = 0, limit_ = 0,
-         transit_ = 0;
+  double booked_external_ = 0, booked_damping_ = 0, booked_contact_ = 0, booked_frozen_ = 0, largest_ = 0,
+         limit_ = 0, transit_ = 0;
   long steps_ = 0;
   bool begun_ = false, asked_ = false;
   SolidEnergies energies_;

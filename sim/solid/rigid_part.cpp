@@ -38,6 +38,11 @@ double RigidPart::kinetic() const {
   return held ? 0 : 0.5 * mass * dot(velocity, velocity) + 0.5 * dot(momentum, spin());
 }
 
+double RigidPart::kinetic_between(const RigidPart& o) const {
+  if (held) return 0;
+  return 0.5 * mass * dot(velocity, o.velocity) + 0.25 * (dot(momentum, o.spin()) + dot(o.momentum, spin()));
+}
+
 RigidPart freeze(int first, int last, bool held, const NodeView& view, const std::vector<double>& masses) {
   RigidPart part;
   part.first = first;

@@ -4,11 +4,14 @@
 #include <cmath>
 
 #include "core/units.h"
+#include "sim/closing.h"
+#include "sim/solid/contactor_contacts.h"
 
 namespace powbench::sim {
 namespace {
 
 constexpr double chatter = 20e-6;  ///< s, shorter gaps between touches are not openings
+constexpr double slip = 0.1e-6;    ///< m, that the mover's guide gives way before it slides
 
 /// The bodies with their springs, and the coil beside them.
 class Closing {
@@ -16,17 +19,25 @@ class Closing {
   Closing(const Specimen& specimen, const Conditions& conditions, const MagneticPotential& field,
           const SolidClosingOptions& options)
       : specimen_(specimen),
-        conditions_(conditions),
         field_(field),
         options_(options),
+        mains_(closing_mains(conditions)),
+        resistance_(specimen.coil.resistance *
+                    (1 + specimen.coil.temperature_coefficient * (conditions.ambient - 293.15))),
         contactor_(contactor_mesh(specimen, options.cell)),
         solid_(contactor_.mesh, contactor_.materials, solid_options(options)) {
+    const ContactorContacts meets = contactor_contacts(contactor_, solid_.cells(), specimen);
+    stop_pair_ = meets.stop;
+    start_ = -meets.seat_depth;
+    solid_.set_contact(meets.options);
+    solid_.add_plane(meets.rest);
+    for (int n = solid_.cells().nodes_begin(contactor_.mover); n < solid_.cells().nodes_end(contactor_.mover);
+         ++n)
+      solid_.set_node_displacement(n, {0, 0, start_});
     add_springs();
-    add_contacts();
-    const double mover_bottom = lowest(contactor_.mover);
-    solid_.add_plane(contactor_.mover, {0, 0, mover_bottom}, {0, 0, 1}, 0.05);
     pull_ = solid_.add_load({solid_.whole_part(contactor_.mover), {}});
     reaction_ = solid_.add_load({solid_.whole_part(contactor_.base), {}});
+    gap_ = specimen.core.travel;
     set_rigid(true);
   }
 
@@ -41,12 +52,17 @@ class Closing {
         coupled_ = solid_.time();
         next_field = coupled_ + options_.coupling;
       }
-      solid_.step();
+      try {
+        solid_.step();
+      } catch (const SolidStop&) {
+        if (watch) watch(solid_, contactor_);
+        throw;
+      }
       ++(rigid_ ? result_.rigid_steps : result_.deformed_steps);
       follow_contacts();
       if (rigid_ && options_.deform && close_to_touch()) wake();
       if (solid_.time() < next_sample) continue;
-      next_sample = solid_.time() + (rigid_ ? 50e-6 : 5e-6);
+      next_sample = solid_.time() + (rigid_ ? 50e-6 : options_.sample);
       sample();
       if (watch) watch(solid_, contactor_);
     }
@@ -61,17 +77,10 @@ class Closing {
     return o;
   }
 
-  double lowest(int part) const {
-    double z = 1e300;
-    for (int n = solid_.cells().nodes_begin(part); n < solid_.cells().nodes_end(part); ++n)
-      z = std::min(z, contactor_.mesh.nodes[static_cast<std::size_t>(n)].z);
-    return z;
-  }
-
   void add_springs() {
     SolidSpring back;
     back.a = solid_.whole_part(contactor_.mover);
-    back.preload = specimen_.core.return_preload;
+    back.preload = specimen_.core.return_preload - specimen_.core.return_rate * start_;
     back.rate = specimen_.core.return_rate;
     solid_.add_spring(back);
     const double round = 2 * pi * specimen_.base.hertz;
@@ -83,27 +92,10 @@ class Closing {
       SolidSpring overtravel;  // the mover pushes the bridge ahead: the force grows as the mover overtakes it
       overtravel.a = solid_.whole_part(contactor_.mover);
       overtravel.b = solid_.whole_part(bridge);
-      overtravel.preload = specimen_.bridges.preload;
+      overtravel.preload = specimen_.bridges.preload - specimen_.bridges.rate * start_;
       overtravel.rate = specimen_.bridges.rate;
       solid_.add_spring(overtravel);
     }
-  }
-
-  void add_contacts() {
-    ContactOptions contact;
-    contact.edges = false;  // all faces that meet are level
-    ContactPair pair;
-    pair.damping = 0.05;
-    const auto add = [&](int a, int b) {
-      pair.a = a;
-      pair.b = b;
-      contact.pairs.push_back(pair);
-    };
-    for (const int bridge : contactor_.bridges) add(contactor_.base, bridge);
-    add(contactor_.base, contactor_.mover);
-    stop_pair_ = static_cast<int>(contact.pairs.size()) - 1;
-    for (const int bridge : contactor_.bridges) add(contactor_.mover, bridge);
-    solid_.set_contact(contact);
   }
 
   void set_rigid(bool rigid) {
@@ -116,26 +108,47 @@ class Closing {
     solid_.set_step(0.9 * solid_.step_limit());
   }
 
-  double height(int part) const { return solid_.mean_displacement(part).z; }
+  double height(int part) const {
+    return solid_.mean_displacement(part).z - (part == contactor_.mover ? start_ : 0);
+  }
 
-  /// Field and coil over the time since the latest look, with the state of now; then the new pull.
+  /// Field and coil over the time since the latest look, by the midpoint rule; then the new pull.
   void couple(double dt) {
     const double gap =
         std::max(0.0, specimen_.core.travel - height(contactor_.mover) + height(contactor_.base));
-    const double t = solid_.time() - 0.5 * dt;
-    const double voltage = std::sqrt(2.0) * conditions_.supply_volts *
-                           std::sin(2 * pi * conditions_.mains_hertz * t + conditions_.closing_angle);
-    psi_ += dt * (voltage - specimen_.coil.resistance * response_.current);
-    if (field_.has_ring()) ring_ -= dt * specimen_.magnet.ring_resistance * response_.ring_current;
+    const double voltage = std::sqrt(2.0) * mains_.volts *
+                           std::sin(2 * pi * mains_.hertz * (solid_.time() - 0.5 * dt) + mains_.phase);
+    const auto at = [&](double share, const MagneticResponse& r) {
+      const double ring = field_.has_ring() ? specimen_.magnet.ring_resistance * r.ring_current : 0;
+      return field_.at({psi_ + share * dt * (voltage - resistance_ * r.current), ring_ - share * dt * ring,
+                        gap_ + share * (gap - gap_)});
+    };
+    const MagneticResponse middle = at(0.5, response_);
+    const double lost = resistance_ * middle.current * middle.current,
+                 ring = field_.has_ring() ? specimen_.magnet.ring_resistance * middle.ring_current : 0;
+    result_.electric.supplied += dt * voltage * middle.current;
+    result_.electric.lost += dt * (lost + ring * middle.ring_current);
+    result_.electric.pull_work += middle.pull * (gap_ - gap);
+    psi_ += dt * (voltage - resistance_ * middle.current);
+    ring_ -= dt * ring;
+    gap_ = gap;
     response_ = field_.at({psi_, ring_, gap});
+    result_.electric.field = response_.energy;
+    push(dt);
+  }
+
+  /// Return map: a spring that slides at the Coulomb limit, with a dashpot of half the critical damping beside it.
+  double friction(double dt) {
+    const double limit = specimen_.core.friction, rate = limit / slip;
     const double speed = solid_.mean_velocity(contactor_.mover).z;
-    const double rub = specimen_.core.friction * std::tanh(speed / 1e-3);
-    // the rest at the open position does not throw the mover back
-    const double rest =
-        height(contactor_.mover) < 0 ? specimen_.core.mass / (8 * options_.coupling) * speed : 0;
-    solid_.set_force(pull_, {0, 0, response_.pull - rub - rest});
-    const double round = 2 * pi * specimen_.base.hertz;
-    const double drag = 2 * specimen_.base.damping * round * specimen_.base.mass;
+    stuck_ = std::clamp(stuck_ + rate * speed * dt, -limit, limit);
+    return std::clamp(stuck_ + std::sqrt(rate * specimen_.core.mass) * speed, -limit, limit);
+  }
+
+  /// Pull, friction and drag as body loads.
+  void push(double dt) {
+    solid_.set_force(pull_, {0, 0, response_.pull - friction(dt)});
+    const double drag = 4 * pi * specimen_.base.hertz * specimen_.base.damping * specimen_.base.mass;
     solid_.set_force(reaction_, {0, 0, -response_.pull - drag * solid_.mean_velocity(contactor_.base).z});
   }
 
@@ -176,15 +189,18 @@ class Closing {
   }
 
   Specimen specimen_;
-  Conditions conditions_;
   const MagneticPotential& field_;
   SolidClosingOptions options_;
+  Mains mains_;
+  double resistance_;  // ohm, warm
   ContactorMesh contactor_;
   ExplicitSolid solid_;
   SolidClosingResult result_;
   MagneticResponse response_;
   int pull_ = 0, reaction_ = 0, stop_pair_ = 0;
-  double psi_ = 0, ring_ = 0, coupled_ = 0;
+  double psi_ = 0, ring_ = 0, gap_ = 0, coupled_ = 0;
+  double stuck_ = 0;  // N, friction of the mover's guide in its spring
+  double start_ = 0;  // m, of the mover: lowered by what the seats give way
   double closed_at_ = -1;
   bool rigid_ = true;
 };

@@ -22,6 +22,7 @@ struct SolidClosingOptions {
   double coupling = 2e-6;     ///< s, between two looks at the field
   double window = 0.2e-3;     ///< s, deformable so long before the first touch
   double flight_step = 5e-7;  ///< s, while everything is rigid
+  double sample = 5e-6;       ///< s, between samples while parts deform; 50 us in flight
   bool deform = true;         ///< false: rigid throughout
   int workers = 1;
   SolidOptions solid;
@@ -35,17 +36,29 @@ struct SolidClosingSample {
   std::vector<double> bridges;  ///< m, mean of each bridge
 };
 
+/// Of the magnet, J. Supplied less lost, field and pull work is zero but for the error of the coupling.
+struct CoilEnergies {
+  double supplied = 0;   ///< integral of u i dt
+  double lost = 0;       ///< in coil and ring
+  double field = 0;      ///< stored now
+  double pull_work = 0;  ///< integral of pull along the gap: what the bodies get
+
+  double residual() const { return supplied - lost - field - pull_work; }
+};
+
 struct SolidClosingResult {
   double first_touch = -1, core_seat = -1, last_touch = -1;  ///< s, of the first bridge and the mover
   int openings = 0;                                          ///< of the first bridge
   double peak_force = 0;                                     ///< N, on the first bridge's pads
   double residual = 0;  ///< largest energy residual over the largest energy
   SolidEnergies energies;
+  CoilEnergies electric;
   long cells = 0, rigid_steps = 0, deformed_steps = 0;
-  std::vector<SolidClosingSample> samples;  ///< every 50 us, every 5 us from the window on
+  std::vector<SolidClosingSample> samples;  ///< in their order of time
 };
 
-/// `watch` sees the bodies at each sample. Throws SolidStop, std::invalid_argument.
+/// `watch` sees the bodies at each sample, and the state a SolidStop leaves behind. Throws SolidStop,
+/// std::invalid_argument.
 SolidClosingResult solid_closing(
     const Specimen&, const Conditions&, const MagneticPotential&, const SolidClosingOptions&,
     const std::function<void(const ExplicitSolid&, const ContactorMesh&)>& watch = {});

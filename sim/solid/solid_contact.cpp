@@ -24,6 +24,8 @@ void check_pair(const ContactPair& p, std::size_t parts, std::size_t number) {
   need(p.decay >= 0, "decay", p.decay, ">= 0 s/m");
   need(p.shear_limit > 0, "shear_limit", p.shear_limit, "> 0 Pa");
   need(p.factor > 0, "factor", p.factor, "> 0");
+  need(p.layer >= 0, "layer", p.layer, ">= 0 Pa/m");
+  need(p.layer_damping >= 0, "layer_damping", p.layer_damping, ">= 0 Pa s/m");
   need(p.damping >= 0 && p.damping <= 1, "damping", p.damping, "in [0, 1]");
   need(p.stick_damping >= 0 && p.stick_damping <= 1, "stick_damping", p.stick_damping, "in [0, 1]");
 }
@@ -116,7 +118,8 @@ SolidContact::SolidContact(const CellBatches& cells, const std::vector<double>& 
 
 SolidContact::~SolidContact() = default;
 
-void SolidContact::apply(const NodeView& view, double dt, double ahead, NodeForces& forces) {
+void SolidContact::apply(const NodeView& view, double dt, double ahead, NodeForces& forces,
+                         NodeForces& damped) {
   Impl& m = *impl_;
   m.search_if_due(view, std::max(dt, ahead));
   m.travel += 4 * m.fastest *
@@ -125,8 +128,8 @@ void SolidContact::apply(const NodeView& view, double dt, double ahead, NodeForc
   m.sums.stored = 0;
   for (std::size_t k = 0; k < m.reports.size(); ++k) {
     m.reports[k] = {};
-    m.passes[2 * k].apply(view, dt, 1, !m.started, forces, m.sums, m.reports[k]);
-    m.passes[2 * k + 1].apply(view, dt, -1, !m.started, forces, m.sums, m.reports[k]);
+    m.passes[2 * k].apply(view, dt, 1, !m.started, forces, damped, m.sums, m.reports[k]);
+    m.passes[2 * k + 1].apply(view, dt, -1, !m.started, forces, damped, m.sums, m.reports[k]);
     if (m.options.edges) m.edges[k].apply(view, forces, m.sums, m.reports[k]);
   }
   m.started = true;
@@ -137,9 +140,6 @@ double SolidContact::stored() const {
 }
 double SolidContact::friction_lost() const {
   return impl_->sums.friction_lost;
-}
-double SolidContact::damping_lost() const {
-  return impl_->sums.damping_lost;
 }
 const ContactReport& SolidContact::report(int pair) const {
   return impl_->reports.at(static_cast<std::size_t>(pair));
@@ -159,28 +159,33 @@ std::vector<double> SolidContact::stiffness() const {
   return all;
 }
 
+std::vector<double> SolidContact::damping() const {
+  std::vector<double> all(impl_->nodes, 0.0);
+  for (const auto& p : impl_->passes) p.add_damping(all);
+  return all;
+}
+
 std::vector<double> SolidContact::memory() const {
   const Impl& m = *impl_;
-  std::vector<double> all{m.sums.stored, m.sums.friction_lost, m.sums.damping_lost, m.started ? 1.0 : 0.0};
+  std::vector<double> all{m.sums.stored, m.sums.friction_lost, m.started ? 1.0 : 0.0};
   for (const auto& p : m.passes)
     for (const Anchor& a : p.anchors)
-      all.insert(all.end(),
-                 {a.force.x, a.force.y, a.force.z, a.area, a.zero, a.damped, a.touching ? 1.0 : 0.0});
+      all.insert(all.end(), {a.force.x, a.force.y, a.force.z, a.area, a.zero, a.touching ? 1.0 : 0.0});
   return all;
 }
 
 void SolidContact::restore_memory(const std::vector<double>& all) {
   Impl& m = *impl_;
-  std::size_t size = 4;
-  for (const auto& p : m.passes) size += 7 * p.anchors.size();
+  std::size_t size = 3;
+  for (const auto& p : m.passes) size += 6 * p.anchors.size();
   if (all.size() != size) throw std::invalid_argument("restart: the saved contact belongs to another mesh");
-  m.sums = {all[0], all[1], all[2]};
-  m.started = all[3] != 0;
-  auto from = all.begin() + 4;
+  m.sums = {all[0], all[1]};
+  m.started = all[2] != 0;
+  auto from = all.begin() + 3;
   for (auto& p : m.passes)
     for (Anchor& a : p.anchors) {
-      a = {{from[0], from[1], from[2]}, from[3], from[4], from[5], from[6] != 0};
-      from += 7;
+      a = {{from[0], from[1], from[2]}, from[3], from[4], from[5] != 0};
+      from += 6;
     }
   m.places.clear();  // candidates are found anew; which faces are looked at does not change which is nearest
   m.until_check = 0;

@@ -12,7 +12,7 @@
 /// corner over a shared edge is not counted twice.
 ///
 ///   normal:      F = k l + c dl/dt >= 0, l >= 0 the depth; each way with k = factor s A, s = s_a s_b / (s_a + s_b),
-///                s = wave modulus / cell height, A the node's share of its part's skin
+///                s = wave modulus / cell height, A the node's share of its part's skin; or with k = layer A / 2
 ///   tangential:  trial f* = f - k de; f = f* while |f*| <= F_y, else F_y f* / |f*|;  F_y = min(mu F, kappa A)
 ///   friction:    mu(v) = mu_d + (mu_s - mu_d) exp(-c |v|), between mu_s at rest and mu_d at speed
 
@@ -28,7 +28,10 @@ struct ContactPair {
   /// Of the penalty, > 0. A third puts two equal cells on the same footing as a cell on a rigid plane with 0.65, where
   /// the rebound keeps its energy best (docs/bench/solid_accuracy.txt).
   double factor = 1.0 / 3;
-  double damping = 0;        ///< ratio of the critical one of node and penalty, pressing only
+  double damping = 0;  ///< ratio of the critical one of node and penalty, pressing only
+  /// A layer between level faces in place of the cells' penalty, the same on every mesh; 0: none.
+  double layer = 0;          ///< Pa/m, stiffness over area, both ways together
+  double layer_damping = 0;  ///< Pa s/m, damping over area, both ways together, pressing only
   double stick_damping = 0;  ///< the same, tangential, while sticking
 };
 
@@ -57,17 +60,18 @@ class SolidContact {
   ~SolidContact();
 
   /// Adds the forces of this step; `dt` led here (friction moves on by it), `ahead` comes next (bounds the search).
-  void apply(const NodeView&, double dt, double ahead, NodeForces&);
+  /// Damping forces are among `forces` and alone in `damped`; whoever moves the nodes books their work.
+  void apply(const NodeView&, double dt, double ahead, NodeForces& forces, NodeForces& damped);
 
   double stored() const;         ///< J, normal and tangential
   double friction_lost() const;  ///< J, so far
-  double damping_lost() const;   ///< J, so far
   const ContactReport& report(int pair) const;
   std::vector<double> node_pressure()
       const;  ///< Pa, at every node of the mesh: normal force over area, latest step
 
   /// Penalty stiffness that can act on each node when everything touches, N/m.
   std::vector<double> stiffness() const;
+  std::vector<double> damping() const;  ///< N s/m, of the same state
   long searches() const;
 
   /// Friction anchors, work booked; bit-equal continuation after restore.

@@ -1,5 +1,7 @@
 #include "sim/solid/solid_loads.h"
 
+#include <algorithm>
+
 namespace powbench::sim {
 namespace {
 
@@ -20,7 +22,7 @@ Vec3 mean(const NodeShares& of, const double* field) {
 
 double apply_loads(const std::vector<SolidLoad>& loads, const std::vector<SolidSpring>& springs,
                    const std::vector<SolidPlane>& planes, const NodeView& view, NodeForces& forces,
-                   double* plane_force) {
+                   NodeForces& damped, double* plane_force) {
   double stored = 0;
   for (const auto& load : loads) spread(load.on, load.force, forces);
   for (const auto& spring : springs) {
@@ -36,8 +38,13 @@ double apply_loads(const std::vector<SolidLoad>& loads, const std::vector<SolidS
       const double depth = dot(plane.point - view.place(plane.nodes[k]), plane.normal);
       if (depth <= 0) continue;
       const double f = plane.stiffness[k] * depth;
-      forces.add(plane.nodes[k], f * plane.normal);
-      *plane_force += f;
+      double by = 0;
+      if (!plane.damping.empty()) {
+        by = std::max(-f, -plane.damping[k] * dot(view.velocity(plane.nodes[k]), plane.normal));
+        damped.add(plane.nodes[k], by * plane.normal);
+      }
+      forces.add(plane.nodes[k], (f + by) * plane.normal);
+      *plane_force += f + by;
       stored += 0.5 * f * depth;
     }
   return stored;

@@ -28,18 +28,20 @@ struct SolidSpring {
   double rate = 0;     ///< N/m
 };
 
-/// A rigid plane that nodes do not pass: force k depth along the normal while the depth is positive.
+/// A rigid plane that nodes do not pass: force k depth + c d depth/dt >= 0 along the normal while the depth is positive.
 struct SolidPlane {
   Vec3 point, normal{0, 0, 1};    ///< normal of unit length, out of the solid half space
   std::vector<int> nodes;         ///< that can touch
   std::vector<double> stiffness;  ///< N/m, of each
+  std::vector<double> damping;    ///< N s/m, of each; empty: none
 };
 
 /// Mean of a nodal field (4 numbers a node) over a group.
 Vec3 mean(const NodeShares&, const double* field);
 
-/// Adds the forces of all; returns what springs and planes store, J.
+/// Adds the forces of all, those of damping once more to `damped`; returns what springs and planes store, J.
 double apply_loads(const std::vector<SolidLoad>&, const std::vector<SolidSpring>&,
-                   const std::vector<SolidPlane>&, const NodeView&, NodeForces&, double* plane_force);
+                   const std::vector<SolidPlane>&, const NodeView&, NodeForces&, NodeForces& damped,
+                   double* plane_force);
 
 }  // namespace powbench::sim

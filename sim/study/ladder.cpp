@@ -35,10 +35,15 @@ struct RungRows {
 RungRows rows_of(std::span<const Rung> rungs, std::size_t rung, const Case& c, const LadderOptions& o,
                  const CpuClock& clock) {
   RungRows result;
-  result.truth = run_rung(rungs, rung, c, o.duration, o.truth, clock);
-  for (const double tolerance : o.tolerances)
-    result.rows.push_back({run_rung(rungs, rung, c, o.duration, tolerance, clock, o.repeats), {}, {}, false});
-  const auto last = run_rung(rungs, rung, c, o.duration, o.tolerances.back() / 10, clock);
+  const auto& own = rungs[rung].settings;
+  const int repeats = rungs[rung].costly ? 1 : o.repeats;
+  result.truth = run_rung(rungs, rung, c, o.duration, own.empty() ? o.truth : own.back(), clock);
+  const std::vector<double> settings =
+      own.empty() ? o.tolerances : std::vector<double>(own.begin(), own.end() - 1);
+  for (const double setting : settings)
+    result.rows.push_back({run_rung(rungs, rung, c, o.duration, setting, clock, repeats), {}, {}, false});
+  const auto last =
+      own.empty() ? run_rung(rungs, rung, c, o.duration, o.tolerances.back() / 10, clock) : result.truth;
   for (std::size_t k = 0; k < result.rows.size(); ++k) {
     auto& row = result.rows[k];
     row.estimate = error_estimate(row.run, k + 1 < result.rows.size() ? result.rows[k + 1].run : last);
@@ -54,22 +59,30 @@ double relative_to_touch(const LadderTimes& estimate, const LadderRun& run, doub
 
 }  // namespace
 
+std::vector<double> settings_of(const Rung& rung, double coarsest, double finest) {
+  if (!rung.settings.empty()) return rung.settings;
+  std::vector<double> list;
+  for (double t = coarsest; t > 0.1 * finest * (1 + 1e-6); t /= 10) list.push_back(t);
+  return list;
+}
+
 std::vector<Rung> closing_rungs() {
   return {{"circuit", "plant", "lumped circuit, core, base and bridges of the simulated rig",
-           [](const Case& c, double duration, double tolerance) {
-             return simulate(c.specimen, c.conditions, duration, 0, tolerance);
+           [](const Case& c, double duration, double tolerance, double sample_dt) {
+             return simulate(c.specimen, c.conditions, duration, sample_dt, tolerance);
            }},
           {"circuit", "rigid", "lumped circuit, rigid parts with two ends each",
-           [](const Case& c, double duration, double tolerance) {
-             return simulate_rigid(c.specimen, c.conditions, duration, 0, tolerance, false);
+           [](const Case& c, double duration, double tolerance, double sample_dt) {
+             return simulate_rigid(c.specimen, c.conditions, duration, sample_dt, tolerance, false);
            }}};
 }
 
 Rung potential_rung(std::string fields, std::string meaning,
                     std::shared_ptr<const MagneticPotential> potential) {
   return {std::move(fields), "rigid", std::move(meaning),
-          [potential](const Case& c, double duration, double tolerance) {
-            return simulate_rigid_with(*potential, c.specimen, c.conditions, duration, 0, tolerance, false);
+          [potential](const Case& c, double duration, double tolerance, double sample_dt) {
+            return simulate_rigid_with(*potential, c.specimen, c.conditions, duration, sample_dt, tolerance,
+                                       false);
           }};
 }
 
@@ -99,7 +112,7 @@ LadderRun run_rung(std::span<const Rung> rungs, std::size_t rung, const Case& c,
   run.cpu = infinite;
   for (int k = 0; k < std::max(1, repeats); ++k) {
     const double start = clock();
-    const auto r = rungs[rung].run(c, duration, tolerance);
+    const auto r = rungs[rung].run(c, duration, tolerance, 0);
     run.cpu = std::min(run.cpu, clock() - start);
     run.times = {r.truth.touch.value_or(nan), r.truth.core_seat.value_or(nan), r.truth.settled.value_or(nan)};
     run.openings = r.truth.openings.size();
@@ -145,11 +158,12 @@ RungChoice choose_rung(std::span<const Rung> rungs, const Case& c, double accura
   RungChoice best;
   best.relative = infinite;
   for (std::size_t r = 0; r < rungs.size(); ++r) {
-    LadderRun run = run_rung(rungs, r, c, duration, coarsest, clock);
+    const auto settings = settings_of(rungs[r], coarsest, finest);
+    LadderRun run = run_rung(rungs, r, c, duration, settings.front(), clock);
     best.spent += run.cpu;
-    for (double tolerance = coarsest; tolerance > finest * (1 + 1e-6); tolerance /= 10) {
+    for (std::size_t k = 1; k < settings.size(); ++k) {
       if (best.met && run.cpu >= best.run.cpu) break;  // finer is dearer still
-      const LadderRun finer = run_rung(rungs, r, c, duration, tolerance / 10, clock);
+      const LadderRun finer = run_rung(rungs, r, c, duration, settings[k], clock);
       best.spent += finer.cpu;
       const LadderRow row{run, error_estimate(run, finer), {}, run.openings == finer.openings};
       best.tried.push_back(row);

@@ -17,13 +17,17 @@
 
 namespace powbench::sim {
 
-/// One way to simulate a closing, to be had at any tolerance.
+/// One way to simulate a closing, to be had at any tolerance - or, where `settings` says so, at any step or cell.
 struct Rung {
   std::string fields;     ///< magnetics, e.g. `circuit`
   std::string mechanics;  ///< motion, e.g. `rigid`
   std::string meaning;    ///< one line
-  /// case, s simulated, relative tolerance of the integrator
-  std::function<Trajectory(const Case&, double duration, double tolerance)> run;
+  /// case, s simulated, relative tolerance of the integrator or other setting, s between samples (0: none)
+  std::function<Trajectory(const Case&, double duration, double tolerance, double sample_dt)> run;
+  std::string setting = "tolerance";  ///< what the third argument is
+  std::vector<double> settings =
+      {};               ///< coarse to fine, the last is what counts as true; empty: any tolerance
+  bool costly = false;  ///< seconds a closing
 
   std::string name() const { return fields + "+" + mechanics; }
 };
@@ -39,6 +43,9 @@ Rung potential_rung(std::string fields, std::string meaning, std::shared_ptr<con
 /// Those with these mechanics; all for "". Throws std::invalid_argument for an unknown name.
 std::vector<Rung> rungs_with(std::string_view mechanics);
 
+/// Its own settings, or tolerances from `coarsest` down to `finest`, each a tenth of the one before.
+std::vector<double> settings_of(const Rung&, double coarsest, double finest);
+
 /// CPU time, s, from anywhere: this folder knows no clock.
 using CpuClock = std::function<double()>;
 
@@ -51,7 +58,7 @@ double largest(const LadderTimes&);
 
 struct LadderRun {
   std::size_t rung = 0;  ///< number in the list of rungs
-  double tolerance = 0;
+  double tolerance = 0;  ///< or the rung's other setting
   LadderTimes times{};
   std::size_t openings = 0;
   std::int64_t evaluations = 0;
@@ -65,7 +72,7 @@ LadderRun run_rung(std::span<const Rung>, std::size_t rung, const Case&, double 
 /// |a - b| of each time. NaN where neither has it, infinite where only one has it.
 LadderTimes time_error(const LadderRun& a, const LadderRun& b);
 
-/// How far a run is off, judged by the same rung at a tenth of its tolerance: `estimator_factor` times the difference,
+/// How far a run is off, judged by the same rung at a tenth of its tolerance, or its next finer setting: `estimator_factor` times the difference,
 /// and not less than the rounding of a time, 1e-12 s. Holds where the finer run has at most 0.6 of the error.
 LadderTimes error_estimate(const LadderRun&, const LadderRun& finer);
 inline constexpr double estimator_factor = 2.5;
@@ -91,6 +98,7 @@ struct LadderOptions {
   double truth = 1e-12;  ///< tolerance of what counts as true
   int repeats = 3;       ///< the cheapest counts
 };
+/// A rung with settings of its own is run at those, the last of them standing for the truth.
 /// Throws std::invalid_argument for a bad case, no rung, or tolerances that do not fall by ten from one to the next.
 Ladder run_ladder(std::span<const Rung>, const Case&, const LadderOptions&, const CpuClock&);
 
@@ -104,7 +112,7 @@ struct RungChoice {
   std::vector<LadderRow> tried;  ///< with estimates; errors stay zero
 };
 /// The cheapest rung and tolerance whose estimate is at most `accuracy` times the touch time (the duration where nothing
-/// touches) in touch, seat and settled. Every rung is refined by ten until it meets the accuracy, costs more than one that
+/// touches) in touch, seat and settled. Every rung is refined, by ten or to its next setting, until it meets the accuracy, costs more than one that
 /// has met it, or comes to `finest`. Throws std::invalid_argument for an accuracy outside 1e-10 .. 0.5.
 RungChoice choose_rung(std::span<const Rung>, const Case&, double accuracy, double duration, const CpuClock&,
                        double coarsest = 1e-4, double finest = 1e-11);

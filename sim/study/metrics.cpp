@@ -17,7 +17,7 @@ ClosingMetrics closing_metrics(const Case& c, const MetricOptions& options) {
       simulate(c.specimen, c.conditions, options.duration, options.sample_dt, options.tolerance);
   const ClosingTruth& t = run.truth;
   ClosingMetrics m;
-  if (!t.touch || !t.core_seat) return m;
+  if (!t.touch || !t.core_seat || t.calm == 0) return m;
   m.closed = 1;
   m.touch = *t.touch;
   m.settled = *t.settled;

@@ -13,7 +13,7 @@ namespace powbench::sim {
 
 /// Metrics of a closing. All but `closed` are NaN when it does not close. SI.
 struct ClosingMetrics {
-  double closed = 0;  ///< 1: the pole touched and the core arrived at its stop
+  double closed = 0;  ///< 1: the core arrived at its stop, and the pole is closed at the end
   double touch = nan, bounce = nan, settled = nan, seat = nan;  ///< s
   double openings = nan;                                        ///< re-openings of the measured pole
   double open_time = nan;       ///< s open between first touch and settled: how long it would arc

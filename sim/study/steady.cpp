@@ -18,6 +18,7 @@ struct HeldCoil {
   MagneticCircuit circuit;
   double separation;
   double resistance;
+  double inductance;  ///< in series with the core, H
 
   double ring_flux(double phi, double phi2) const {
     return circuit.has_ring() ? phi2 : circuit.shaded_share() * phi;
@@ -32,7 +33,7 @@ struct HeldCoil {
     Rates r;
     r.phi2 = ring ? -circuit.ring_resistance() * f.ring_current : 0.0;
     const double slope = ring ? f.mmf_phi : f.mmf_phi + circuit.shaded_share() * f.mmf_phi2;
-    const double ratio = coil.leakage / coil.turns;
+    const double ratio = inductance / coil.turns;
     r.phi =
         (u - resistance * f.mmf / coil.turns - ratio * f.mmf_phi2 * r.phi2) / (coil.turns + ratio * slope);
     return r;
@@ -43,7 +44,7 @@ struct HeldCoil {
 
 double steady_current(const Specimen& s, const Mains& mains, double separation) {
   const HeldCoil held{s.coil, MagneticCircuit(s.magnet, s.core.travel), separation,
-                      s.coil.resistance + mains.resistance};
+                      s.coil.resistance + mains.resistance, s.coil.leakage + mains.inductance};
   constexpr int periods = 3;
   // The fastest rate is that of the ring; 800 steps a period resolve the rest.
   const double ring_rate = held.circuit.ring_resistance() * held.circuit.field(0, 1, separation).ring_current;

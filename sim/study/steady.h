@@ -7,7 +7,7 @@
 namespace powbench::sim {
 
 /// Coil current with the core held at `separation` (core.travel = open, 0 = closed), A rms over the third mains period
-/// after a switch-on that leaves no offset in a pure inductance. Coil at 20 degC.
+/// after a switch-on that leaves no offset in a pure inductance. Coil at 20 degC; the mains' fundamental alone.
 double steady_current(const Specimen&, const Mains&, double separation);
 
 /// Apparent power U I with the core held open, VA.

@@ -6,10 +6,13 @@
 #include "bench/dsp_metrics.h"
 #include "bench/dsp_synth.h"
 #include "core/units.h"
+#include "dsp/contact_train.h"
+#include "dsp/detect_round.h"
 #include "dsp/extract.h"
 #include "dsp/force.h"
 #include "dsp/joint_columns.h"
 #include "dsp/joint_fit.h"
+#include "dsp/separate.h"
 
 using namespace powbench;
 using namespace powbench::dsp;
@@ -98,11 +101,12 @@ TEST_CASE("a spurious oscillation is not taken for vibration on clean records of
   bench::SynthSettings s;
   s.snr_db = 60;
   int rings = 0;
-  for (std::uint64_t k = 300; k < 308; ++k) {
+  // The last three lost 3 .. 6 us of the settled touch to a bend of the settled force that was taken for vibration.
+  for (const std::uint64_t k : {300, 301, 302, 303, 304, 305, 10001, 10037, 10054}) {
     const auto r = bench::synthesise(s, k);
     const auto found = bench::methods().back().contacts(r.record);
     CHECK(found.size() == r.contacts.size());
-    for (std::size_t i = 0; i + 1 < std::min(found.size(), r.contacts.size()); ++i)
+    for (std::size_t i = 0; i < std::min(found.size(), r.contacts.size()); ++i)
       rings += std::abs(found[i].touch.value - r.contacts[i].touch) > 1e-6;
   }
   CHECK(rings == 0);
@@ -119,4 +123,104 @@ TEST_CASE("score: ringing from before the first touch, records nobody tuned for"
   const bench::Score score = scorer.score();
   CHECK(score.exact >= 0.9);
   CHECK(score.touch_rmse < 10e-6);
+}
+
+TEST_CASE("joint fit: a ring that starts inside a contact and dies before the last touch is found") {
+  bench::SynthSettings s;
+  s.force_case = bench::ForceCase::ring_out_of_band;
+  for (const std::uint64_t k : {10003, 10035, 10037}) {
+    const auto r = bench::synthesise(s, k);
+    const auto found = bench::methods().back().contacts(r.record);
+    INFO("record " << k);
+    REQUIRE(found.size() == r.contacts.size());
+    for (std::size_t i = 0; i < found.size(); ++i)
+      CHECK(std::abs(found[i].touch.value - r.contacts[i].touch) < 5 * found[i].touch.u);
+  }
+}
+
+TEST_CASE(
+    "joint fit: a leaning pulse is fitted with its full weight, to the optimum of the plain sum of squares") {
+  bench::SynthSettings s;
+  s.form = bench::PulseForm::asymmetric;
+  const auto r = bench::synthesise(s, 10004);
+  const Force f = restore_force(r.record, Channel::pvdf_a, {}, std::nullopt);
+  const double t_end = r.record.time(r.record.samples() - 1);
+  const Round round = detect_round(f.signal, f.noise, f.settled, t_end, {}, false);
+  const Separated bare = without_ring(f, round, t_end, {});
+  REQUIRE(bare.model.pulses.size() == 3);
+  for (const JointPulse& p : bare.model.pulses) {
+    const double u[] = {0.3 * p.u_touch, 0.3 * p.u_release, 0.3 * p.u_peak, 0.3 * p.u_exponent};
+    const auto chi2 = [&](const PulseShape& q) {
+      double sum = 0;
+      for (std::size_t i = f.signal.index_at(q.touch - 1e-4); f.signal.time(i) < q.release + 1e-4; ++i)
+        sum += std::pow((f.signal.value[i] - q(f.signal.time(i))) / f.noise, 2);
+      return sum;
+    };
+    CHECK(p.skewed);
+    const double here = chi2(p.shape);
+    for (const double side :
+         {-1.0, 1.0}) {  // a third of an uncertainty away along each axis must not be better
+      PulseShape q[] = {p.shape, p.shape, p.shape, p.shape};
+      q[0].touch += side * u[0], q[1].release += side * u[1], q[2].peak += side * u[2],
+          q[3].exponent += side * u[3];
+      for (const PulseShape& moved : q) CHECK(chi2(moved) > here - 0.5);
+    }
+  }
+}
+
+TEST_CASE(
+    "joint fit: a ring too faint in the tail to be followed from there is looked for in the whole record") {
+  // Carried back from the tail this ring seems to start after the last touch and is too faint there to be vibration; without it
+  // touches and releases of two contacts are 30 us wrong at stated 3 us.
+  bench::SynthSettings s;
+  s.force_case = bench::ForceCase::ring_and_hum;
+  const auto r = bench::synthesise(s, 900103);
+  const Force f = restore_force(r.record, Channel::pvdf_a, {}, std::nullopt);
+  const ForceAnalysis a = analyse_force(f, closing_end(r.record, f.signal), {}, {});
+  CHECK(std::abs(a.ring.onset - r.ring_onset) < 20e-6);
+  REQUIRE(a.train.contacts.size() == r.contacts.size());
+  for (std::size_t k = 0; k < r.contacts.size(); ++k) {
+    const Contact& c = a.train.contacts[k];
+    CHECK(std::abs(c.touch.value - r.contacts[k].touch) < 4 * c.touch.u);
+    CHECK(c.touch.u < 5e-6);
+    if (c.release.known()) CHECK(std::abs(c.release.value - r.contacts[k].release) < 4 * c.release.u);
+  }
+}
+
+TEST_CASE("pulse margin: where noise leaves the exponent open the stated uncertainty covers the error") {
+  // 200 half sines of 1.2 ms whose peak is twice the noise of a sample at 1 MS/s. From the curvature at the optimum alone the rms of
+  // error over uncertainty was 1.25; 200 draws tell it to 5 %.
+  bench::Random random(77);
+  Signal s;
+  s.dt = 1e-6;
+  s.value.resize(1800);
+  s.masked.assign(1800, mask_none);
+  const ExtractOptions o;
+  const std::vector<double> smooth(s.size(), 2.0);
+  const DetectionLevels levels = levels_at_width(60e-6, 0.07, s.dt, 4.0, o);
+  const FitInput in{s, smooth, 1.0, levels, o, false};
+  double squares = 0;
+  constexpr int trials = 200;
+  for (int k = 0; k < trials; ++k) {
+    const PulseShape truth{300.3e-6, 1500.7e-6, 2.0, 1.0, 1.0};
+    for (std::size_t i = 0; i < s.size(); ++i) s.value[i] = truth(s.time(i)) + random.normal();
+    const ContactFit fit = fit_contact(in, {320e-6, 1480e-6}, {});
+    squares += std::pow((fit.contact.touch.value - truth.touch) / fit.contact.touch.u, 2) / trials;
+  }
+  CHECK(squares > 0.85 * 0.85);
+  CHECK(squares < 1.15 * 1.15);
+}
+
+TEST_CASE("score: loud noise, the stated uncertainty is that of the errors") {
+  bench::SynthSettings s;
+  s.snr_db = 20;
+  bench::Scorer scorer;
+  for (std::uint64_t k = 20000; k < 20040; ++k) {
+    const auto r = bench::synthesise(s, k);
+    scorer.add(r.contacts, bench::methods().back().contacts(r.record));
+  }
+  const bench::Score score = scorer.score();
+  CHECK(score.exact == 1.0);
+  CHECK(score.z_std > 0.8);
+  CHECK(score.z_std < 1.25);
 }

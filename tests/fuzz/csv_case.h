@@ -81,11 +81,19 @@ inline bool run_csv(std::string_view text) {
   static const host::Calibration calibration = host::parse_calibration(
       "[pvdf_a]\ngain_N_per_V = 10\ncorner_hertz = 0.5\ncrosstalk_percent = 2\n[laser]\ngain_mm_per_V = -1\n",
       "c");
+  static const host::Calibration names = host::parse_calibration(
+      "[columns]\ntime = \"TIME [s]\"\npvdf_a = \"CH1\"\nlaser = \"CH2 [mm]\"\n[pvdf_a]\ngain_N_per_V = 10\n",
+      "n");
   static const host::Calibration none;
   host::Imported in;
   try {
+    const bool foreign = text.substr(0, 100).find("CH1") != std::string_view::npos;
     const bool volts = text.substr(0, 100).find("[V]") != std::string_view::npos;
-    in = host::import_waveform(text, "fuzz.csv", volts ? calibration : none, "fuzz.toml", "2030-01-01");
+    in = host::import_waveform(text, "fuzz.csv",
+                               foreign ? names
+                               : volts ? calibration
+                                       : none,
+                               "fuzz.toml", "2030-01-01");
   } catch (const host::BadInput& e) {
     must(!e.errors().empty() && !e.errors().front().empty());
     return false;

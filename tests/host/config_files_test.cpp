@@ -281,6 +281,15 @@ TEST_CASE("a file that cannot be read is bad input", "[config]") {
   CHECK_THROWS_WITH(read_plan("/"), "/: is a directory, not a file");
 }
 
+TEST_CASE("a letter beyond ASCII where a key begins is one clear error, whatever its code", "[config]") {
+  for (const char* letter :
+       {"\xC2\xA1", "\xC3\xA9", "\xD1\x8F", "\xE3\x81\x82", "\xEF\xBF\xBD", "\xF0\x9F\x98\x80"}) {
+    CAPTURE(letter);
+    CHECK_THROWS_WITH(parse_plan(std::string("schema = 1\n") + letter + " = 3\n", "p.toml"),
+                      Catch::Matchers::Contains("p.toml:2"));
+  }
+}
+
 TEST_CASE("random bytes and cut files never do worse than BadInput", "[config]") {
   const std::string whole = plan_template() + "\n[limits.t_ct2]\nmax_ms = 3\n";
   Random random(99);

@@ -37,9 +37,21 @@ TEST_CASE("a shot of the simulated rig: export, import, events: the same times",
   CHECK(std::abs(before["core"]["seat_s"]["value"].get<double>() - after["core"]["seat_s"].get<double>()) <
         0.1e-6);
   CHECK(after["closing_angle_deg"].get<double>() == Approx(60).margin(0.5));
+  // a stored shot has what programs read of a file under the same keys
+  CHECK(before["channels"]["pvdf_a"]["contacts"].size() == after["channels"]["pvdf_a"]["contacts"].size());
+  CHECK(before["channels"]["pvdf_a"]["contacts"][0]["touch_s"] ==
+        before["pvdf_a"]["contacts"][0]["touch_s"]["value"]);
+  CHECK(before["closing_angle_deg"].get<double>() ==
+        Approx(after["closing_angle_deg"].get<double>()).margin(0.01));
+  CHECK(after["core"]["resolution_s"].get<double>() == Approx(400e-6));
+  REQUIRE(after["bands"].size() == 2);
+  CHECK(after["bands"][0]["film"] == "pvdf_a");
+  CHECK(after["bands"][0]["modes_hertz"].size() == before["bands"][0]["modes_hertz"].size());
 
   const Finished people = run(folder, {"events", csv});
   CHECK_THAT(people.out, Contains("film A: ") && Contains("re-openings"));
+  CHECK_THAT(people.out, Contains(" us  release "));  // uncertainties in us: in ms they would read zero
+  CHECK_THAT(people.out, !Contains("+- 0.000"));
   CHECK((people.out.find("core vibrates at") != std::string::npos ||
          people.out.find("no core vibration stands out") != std::string::npos));
   CHECK(before["pole"]["by_force"]["present"].get<bool>());

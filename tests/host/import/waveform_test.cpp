@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <functional>
@@ -296,4 +297,42 @@ TEST_CASE("a million rows", "[.slow]") {
   const Imported in = import_text(csv_of({.rate = 10e6, .from = -0.05, .to = 0.05, .noise = 0.1}));
   CHECK(in.record.samples() == 100'000);
   check_contacts(dsp::extract_events(in.record, in.options).pvdf_a, 5 * us);
+}
+
+TEST_CASE("columns of a foreign file are found by the names it has for them") {
+  std::string csv = "TIME [s],CH1 [mV],CH2,Memory [V]\n";
+  for (int i = 0; i < 4000; ++i) {
+    const double t = -0.02 + 1e-5 * i;
+    csv += fmt::format("{:.5f},{:.3f},{:.3f},{}\n", t, 100 * force(t), force(t), i % 7);
+  }
+  const std::string columns =
+      "[columns]\ntime = \"TIME\"\npvdf_a = \"CH1\"\npvdf_b = \"CH2 [N]\"\n[pvdf_a]\ngain_N_per_V = 10\n";
+  const Imported in = import_text(csv, columns);
+  REQUIRE(in.record.channels.size() == 2);  // what nothing asks for is passed over, and told
+  CHECK(std::any_of(in.notes.begin(), in.notes.end(),
+                    [](const std::string& n) { return n.find("'Memory [V]'") != std::string::npos; }));
+  const auto largest = [&](Channel c) {
+    const ChannelRecord& r = *in.record.find(c);
+    double top = 0;
+    for (std::size_t i = 0; i < r.raw.size(); ++i) top = std::max(top, (r.raw[i] + r.offset) * r.scale);
+    return top;
+  };
+  // CH1: 1000 mV at 10 N per V; CH2: newtons, although its header has no unit.
+  CHECK(largest(Channel::pvdf_a) == Approx(10).epsilon(0.01));
+  CHECK(largest(Channel::pvdf_b) == Approx(10).epsilon(0.01));
+  check_contacts(dsp::extract_events(in.record, in.options).pvdf_b, 25 * us);
+}
+
+TEST_CASE("foreign columns: mistakes are named") {
+  const std::string rows = "0,1,2\n1e-5,1,2\n2e-5,1,2\n";
+  CHECK_THAT(complaint("time [s],CH1 [V],CH2\n" + rows, "[columns]\npvdf_a = \"CH3 [N]\"\n"),
+             Contains("[columns] pvdf_a = \"CH3 [N]\"") && Contains("'CH1 [V]'"));
+  CHECK_THAT(complaint("time [s],CH1,CH1\n" + rows, "[columns]\npvdf_a = \"CH1 [N]\"\n"), Contains("twice"));
+  CHECK_THAT(complaint("time [s],CH1,CH2\n" + rows, "[columns]\npvdf_a = \"CH1\"\n"),
+             Contains("'CH1', named in [columns]") && Contains("has no unit"));
+  CHECK_THAT(complaint("time [s],CH1,CH2\n" + rows, "[columns]\npvdf_a = \"CH1 [A]\"\n"),
+             Contains("unit 'A' does not fit"));
+  CHECK_THAT(complaint("time [s],CH1,CH2\n" + rows, "[columns]\nfilm = \"CH1 [N]\"\n"), Contains("film"));
+  // without the table a foreign name is still a mistake
+  CHECK_THAT(complaint("time [s],CH1,CH2\n" + rows), Contains("'CH1': is not known"));
 }

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
 
@@ -71,6 +72,34 @@ TEST_CASE("bad rows are named") {
                     Contains("above 1/mu0"));
   CHECK_THROWS_WITH(Steel::table("x", {{0, 0}, {1, 100}}), Contains("2 rows"));
   CHECK_THROWS_WITH(powbench::sim::builtin_steel("wood"), Contains("team20"));
+}
+
+TEST_CASE("noise and falling rows are refused with the row that is wrong, not smoothed") {
+  using Catch::Matchers::Contains;
+  const auto curve = [](std::size_t row, double factor) {
+    std::vector<BhRow> rows;
+    const Steel good = powbench::sim::builtin_steel("team13");
+    for (const double b : {0.2, 0.4, 0.6, 0.8, 1.0, 1.2, 1.4, 1.6, 1.8}) rows.push_back({b, good.h(b)});
+    rows[row].h *= factor;
+    return rows;
+  };
+  CHECK_NOTHROW(Steel::table("x", curve(3, 1)));
+  CHECK_THROWS_WITH(Steel::table("x", curve(4, 0.5)), Contains("row 5") && Contains("H must"));
+  CHECK_THROWS_WITH(Steel::table("x", curve(8, 0.2)), Contains("row 9") && Contains("H must"));
+  CHECK_THROWS_WITH(Steel::table("x", curve(5, 2)), Contains("row"));  // up, then slower than before
+}
+
+TEST_CASE("to 4 T and on the curve rises by vacuum, and the energy is its integral") {
+  for (const char* name : {"team13", "team20", "lamination", "reference", "power"}) {
+    const Steel s = powbench::sim::builtin_steel(name);
+    INFO(name);
+    const double from = std::max(s.straight_from(), 3.0);
+    CHECK(s.h(from + 1) - s.h(from) == Approx(1 / mu0));
+    double sum = 0;
+    constexpr int steps = 40000;
+    for (int k = 0; k < steps; ++k) sum += s.h(4.0 * (k + 0.5) / steps) * 4.0 / steps;
+    CHECK(s.energy(4) == Approx(sum).epsilon(1e-6));
+  }
 }
 
 TEST_CASE("a stack carries iron and insulation side by side") {

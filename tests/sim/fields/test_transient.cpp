@@ -137,3 +137,10 @@ TEST_CASE("alternating fields with closed solutions, to half a percent") {
     CHECK(r.unknowns < 20000);
   }
 }
+
+TEST_CASE("circuits with closed solutions, to half a percent") {
+  for (const auto& r : powbench::bench::circuit_cases()) {
+    INFO(r.name << ", " << r.quantity);
+    CHECK(std::fabs(r.error()) < r.limit);
+  }
+}

@@ -1,6 +1,7 @@
 #include <catch2/catch.hpp>
 #include <iostream>
 
+#include "core/units.h"
 #include "sim/closing.h"
 #include "sim/solid/solid_closing.h"
 #include "sim/specimen_potential.h"
@@ -40,23 +41,65 @@ TEST_CASE("the lumped circuit as a potential: current and pull are derivatives o
         Approx((energy(0.5, 1.01e-5, 1e-3) - energy(0.5, 0.99e-5, 1e-3)) / 2e-7).epsilon(1e-4).margin(1e-3));
 }
 
-TEST_CASE(
-    "a closing with deforming parts: rigid flight follows the lumped model, its energy is accounted for",
-    "[.slow]") {
-  const Specimen specimen;
+namespace {
+
+SolidClosingResult closing(double cell, double end, bool deform) {
   Conditions conditions;
   conditions.closing_angle = radians(90);
+  const Specimen specimen;
   const SpecimenPotential field(specimen);
   SolidClosingOptions options;
-  options.cell = 4e-3;
-  options.end = 19e-3;
-  options.solid.energy_bound = 0.05;
-  const SolidClosingResult r = solid_closing(specimen, conditions, field, options);
-  const double touch = *simulate(specimen, conditions, 0.04, 0).truth.touch;
-  std::cout << "closing, " << r.cells << " cells: first touch " << 1e3 * r.first_touch << " ms, lumped "
-            << 1e3 * touch << " ms, openings " << r.openings << ", peak " << r.peak_force << " N, residual "
-            << r.residual << "\n";
-  CHECK(r.first_touch == Approx(touch).epsilon(0.04));
-  CHECK(r.deformed_steps > 0);
-  CHECK(r.residual < 0.05);
+  options.cell = cell;
+  options.end = end;
+  options.deform = deform;
+  options.solid.energy_bound = 1e-3;
+  return solid_closing(specimen, conditions, field, options);
+}
+
+double lumped_touch() {
+  Conditions conditions;
+  conditions.closing_angle = radians(90);
+  return *simulate(Specimen{}, conditions, 0.04, 0).truth.touch;
+}
+
+}  // namespace
+
+TEST_CASE("at switch-on every part of the contactor is in balance with springs, seats and rest") {
+  const Specimen specimen;
+  Conditions dead;
+  dead.supply_volts = 0;
+  const SpecimenPotential field(specimen);
+  SolidClosingOptions options;
+  options.cell = 6e-3;
+  options.end = 1e-3;
+  const auto r = solid_closing(specimen, dead, field, options);
+  for (const auto& s : r.samples) {
+    CHECK(std::fabs(s.travel) < 1e-12);
+    for (const double bridge : s.bridges) CHECK(std::fabs(bridge) < 1e-12);
+  }
+}
+
+TEST_CASE("undeformed, a closing of the bodies is that of the lumped model and balances to 1e-5", "[.slow]") {
+  const SolidClosingResult r = closing(6e-3, 18e-3, false);
+  std::cout << "closing, undeformed: first touch " << 1e3 * r.first_touch << " ms, lumped "
+            << 1e3 * lumped_touch() << " ms, residual " << r.residual << ", of the coil "
+            << r.electric.residual() / r.electric.supplied << "\n";
+  CHECK(r.first_touch == Approx(lumped_touch()).epsilon(3e-4));
+  CHECK(r.residual < 1e-5);
+  CHECK(std::fabs(r.electric.residual()) < 1e-6 * r.electric.supplied);
+}
+
+TEST_CASE("a closing with deforming parts: first touch, bounce and energy do not depend on the cells",
+          "[.slow]") {
+  const SolidClosingResult coarse = closing(6e-3, 21e-3, true), fine = closing(4e-3, 21e-3, true);
+  for (const auto* r : {&coarse, &fine})
+    std::cout << "closing, " << r->cells << " cells: first touch " << 1e3 * r->first_touch << " ms, openings "
+              << r->openings << ", peak " << r->peak_force << " N, residual " << r->residual << "\n";
+  CHECK(fine.deformed_steps > 0);
+  CHECK(fine.first_touch == Approx(lumped_touch()).epsilon(1e-3));
+  CHECK(fine.first_touch == Approx(coarse.first_touch).epsilon(1e-4));
+  CHECK(fine.openings == coarse.openings);
+  CHECK(fine.peak_force == Approx(coarse.peak_force).epsilon(0.02));
+  CHECK(fine.residual < 1e-4);
+  CHECK(coarse.residual < 1e-4);
 }

@@ -1,6 +1,7 @@
 #include <catch2/catch.hpp>
 #include <iostream>
 
+#include "sim/unilateral.h"
 #include "tests/sim/solid/solid_cases.h"
 
 using namespace powbench::sim;
@@ -118,6 +119,66 @@ TEST_CASE("energy of an impact with friction and plastic flow is accounted for")
   CHECK(e.plastic > 0.01 * e.start);
   CHECK(e.friction > 0);
   CHECK(worst < 0.01);
+}
+
+TEST_CASE("a frozen block rebounds from a damped layer with the ratio of its law, every joule booked") {
+  SolidMesh mesh;
+  add_box(mesh, mesh.add_part("block"), {0, 0, 0}, {0.01, 0.01, 0.01}, 2, 2, 2);
+  add_box(mesh, mesh.add_part("wall"), {-0.015, -0.015, -0.02}, {0.025, 0.025, -1e-5}, 3, 3, 1);
+  SolidOptions options;
+  options.ledger_every = 1;
+  options.dt = 2e-8;
+  ExplicitSolid s(mesh, {SolidMaterial{}, SolidMaterial{}}, options);
+  for (int n = s.cells().nodes_begin(1); n < s.cells().nodes_end(1); ++n) s.fix(n, true, true, true);
+  s.set_velocity(0, {0, 0, -1});
+  double mass = 0;
+  for (int n = 0; n < s.cells().nodes_end(0); ++n) mass += s.cells().masses()[static_cast<std::size_t>(n)];
+  constexpr double stiffness = 1e6, zeta = 0.3;
+  ContactPair pair{0, 1};
+  // no node of the wall meets the block: half of the layer acts
+  pair.layer = 2 * stiffness / 1e-4;
+  pair.layer_damping = 2 * 2 * zeta * std::sqrt(stiffness * mass) / 1e-4;
+  s.set_contact({{pair}});
+  s.set_rigid(0, true);
+  s.set_rigid(1, true);
+  double worst = 0;
+  while (s.time() < 1.1e-5 || s.contact()->report(0).touching > 0) {
+    s.step();
+    worst = std::max(worst, std::fabs(s.energies().residual()) / s.energies().start);
+  }
+  s.step();
+  const SolidEnergies& e = s.energies();
+  std::cout << "damped layer: rebound " << s.mean_velocity(0).z << ", law " << rebound_ratio(zeta)
+            << ", energy residual " << worst << "\n";
+  CHECK(s.mean_velocity(0).z == Approx(rebound_ratio(zeta)).epsilon(2e-3));
+  CHECK(e.contact_damping == Approx(e.start * (1 - rebound_ratio(zeta) * rebound_ratio(zeta))).epsilon(5e-3));
+  CHECK(worst < 1e-4);
+}
+
+TEST_CASE("a dashpot in the contact lowers the critical step, and the run at that step is stable") {
+  SolidMesh mesh;
+  add_box(mesh, mesh.add_part("a"), {0, 0, 0}, {1e-3, 1e-3, 2e-3}, 1, 1, 2);
+  add_box(mesh, mesh.add_part("b"), {0, 0, 2e-3}, {1e-3, 1e-3, 4e-3}, 1, 1, 2);
+  const auto pressed = [&](double layer_damping) {
+    SolidOptions options;
+    options.safety = 0.98;
+    auto s = std::make_unique<ExplicitSolid>(mesh, std::vector<SolidMaterial>(2), options);
+    ContactPair pair{0, 1};
+    pair.layer = 1e13;
+    pair.layer_damping = layer_damping;
+    s->set_contact({{pair}});
+    s->set_velocity(0, {0, 0, 1e-3});
+    s->set_velocity(1, {0, 0, -1e-3});
+    return s;
+  };
+  const auto damped = pressed(4e7);
+  CHECK(damped->critical_step() < 0.9 * pressed(0)->critical_step());
+  for (int k = 0; k < 3000; ++k) damped->step();
+  damped->ask_energies();
+  damped->step();
+  const SolidEnergies& e = damped->energies();
+  CHECK(e.contact_damping > 0.01 * e.start);
+  CHECK(e.stored() < e.start);
 }
 
 TEST_CASE("the critical step is the linear limit: 0.99 of it is stable, 1.01 is not and is refused") {

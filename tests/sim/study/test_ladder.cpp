@@ -20,7 +20,7 @@ struct KnownRungs {
 
   void add(const std::string& mechanics, double scale, double cost) {
     rungs.push_back(
-        {"circuit", mechanics, "known error", [this, scale, cost](const Case&, double, double tol) {
+        {"circuit", mechanics, "known error", [this, scale, cost](const Case&, double, double tol, double) {
            now += cost / tol;
            Trajectory t;
            t.truth.touch = 0.010 + scale * tol;

@@ -1,0 +1,43 @@
+#pragma once
+
+#include <functional>
+#include <vector>
+
+#include "sim/field3d/mesh3.h"
+#include "sim/fields/steel.h"
+
+/// The other bound: a vector potential on the edges of a graded grid, first order, for a problem that the scalar potential of
+/// sim/field3d solves too. It makes
+///
+///   E(a) - I psi(a),   E = integral of w(|B|),   B = curl A,   psi = integral of B . T
+///
+/// least (T: source field of the winding for 1 A, curl T = J). div B = 0 holds exactly and curl H = J in the mean, so the
+/// flux linkage lies below the exact one and rises with the mesh; that of the scalar potential lies above and falls.
+
+namespace powbench::bench {
+
+/// Bricks between the lines; z.front() is a plane with H x n = 0, x.front() is tied to itself turned by 180 degrees about z
+/// (y symmetric about 0), and no flux leaves through the other sides.
+struct EdgeProblem {
+  std::vector<double> x, y, z;                         ///< m, rising
+  std::function<bool(const sim::Vec3& centre)> steel;  ///< of a brick; else air
+  sim::Steel curve = sim::Steel::linear(1);
+  std::function<sim::Vec3(const sim::Vec3&)> source;  ///< T, A/m for 1 A
+  double copies = 1;                                  ///< of this part in the whole
+};
+
+struct EdgeSolution {
+  std::vector<double> face_z;  ///< Wb, flux through the faces normal to z: [k][j][i]
+  double psi = 0;              ///< Wb for one turn
+  int unknowns = 0, iterations = 0;
+  bool converged = false;
+};
+
+/// Newton from zero, each step halved until the energy falls. Gauge: a mass of 1e-6 of the reluctance at 0.1 m.
+EdgeSolution solve_edges(const EdgeProblem&, double current);
+
+/// Average of B_z over the faces with x, y in these bounds (lines of the grid), at height z, T.
+double edge_average(const EdgeProblem&, const EdgeSolution&, double x0, double x1, double y0, double y1,
+                    double z);
+
+}  // namespace powbench::bench

@@ -1,0 +1,54 @@
+#include "dsp/landing.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace powbench::dsp {
+
+namespace {
+
+constexpr double farthest = 0.5e-3;  ///< s between the two sightings of one edge
+
+struct Window {
+  double first = 0, last = 0;
+  bool holds(const Measured& m) const { return m.known() && m.value >= first && m.value <= last; }
+};
+
+/// The crossing nearest to `t` among touches or releases; NaN when none is near.
+double nearest(const std::vector<Interval>& unaided, double t, bool touch) {
+  double best = std::numeric_limits<double>::quiet_NaN(), distance = farthest;
+  for (const Interval& i : unaided) {
+    const double at = touch ? i.touch : i.release;
+    if (!(std::abs(at - t) < distance)) continue;
+    distance = std::abs(at - t), best = at;
+  }
+  return best;
+}
+
+/// Anywhere between the two sightings; anywhere within the landing where there is only one.
+void widen(Measured& m, double other) {
+  m.u = std::hypot(m.u, (std::isnan(other) ? landing_time : other - m.value) / std::sqrt(12.0));
+}
+
+}  // namespace
+
+bool doubt_landing(std::vector<Contact>& contacts, const std::vector<Interval>& unaided, const Measured& seat,
+                   double amplitude) {
+  if (!seat.known() || !(amplitude > 0)) return false;
+  const double u = std::isfinite(seat.u) ? std::min(seat.u, 30e-6) : 30e-6;
+  const Window window{seat.value - 3 * u, seat.value + landing_time};
+  const auto gone = std::erase_if(contacts, [&](const Contact& c) {
+    return c.release.known() && window.holds(c.touch) && c.peak.value < amplitude;
+  });
+  bool any = gone > 0;
+  for (Contact& c : contacts) {
+    const bool touch = window.holds(c.touch), release = window.holds(c.release);
+    if (touch) widen(c.touch, nearest(unaided, c.touch.value, true));
+    if (release) widen(c.release, nearest(unaided, c.release.value, false));
+    if (touch || release) c.flags |= flag_ring_overlap, any = true;
+  }
+  return any;
+}
+
+}  // namespace powbench::dsp

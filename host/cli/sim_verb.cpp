@@ -1,0 +1,193 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <ctime>
+#include <nlohmann/json.hpp>
+#include <thread>
+
+#include "host/cli/percent.h"
+#include "host/cli/scene.h"
+#include "host/cli/verbs.h"
+#include "host/run/stop.h"
+#include "host/study/scene_fields.h"
+#include "sim/study/scene_choice.h"
+
+namespace powbench::host {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+double cpu_seconds() {
+  timespec t{};
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
+  return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
+}
+
+/// What is asked of the simulation; nothing: the plant of the simulated rig.
+struct Wish {
+  std::string fields, mechanics;
+  sim::WantedTimes wanted{};
+  bool accuracy = false;
+  bool any() const { return accuracy || !fields.empty() || !mechanics.empty(); }
+};
+
+Wish wish_of(const SimArgs& args, const Plan& plan) {
+  Wish w{args.fields.empty() ? plan.fields : args.fields,
+         args.mechanics.empty() ? plan.mechanics : args.mechanics, plan.wanted, false};
+  constexpr double none = std::numeric_limits<double>::quiet_NaN();
+  if (!args.accuracy.empty())
+    w.wanted = {share_option("--accuracy", args.accuracy, 1e-8, 0.5, "1e-6% .. 50%"), none, none};
+  for (const double x : w.wanted) w.accuracy = w.accuracy || !std::isnan(x);
+  if (!w.accuracy) w.wanted = {1e-3, 1e-3, none};  // a model by name: its step still has to be small
+  return w;
+}
+
+/// Fields and mechanics that the wish leaves open, cheap ones first.
+sim::SceneAxes axes_of(const Wish& wish, const sim::Specimen& specimen, const FieldCache& cache) {
+  sim::SceneAxes axes;
+  if (wish.fields == "auto")
+    axes.fields = {"circuit", "table", "field3d"};
+  else
+    axes.fields = {wish.fields.empty() ? "circuit" : wish.fields};
+  if (wish.mechanics == "auto" || (wish.mechanics.empty() && wish.accuracy))
+    axes.mechanics = {"rigid", "modal"};
+  else
+    axes.mechanics = {wish.mechanics.empty() ? "rigid" : wish.mechanics};
+  const bool named = axes.mechanics.size() == 1 && !wish.mechanics.empty();
+  axes.rung = [=, fields = axes.fields, mechanics = axes.mechanics](std::size_t f, std::size_t m) {
+    // plant and rigid are the same equations on the circuit, and the plant is cheaper
+    const bool plant = fields[f] == "circuit" && mechanics[m] == "rigid" && !named;
+    return sim::scene_rung(obtain_field(fields[f], specimen, cache), plant ? "plant" : mechanics[m]);
+  };
+  return axes;
+}
+
+std::string us(double seconds) {
+  return std::isnan(seconds) ? "-" : std::isinf(seconds) ? "no" : fmt::format("{:.3g}", seconds * 1e6);
+}
+
+void print_choice(const sim::SceneChoice& c, const Wish& wish) {
+  fmt::print(stderr, "{:<17} {:>15} {:>8}", "looked at", "setting", "CPU ms");
+  for (const auto q : sim::ladder_quantities)
+    fmt::print(stderr, " {:>11} {:>9} {:>9} {:>9}", fmt::format("{} ms", q), "step us", "fields us",
+               "mech. us");
+  fmt::print(stderr, " {:>9}\n", "of wanted");
+  for (const auto& s : c.steps) {
+    fmt::print(stderr, "{:<17} {:>15} {:>8.2f}", s.name,
+               fmt::format("{} {:g}", s.setting_name, s.run.tolerance), s.run.cpu * 1e3);
+    for (std::size_t q = 0; q < s.step_error.size(); ++q)
+      fmt::print(stderr, " {:>11} {:>9} {:>9} {:>9}",
+                 std::isnan(s.run.times[q]) ? "-" : fmt::format("{:.4f}", s.run.times[q] * 1e3),
+                 us(s.step_error[q]), us(s.field_error[q]), us(s.mechanics_error[q]));
+    fmt::print(stderr, " {:>7.2g} x\n", s.share);
+  }
+  const auto& last = c.steps.back();
+  fmt::print(stderr, "taken: {} at {} {:g} ({}): {}; {:.1f} ms CPU a closing, {:.1f} ms with choosing\n",
+             last.name, last.setting_name, last.run.tolerance, c.rung.meaning,
+             c.met ? "good enough by its own estimate"
+                   : "does not reach what is wanted, and nothing above it is left",
+             last.run.cpu * 1e3, c.spent * 1e3);
+  fmt::print(
+      stderr, "not judged: {}. 0.1 % more mains moves touch by {} us, seat by {} us, settled by {} us\n",
+      wish.fields == "auto" ? "what the drawn shape leaves out"
+                            : "how well the specimen's numbers describe its magnet (--fields auto compares)",
+      us(c.twin[0]), us(c.twin[1]), us(c.twin[2]));
+}
+
+Json choice_json(const sim::SceneChoice& c) {
+  Json steps = Json::array();
+  for (const auto& s : c.steps)
+    steps.push_back({{"rung", s.name},
+                     {s.setting_name, s.run.tolerance},
+                     {"times_s", s.run.times},
+                     {"step_error_s", s.step_error},
+                     {"field_error_s", s.field_error},
+                     {"mechanics_error_s", s.mechanics_error},
+                     {"share_of_wanted", s.share},
+                     {"cpu_ms", s.run.cpu * 1e3}});
+  return {{"rung", c.rung.name()},
+          {"setting", c.setting},
+          {"met", c.met},
+          {"twin_0.1_percent_mains_s", c.twin},
+          {"cpu_ms_with_choosing", c.spent * 1e3},
+          {"looked_at", steps}};
+}
+
+/// Beside the measurement of this plan where nothing is simulated yet, else in a campaign of the same identity.
+std::int64_t campaign_for(Store& store, const Scene& scene, const std::string& identity) {
+  for (const CampaignInfo& c : store.campaigns()) {
+    if (c.plan_hash != scene.plan_hash || c.specimen_hash != scene.specimen_hash) continue;
+    if (c.rig_identity == identity) return c.id;
+    if (!c.rig_uri.empty() && store.shots(c.id, ShotKind::simulated).empty()) return c.id;
+  }
+  return store.create_campaign(campaign_info(scene, "", identity));
+}
+
+/// Today's simulation: the plant of the simulated rig, beside the measurement of this plan if there is one.
+std::int64_t plain_campaign(Store& store, const Scene& scene) {
+  std::optional<std::int64_t> campaign;
+  for (const CampaignInfo& c : store.campaigns())
+    if (c.plan_hash == scene.plan_hash && c.specimen_hash == scene.specimen_hash) campaign = c.id;
+  return campaign ? *campaign : store.create_campaign(campaign_info(scene, "", "simulation only"));
+}
+
+RecordMaker maker_of(const sim::SceneChoice& choice, const std::string& name) {
+  return [choice, name](const sim::Specimen& s, const Conditions& c, const rigs::SimRigConfig& rig) {
+    const auto run = [&](const sim::Specimen& specimen, const Conditions& conditions, double duration,
+                         double dt) {
+      return choice.rung.run({specimen, conditions}, duration, choice.setting, dt);
+    };
+    return rigs::simulate_record_with(run, name, s, c, rig);
+  };
+}
+
+sim::SceneChoice choose(const Wish& wish, const Scene& scene, const FieldCache& cache) {
+  constexpr double duration = 0.06;  // s: what is judged
+  const sim::Case first{scene.specimen, scene.shots.front().conditions};
+  try {
+    return sim::choose_scene(axes_of(wish, scene.specimen, cache), first, wish.wanted, duration, cpu_seconds);
+  } catch (const std::invalid_argument& e) {
+    throw BadInput({std::string("sim: ") + e.what()});
+  }
+}
+
+}  // namespace
+
+Exit simulate_plan(const SimArgs& args) {
+  const Scene scene = load_scene(args.plan);
+  const Wish wish = wish_of(args, scene.plan);
+  const rigs::SimRigConfig sensors =
+      args.rig_file.empty() ? rigs::SimRigConfig{} : read_rig(args.rig_file).config;
+  const StopOnSignal stop;
+  std::optional<sim::SceneChoice> choice;
+  RecordMaker maker = rigs::simulate_record;
+  std::string identity;
+  if (wish.any()) {
+    FieldCache cache;
+    cache.folder = args.cache;
+    cache.say = [](const std::string& text) { fmt::print(stderr, "{}\n", text); };
+    choice = choose(wish, scene, cache);
+    print_choice(*choice, wish);
+    identity =
+        fmt::format("simulation by {}, {} {:g}", choice->rung.name(), choice->rung.setting, choice->setting);
+    maker = maker_of(*choice, identity);
+  }
+  Store store(args.database);
+  const std::int64_t campaign = choice ? campaign_for(store, scene, identity) : plain_campaign(store, scene);
+  const int threads =
+      args.threads > 0 ? args.threads : static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
+  Progress progress("simulate", scene.plan.angles.size(), progress_style(args.progress));
+  const std::size_t n = simulate_campaign(store, campaign, scene.shots, scene.specimen, sensors,
+                                          run_options(scene.plan), threads, progress, maker);
+  progress.finish();
+  if (args.json) {
+    Json j{{"campaign", campaign}, {"simulated", n}};
+    if (choice) j["models"] = choice_json(*choice);
+    fmt::print("{}\n", j.dump(2));
+  }
+  fmt::print(stderr, "campaign {}: {} closings simulated\n", campaign, n);
+  if (StopOnSignal::asked()) return Exit::interrupted;
+  return choice && wish.accuracy && !choice->met ? Exit::outside_limits : Exit::pass;
+}
+
+}  // namespace powbench::host

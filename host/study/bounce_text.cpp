@@ -1,0 +1,101 @@
+#include "host/study/bounce_text.h"
+
+#include <fmt/format.h>
+
+#include <nlohmann/json.hpp>
+
+#include "sim/mechanics/rigid_closing.h"
+
+namespace powbench::host {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+std::string spread_text(const sim::Spread& s) {
+  return fmt::format("{:.3f} ({:.3f} .. {:.3f})", s.mean * 1e3, s.low * 1e3, s.high * 1e3);
+}
+
+std::string line(const BounceRow& row) {
+  const auto& e = row.study.error;
+  const auto& c = row.study.condition;
+  return fmt::format("{:<14} {:>13} {:>10.1e} {:>13.1e}  {:>11.3g}  {}\n", row.name,
+                     fmt::format("{}/{}", e.matched, e.reference), e.largest_dt * 1e6, e.distance * 1e6,
+                     c.per_input,
+                     row.study.computable ? "computable"
+                     : c.diverged         ? fmt::format("twin leaves at {:.2f} ms", c.horizon * 1e3)
+                                          : fmt::format("leaves at {:.2f} ms", e.diverged_at * 1e3));
+}
+
+Json spread_json(const sim::Spread& s) {
+  return {{"mean_s", s.mean}, {"q05_s", s.low}, {"q50_s", s.median}, {"q95_s", s.high}};
+}
+
+}  // namespace
+
+std::vector<BounceRow> bounces_of(std::span<const sim::Rung> rungs, const sim::Case& c,
+                                  const sim::BounceStudyOptions& options) {
+  std::vector<BounceRow> rows;
+  for (const auto& rung : rungs) {
+    if (rung.costly || !rung.settings.empty()) continue;
+    const auto run = [&](double tolerance, const sim::Factor& factor) {
+      const sim::Case changed{sim::varied(c.specimen, factor), c.conditions};
+      return sim::contact_events(rung.run(changed, options.end, tolerance, 0).events);
+    };
+    rows.push_back({rung.name(), sim::study_bounces(run, options)});
+  }
+  return rows;
+}
+
+std::string bounce_text(const std::vector<BounceRow>& rows, const sim::BounceStudyOptions& o) {
+  std::string out = fmt::format(
+      "how far the bounces can be believed: tolerance {:.0e} against {:.0e}; twin with masses and gaps "
+      "changed "
+      "by {:.0e}\n{:<14} {:>13} {:>10} {:>13}  {:>11}\n",
+      o.tolerance, o.truth, o.change, "closing", "events agree", "dt us", "states us", "condition s");
+  bool ensembles = false;
+  for (const auto& row : rows) {
+    out += line(row);
+    const auto& e = row.study.ensemble;
+    if (e.runs == 0) continue;
+    ensembles = true;
+    out += fmt::format("  {} runs, ms: first touch {}, open after it {}, last closing {}\n", e.runs,
+                       spread_text(e.first_touch), spread_text(e.open_time), spread_text(e.last_closing));
+  }
+  out +=
+      "dt: largest time difference of events that agree; states: longest time for which a contact is open in "
+      "one "
+      "and\nclosed in the other; condition: s of event time per unit of relative input, no digit below "
+      "condition "
+      "times\nthe uncertainty of the inputs means anything\n";
+  if (ensembles)
+    out += fmt::format("ensembles: masses and gaps +- {:.0e}, mean and 5 .. 95 % quantiles, break A\n",
+                       o.change);
+  return out;
+}
+
+std::string bounce_json(const std::vector<BounceRow>& rows) {
+  Json list = Json::array();
+  for (const auto& row : rows) {
+    const auto& e = row.study.error;
+    const auto& c = row.study.condition;
+    Json j{{"closing", row.name},
+           {"matched", e.matched},
+           {"events", e.reference},
+           {"largest_dt_s", e.largest_dt},
+           {"state_distance_s", e.distance},
+           {"condition_s", c.per_input},
+           {"computable", row.study.computable}};
+    if (!row.study.computable) {
+      const auto& s = row.study.ensemble;
+      j["twin_horizon_s"] = c.horizon;
+      j["ensemble"] = {{"runs", s.runs},
+                       {"first_touch", spread_json(s.first_touch)},
+                       {"open_time", spread_json(s.open_time)},
+                       {"last_closing", spread_json(s.last_closing)}};
+    }
+    list.push_back(std::move(j));
+  }
+  return list.dump();
+}
+
+}  // namespace powbench::host

@@ -1,0 +1,86 @@
+#include "host/study/scene_fields.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <memory>
+
+#include "host/config/bad_input.h"
+#include "host/store/field_table.h"
+#include "sim/field3d/ladder3.h"
+
+namespace powbench::host {
+namespace {
+
+namespace fs = std::filesystem;
+using Potential = std::shared_ptr<const sim::MagneticPotential>;
+
+sim::TableOptions options_of(const sim::Specimen& s, const FieldCache& cache) {
+  sim::TableOptions o;
+  o.accuracy = cache.accuracy;
+  o.largest_gap = std::max(1.5 * s.core.travel, 0.2e-3);
+  return o;
+}
+
+void say(const FieldCache& cache, const std::string& text) {
+  if (cache.say) cache.say(text);
+}
+
+std::shared_ptr<const sim::TablePotential> plane_table(const sim::Specimen& s, const FieldCache& cache) {
+  say(cache,
+      "field table of the shape, plane, with ring: from " + cache.folder.string() + ", or built there");
+  sim::Team team(2);
+  return std::make_shared<sim::TablePotential>(
+      obtain_field_table(cache.folder, sim::magnet_design(s), options_of(s, cache), team).table);
+}
+
+/// Nodes and cells of the tables whose difference is the ends' share: that is smooth, so both are coarse.
+sim::TableOptions end_options(const sim::Specimen& s, const FieldCache& cache) {
+  sim::TableOptions o = options_of(s, cache);
+  o.ring = false;
+  o.psi_nodes = 12;
+  o.gap_nodes = 8;
+  return o;
+}
+
+Potential solid_table(const sim::Specimen& s, const FieldCache& cache, bool ends) {
+  const auto design = sim::magnet_design(s);
+  const auto options = end_options(s, cache);
+  sim::CoreMeshSizes3 sizes = sim::CoreMeshSizes3{}.scaled(2);
+  sizes.ends = ends;
+  const fs::path file = cache.folder / fmt::format("field3d-{:016x}-{}.table",
+                                                   sim::table_hash(design, options), ends ? "ends" : "plane");
+  if (fs::exists(file)) return std::make_shared<sim::TablePotential>(load_field_table(file));
+  say(cache, fmt::format("building {}", file.string()));
+  fs::create_directories(cache.folder);
+  const auto table = sim::build_table3(design, sizes, options);
+  save_field_table(file, table);
+  return std::make_shared<sim::TablePotential>(table);
+}
+
+}  // namespace
+
+sim::FieldRung obtain_field(std::string_view name, const sim::Specimen& s, const FieldCache& cache) {
+  try {
+    if (name == "circuit") return sim::circuit_field();
+    if (name == "table") {
+      const auto table = plane_table(s, cache);
+      return sim::pure_field("table", table->table().description, table);
+    }
+    if (name == "field2d")
+      return sim::live_field(sim::magnet_design(s),
+                             sim::plan_table(sim::magnet_design(s), options_of(s, cache)).field);
+    if (name == "field3d")
+      return sim::pure_field("field3d",
+                             "plane table with the ends of stack and winding from three dimensions",
+                             sim::corrected_potential(plane_table(s, cache), solid_table(s, cache, true),
+                                                      solid_table(s, cache, false)));
+  } catch (const std::invalid_argument& error) {
+    throw BadInput({fmt::format("fields = {}: {}", name, error.what())});
+  }
+  std::string known;
+  for (const auto n : sim::field_names) known += (known.empty() ? "" : ", ") + std::string(n);
+  throw BadInput({fmt::format("fields = {}, allowed {}", name, known)});
+}
+
+}  // namespace powbench::host

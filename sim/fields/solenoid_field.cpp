@@ -1,0 +1,111 @@
+#include "sim/fields/solenoid_field.h"
+
+#include <algorithm>
+#include <cstdio>
+#include <stdexcept>
+#include <utility>
+
+namespace powbench::sim {
+namespace {
+
+FieldSetup setup_of(const SolenoidDesign& d, const FieldOptions& o) {
+  FieldSetup f;
+  f.order = o.order;
+  f.axisymmetric = true;
+  f.steels = {d.steel};
+  f.steel_of_region.assign(SolenoidRegion::count, -1);
+  f.steel_of_region[SolenoidRegion::fixed_iron] = f.steel_of_region[SolenoidRegion::plunger] = 0;
+  f.windings = {{{{SolenoidRegion::coil, d.turns}}}};
+  return f;
+}
+
+void check(const char* key, double value, double low, double high) {
+  if (value >= low && value <= high) return;
+  char text[120];
+  std::snprintf(text, sizeof text, "solenoid.%s = %g, allowed %g .. %g", key, value, low, high);
+  throw std::invalid_argument(text);
+}
+
+const SolenoidDesign& checked(const SolenoidDesign& d) {
+  check("residual_gap_um", d.residual_gap * 1e6, 1, 1000);
+  check("turns", d.turns, 1, 1e6);
+  return d;
+}
+
+/// 1 in the plunger, 0 elsewhere.
+std::vector<double> body(const Mesh& m) {
+  std::vector<double> weight(m.x.size(), 0);
+  for (std::size_t t = 0; t < m.triangle.size(); ++t)
+    if (m.region[t] == SolenoidRegion::plunger)
+      for (const int v : m.triangle[t]) weight[static_cast<std::size_t>(v)] = 1;
+  return weight;
+}
+
+}  // namespace
+
+SolenoidField::SolenoidField(const SolenoidDesign& design, const FieldOptions& options)
+    : design_(checked(design)),
+      options_(options),
+      grid_(design.shape, options.sizes, design.largest_gap + design.residual_gap),
+      problem_(grid_.mesh(), setup_of(design, options)),
+      newton_(problem_),
+      layer_(body(grid_.mesh())) {
+  set_gap(design.largest_gap);
+}
+
+void SolenoidField::set_gap(double gap) {
+  check("gap_mm", gap * 1e3, 0, design_.largest_gap * 1e3 * (1 + 1e-12));
+  const double whole = gap + design_.residual_gap;
+  problem_.move_vertices(grid_.mesh().x, grid_.heights(whole));
+  motion_ = grid_.motion(whole);
+}
+
+FieldPoint SolenoidField::solve(const Circuit& circuit, std::vector<double> start) {
+  start.resize(static_cast<std::size_t>(unknowns()) + 1, 0);
+  FieldPoint p;
+  std::vector<double> current;
+  p.newton = newton_.solve({circuit}, start, current, options_.newton);
+  p.a = std::move(start);
+  auto& r = p.response;
+  r.energy = newton_.energy();
+  r.current = current[0];
+  r.pull = -problem_.stress_force(p.a.data(), motion_);
+  p.stress_pull = -problem_.stress_force(p.a.data(), layer_);
+  p.largest_field = problem_.largest_field(p.a.data());
+  p.beyond_data = p.largest_field > design_.steel.data_end();
+  return p;
+}
+
+FieldPoint SolenoidField::at_flux(double psi, std::vector<double> start) {
+  auto p = solve({true, psi, 0}, std::move(start));
+  auto& r = p.response;
+  r.current_psi = newton_.derivatives(p.a).flux_flux[0];
+  // the pull is quadratic in a: its derivative along the tangent is exact from two points
+  const auto along = tangent();
+  const double step = psi != 0 ? psi : 1;
+  auto high = p.a, low = p.a;
+  for (std::size_t k = 0; k < along.size(); ++k) {
+    high[k] += step * along[k];
+    low[k] -= step * along[k];
+  }
+  r.current_gap =
+      -(problem_.stress_force(high.data(), motion_) - problem_.stress_force(low.data(), motion_)) /
+      (2 * step);
+  return p;
+}
+
+FieldPoint SolenoidField::at_current(double current, std::vector<double> start) {
+  return solve({false, current, 0}, std::move(start));
+}
+
+FieldPoint SolenoidField::in_circuit(double b, double r, std::vector<double> start) {
+  return solve({true, b, r}, std::move(start));
+}
+
+double SolenoidField::flux(const FieldPoint& p) const {
+  double psi = 0;
+  for (std::size_t k = 0; k < p.a.size(); ++k) psi += problem_.winding(0)[k] * p.a[k];
+  return psi;
+}
+
+}  // namespace powbench::sim

@@ -1,0 +1,117 @@
+#include <cstdio>
+
+#include "core/random.h"
+#include "core/units.h"
+#include "sim/fields/solenoid_field.h"
+#include "sim/fields/table_sweep.h"
+#include "sim/fields/transient_march.h"
+
+namespace powbench::sim {
+namespace {
+
+/// A solenoid as the sweep wants it: without a ring.
+class Coil {
+ public:
+  Coil(const SolenoidDesign& d, const FieldOptions& o) : field_(d, o) {}
+  int unknowns() const { return field_.unknowns(); }
+  void set_gap(double gap) { field_.set_gap(gap); }
+  std::vector<double> tangent(std::size_t) const { return field_.tangent(); }
+  FieldPoint at_flux(double psi, double, std::vector<double> start = {}, bool = true) {
+    return field_.at_flux(psi, std::move(start));
+  }
+
+ private:
+  SolenoidField field_;
+};
+
+class SolenoidRung {
+ public:
+  SolenoidRung(const SolenoidDesign& d, const FieldOptions& o, const TransientSetup& s)
+      : resistance_(s.resistance), field_(d, o), a_(static_cast<std::size_t>(field_.unknowns()) + 1, 0) {}
+
+  int iterations = 0;
+
+  double stored(double gap) {
+    field_.set_gap(gap);
+    // the state is the flux: the field of the middle of the last step is but a start
+    return field_.at_flux(psi_, a_).response.energy;
+  }
+
+  Middle advance(double voltage, double gap, double step) {
+    field_.set_gap(gap);
+    auto p = field_.in_circuit(psi_ + 0.5 * step * voltage, 0.5 * step * resistance_, std::move(a_));
+    if (!p.newton.converged) throw std::runtime_error("transient: the field does not converge");
+    iterations += p.newton.iterations;
+    const double rate = voltage - resistance_ * p.response.current;
+    const Middle m{psi_ + 0.5 * step * rate, p.response.current, 0, p.response.pull, 0};
+    psi_ += step * rate;
+    a_ = std::move(p.a);
+    return m;
+  }
+
+ private:
+  double resistance_;
+  SolenoidField field_;
+  std::vector<double> a_;
+  double psi_ = 0;
+};
+
+std::uint64_t hash_of(const SolenoidDesign& d, const TableOptions& o) {
+  const auto& s = d.shape;
+  std::vector<double> values{s.plunger_radius,
+                             s.bore_radius,
+                             s.plunger_length,
+                             s.stop_length,
+                             s.window,
+                             s.plate,
+                             s.flange,
+                             s.coil_inner,
+                             s.coil_outer,
+                             s.coil_clearance,
+                             s.case_inner,
+                             s.case_outer,
+                             d.turns,
+                             d.residual_gap,
+                             d.largest_gap,
+                             o.accuracy,
+                             o.largest_field,
+                             static_cast<double>(o.psi_nodes),
+                             static_cast<double>(o.gap_nodes)};
+  return hash_values(values, d.steel);
+}
+
+}  // namespace
+
+PotentialTable build_table(const SolenoidDesign& d, const TableOptions& o, Team& team, TableReport* report) {
+  auto options = o;
+  options.largest_gap = d.largest_gap;
+  const double radius = d.shape.plunger_radius;
+  const TablePlan plan = plan_table(options, d.turns * pi * radius * radius * o.largest_field);
+  SolenoidDesign bare = d;
+  bare.steel = Steel::linear(1);
+  TableReport sum;
+  auto t = table_sweep::fill_table(
+      plan, false, team, [&] { return Coil(d, plan.field); }, [&] { return Coil(bare, plan.field); }, &sum);
+  estimate_errors(t);
+  t.mesh_error = plan.mesh_error;
+  t.design_hash = hash_of(d, options);
+  char text[160];
+  std::snprintf(text, sizeof text, "solenoid, %zu x %zu nodes, %d unknowns, %s, %g turns, residual gap %g um",
+                t.psi.size(), t.gap.size(), sum.unknowns, d.steel.name().c_str(), d.turns,
+                d.residual_gap * 1e6);
+  t.description = text;
+  if (report) *report = sum;
+  return t;
+}
+
+TransientResult run_transient(const SolenoidDesign& d, const FieldOptions& o, const TransientSetup& s) {
+  if (s.iron_conductivity != 0)
+    throw std::invalid_argument("transient: iron_conductivity of a solenoid must be 0, its parts slide");
+  if (s.start_gap > d.largest_gap)
+    throw std::invalid_argument("transient: start_gap_mm = " + std::to_string(s.start_gap * 1e3) +
+                                ", allowed 0 .. " + std::to_string(d.largest_gap * 1e3));
+  SolenoidRung rung(d, o, s);
+  return march(rung, s);
+}
+
+}  // namespace powbench::sim

@@ -1,0 +1,225 @@
+#include "sim/study/rungs.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <mutex>
+#include <stdexcept>
+
+#include "core/units.h"
+#include "sim/mechanics/rigid_closing.h"
+#include "sim/solid/modal_closing.h"
+#include "sim/solid/solid_closing.h"
+#include "sim/specimen_potential.h"
+
+namespace powbench::sim {
+namespace {
+
+/// The field as a potential that remembers its last solution. Not for two threads.
+class LivePotential final : public MagneticPotential {
+ public:
+  LivePotential(const MagnetDesign& design, const FieldOptions& options) : field_(design, options) {}
+
+  bool has_ring() const override { return field_.has_ring(); }
+  MagneticResponse at(const MagneticState& s) const override {
+    field_.set_gap(std::max(0.0, s.gap));
+    auto point = field_.at_flux(s.psi, s.ring, last_);
+    last_ = std::move(point.a);
+    return point.response;
+  }
+
+ private:
+  mutable MagnetField field_;
+  mutable std::vector<double> last_;
+};
+
+class CorrectedPotential final : public MagneticPotential {
+ public:
+  using Part = std::shared_ptr<const MagneticPotential>;
+  CorrectedPotential(Part base, Part plus, Part minus)
+      : base_(std::move(base)), plus_(std::move(plus)), minus_(std::move(minus)) {}
+
+  bool has_ring() const override { return base_->has_ring(); }
+  MagneticResponse at(const MagneticState& s) const override {
+    MagneticResponse r = base_->at(s);
+    const MagneticResponse a = plus_->at(s), b = minus_->at(s);
+    r.energy += a.energy - b.energy;
+    r.current += a.current - b.current;
+    r.pull += a.pull - b.pull;
+    r.current_psi += a.current_psi - b.current_psi;
+    r.current_gap += a.current_gap - b.current_gap;
+    r.pull_gap += a.pull_gap - b.pull_gap;
+    return r;
+  }
+
+ private:
+  Part base_, plus_, minus_;
+};
+
+/// State at a time between the samples of a closing with deforming parts.
+PlantSample between(const std::vector<SolidClosingSample>& list, double t, std::size_t& at) {
+  while (at + 2 < list.size() && list[at + 1].time < t) ++at;
+  const auto &a = list[at], &b = list[std::min(at + 1, list.size() - 1)];
+  const double share = b.time > a.time ? std::clamp((t - a.time) / (b.time - a.time), 0.0, 1.0) : 0.0;
+  const auto mix = [&](double x, double y) { return x + share * (y - x); };
+  PlantSample s;
+  s.time = t;
+  s.coil_current = mix(a.current, b.current);
+  s.flux_linkage = mix(a.flux, b.flux);
+  s.pull = mix(a.pull, b.pull);
+  s.travel = mix(a.travel, b.travel);
+  s.base = mix(a.base, b.base);
+  s.core_velocity = b.time > a.time ? (b.travel - a.travel) / (b.time - a.time) : 0;
+  s.force_a = s.force_b = 0.5 * mix(a.pad_force, b.pad_force);
+  return s;
+}
+
+/// The explicit rung's result in the words of the others. It keeps no list of events: re-openings are counted only.
+Trajectory trajectory(const SolidClosingResult& r, const Case& c, double duration, double sample_dt) {
+  Trajectory t;
+  if (r.first_touch >= 0) t.truth.touch = t.truth.touch_a = t.truth.touch_b = r.first_touch;
+  if (r.last_touch >= 0) t.truth.settled = r.last_touch;
+  if (r.core_seat >= 0) t.truth.core_seat = r.core_seat;
+  t.truth.openings.resize(static_cast<std::size_t>(std::max(0, r.openings)));
+  t.evaluations = r.rigid_steps + r.deformed_steps;
+  t.energy_residual = r.residual;
+  std::size_t at = 0;
+  for (std::size_t k = 1;
+       sample_dt > 0 && static_cast<double>(k) * sample_dt <= duration && !r.samples.empty(); ++k) {
+    PlantSample s = between(r.samples, static_cast<double>(k) * sample_dt, at);
+    const auto& q = c.conditions;
+    s.mains_voltage = s.coil_voltage =
+        std::sqrt(2.0) * q.supply_volts * std::sin(2 * pi * q.mains_hertz * s.time + closing_mains(q).phase);
+    t.truth.peak_current = std::max(t.truth.peak_current, std::fabs(s.coil_current));
+    t.samples.push_back(s);
+  }
+  return t;
+}
+
+/// Reductions by what they depend on: one takes longer than the closing that uses it.
+class KnownParts {
+ public:
+  ModalParts of(const Specimen& s) {
+    const auto& b = s.bridges;
+    const std::vector<double> key{static_cast<double>(b.poles),
+                                  b.half_length,
+                                  b.seat_half_length,
+                                  b.mass,
+                                  b.gap,
+                                  s.core.travel,
+                                  s.core.mass,
+                                  s.base.mass};
+    const std::scoped_lock lock(mutex_);
+    const auto known = parts_.find(key);
+    if (known != parts_.end()) return known->second;
+    if (parts_.size() >= 64) parts_.clear();
+    return parts_.emplace(key, modal_parts(s)).first->second;
+  }
+
+ private:
+  std::mutex mutex_;
+  std::map<std::vector<double>, ModalParts> parts_;
+};
+
+Trajectory run_modal(const FieldRung& field, KnownParts& parts, const Case& c, double duration, double step,
+                     double sample_dt) {
+  ModalClosingOptions o;
+  o.step = step;
+  o.duration = duration;
+  o.sample = sample_dt;
+  o.pressed_gap = field.pressed_gap;
+  return modal_closing(c.specimen, c.conditions, *field.potential(c), parts.of(c.specimen), o);
+}
+
+Trajectory run_explicit(const FieldRung& field, const Case& c, double duration, double cell_mm,
+                        double sample_dt) {
+  SolidClosingOptions o;
+  o.cell = cell_mm * 1e-3;
+  o.end = std::min(duration, explicit_duration);
+  o.solid.energy_bound = 0.5;  // the residual is handed on with the result
+  Conditions conditions = c.conditions;
+  conditions.closing_angle = closing_mains(c.conditions).phase;
+  Specimen warm = c.specimen;
+  warm.coil.resistance *= 1 + warm.coil.temperature_coefficient * (c.conditions.ambient - 293.15);
+  return trajectory(solid_closing(warm, conditions, *field.potential(c), o), c, duration, sample_dt);
+}
+
+}  // namespace
+
+MagnetDesign magnet_design(const Specimen& s) {
+  MagnetDesign d;
+  d.shape = s.shape;
+  d.steel = Steel::power_law(s.magnet.bh_linear, s.magnet.bh_power, s.magnet.bh_exponent);
+  d.turns = s.coil.turns;
+  d.residual_gap = s.magnet.residual_gap;
+  return d;
+}
+
+FieldRung circuit_field() {
+  return {"circuit", "lumped circuit of the specimen",
+          [](const Case& c) { return std::make_shared<SpecimenPotential>(c.specimen); }, true, false};
+}
+
+FieldRung pure_field(std::string name, std::string meaning,
+                     std::shared_ptr<const MagneticPotential> potential) {
+  return {std::move(name), std::move(meaning), [potential](const Case&) { return potential; }, false, false};
+}
+
+FieldRung live_field(const MagnetDesign& design, const FieldOptions& options) {
+  return {"field2d", "plane finite elements solved at every step",
+          [design, options](const Case&) { return std::make_shared<LivePotential>(design, options); }, false,
+          true};
+}
+
+std::shared_ptr<const MagneticPotential> corrected_potential(std::shared_ptr<const MagneticPotential> base,
+                                                             std::shared_ptr<const MagneticPotential> plus,
+                                                             std::shared_ptr<const MagneticPotential> minus) {
+  return std::make_shared<CorrectedPotential>(std::move(base), std::move(plus), std::move(minus));
+}
+
+Rung scene_rung(const FieldRung& field, std::string_view mechanics) {
+  if (mechanics == "plant") {
+    if (field.name != "circuit")
+      throw std::invalid_argument("mechanics = plant: allowed with fields = circuit only, not " + field.name +
+                                  "; take rigid");
+    return closing_rungs()[0];
+  }
+  if (mechanics == "rigid") {
+    if (field.name == "circuit") return closing_rungs()[1];
+    Rung r{field.name, "rigid", field.meaning + ", rigid parts",
+           [field](const Case& c, double duration, double tolerance, double sample_dt) {
+             return simulate_rigid_with(*field.potential(c), c.specimen, c.conditions, duration, sample_dt,
+                                        tolerance, false);
+           }};
+    r.costly = field.costly;
+    if (field.costly) r.settings = {1e-3, 1e-4, 1e-5};
+    return r;
+  }
+  if (mechanics == "modal") {
+    Rung r{field.name, "modal", field.meaning + ", base and bridges bend by modes",
+           [field, parts = std::make_shared<KnownParts>()](const Case& c, double duration, double step,
+                                                           double sample_dt) {
+             return run_modal(field, *parts, c, duration, step, sample_dt);
+           }};
+    r.setting = "step";
+    r.settings = {0.8, 0.4, 0.2, 0.1, 0.05};
+    if (field.costly) r.settings = {0.8, 0.4};
+    r.costly = field.costly;
+    return r;
+  }
+  if (mechanics == "explicit") {
+    Rung r{field.name, "explicit", field.meaning + ", deforming parts of finite elements",
+           [field](const Case& c, double duration, double cell_mm, double sample_dt) {
+             return run_explicit(field, c, duration, cell_mm, sample_dt);
+           }};
+    r.setting = "cell mm";
+    r.settings = {6, 4, 3};
+    r.costly = true;
+    return r;
+  }
+  std::string known;
+  for (const auto name : mechanics_names) known += (known.empty() ? "" : ", ") + std::string(name);
+  throw std::invalid_argument("mechanics = " + std::string(mechanics) + ", allowed " + known);
+}
+
+}  // namespace powbench::sim

@@ -1,0 +1,134 @@
+#include "sim/study/scene_choice.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <stdexcept>
+
+namespace powbench::sim {
+namespace {
+
+constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+constexpr double coarsest = 1e-4, finest = 1e-11;
+constexpr double step_share = 0.25;  // of what is wanted: the rest is left for the model
+constexpr double twin_mains = 1e-3;
+
+void check(const SceneAxes& axes, const WantedTimes& wanted) {
+  if (axes.fields.empty() || axes.mechanics.empty())
+    throw std::invalid_argument("scene: at least one rung of fields and one of mechanics");
+  bool any = false;
+  for (const double w : wanted) {
+    if (std::isnan(w)) continue;
+    any = true;
+    if (!(w >= 1e-9 && w <= 0.5)) throw std::invalid_argument("accuracy: allowed 1e-7 % .. 50 %");
+  }
+  if (!any) throw std::invalid_argument("wanted: at least one of touch, seat, settled");
+}
+
+/// A pair, refined until its step contributes little.
+struct Refined {
+  Rung rung;
+  LadderRun run;
+  LadderTimes step_error{};
+};
+
+class Chooser {
+ public:
+  Chooser(const SceneAxes& axes, const Case& c, const WantedTimes& wanted, double duration,
+          const CpuClock& clock)
+      : axes_(axes), case_(c), wanted_(wanted), duration_(duration), clock_(clock) {}
+
+  SceneChoice choose() {
+    SceneChoice choice;
+    std::size_t f = 0, m = 0;
+    for (;;) {
+      const SceneStep step = look(f, m);
+      choice.steps.push_back(step);
+      const Refined& here = refined(f, m);
+      choice.rung = here.rung;
+      choice.setting = here.run.tolerance;
+      choice.met = step.share <= 1;
+      if (choice.met || (f + 1 == axes_.fields.size() && m + 1 == axes_.mechanics.size())) break;
+      const double by_fields = excess(step.field_error, here.run),
+                   by_mechanics = excess(step.mechanics_error, here.run);
+      if (by_fields == 0 && by_mechanics == 0)
+        break;  // the step alone is too coarse: nothing higher mends that
+      ++(by_fields >= by_mechanics ? f : m);
+    }
+    Case twin = case_;
+    twin.conditions.supply_volts *= 1 + twin_mains;
+    choice.twin = time_error(run_once(choice.rung, twin, choice.setting), refined(f, m).run);
+    choice.spent = spent_;
+    return choice;
+  }
+
+ private:
+  LadderRun run_once(const Rung& rung, const Case& c, double setting) {
+    const LadderRun run = run_rung(std::span(&rung, 1), 0, c, duration_, setting, clock_);
+    spent_ += run.cpu;
+    return run;
+  }
+
+  /// Largest error over what is wanted; 0 where nothing is known.
+  double excess(const LadderTimes& error, const LadderRun& run) const {
+    double worst = 0;
+    const double whole = std::isnan(run.times[0]) ? duration_ : run.times[0];
+    for (std::size_t q = 0; q < error.size(); ++q)
+      if (!std::isnan(wanted_[q]) && !std::isnan(error[q]))
+        worst = std::max(worst, error[q] / (wanted_[q] * whole));
+    return worst;
+  }
+
+  const Refined& refined(std::size_t f, std::size_t m) {
+    const auto known = known_.find({f, m});
+    if (known != known_.end()) return known->second;
+    Refined r;
+    r.rung = axes_.rung(f, m);
+    const auto settings = settings_of(r.rung, coarsest, finest);
+    r.run = run_once(r.rung, case_, settings.front());
+    for (std::size_t k = 1; k < settings.size(); ++k) {
+      const LadderRun finer = run_once(r.rung, case_, settings[k]);
+      r.step_error = error_estimate(r.run, finer);
+      if (excess(r.step_error, finer) <= step_share || k + 1 == settings.size()) break;
+      r.run = finer;
+    }
+    return known_.emplace(std::pair{f, m}, std::move(r)).first->second;
+  }
+
+  SceneStep look(std::size_t f, std::size_t m) {
+    const Refined& here = refined(f, m);
+    SceneStep s;
+    s.name = here.rung.name();
+    s.setting_name = here.rung.setting;
+    s.run = here.run;
+    s.step_error = here.step_error;
+    s.field_error = s.mechanics_error = {nan, nan, nan};
+    if (f + 1 < axes_.fields.size()) s.field_error = time_error(here.run, refined(f + 1, m).run);
+    if (m + 1 < axes_.mechanics.size()) s.mechanics_error = time_error(here.run, refined(f, m + 1).run);
+    LadderTimes sum = s.step_error;
+    for (std::size_t q = 0; q < sum.size(); ++q)
+      for (const double e : {s.field_error[q], s.mechanics_error[q]})
+        if (!std::isnan(e)) sum[q] = std::isnan(sum[q]) ? e : sum[q] + e;
+    s.share = excess(sum, here.run);
+    return s;
+  }
+
+  const SceneAxes& axes_;
+  Case case_;
+  WantedTimes wanted_;
+  double duration_;
+  CpuClock clock_;
+  double spent_ = 0;
+  std::map<std::pair<std::size_t, std::size_t>, Refined> known_;
+};
+
+}  // namespace
+
+SceneChoice choose_scene(const SceneAxes& axes, const Case& c, const WantedTimes& wanted, double duration,
+                         const CpuClock& clock) {
+  check(axes, wanted);
+  return Chooser(axes, c, wanted, duration, clock).choose();
+}
+
+}  // namespace powbench::sim

@@ -1,0 +1,121 @@
+#include <catch2/catch.hpp>
+#include <cmath>
+
+#include "bench/fields/contactor.h"
+#include "sim/fields/field_transient.h"
+#include "sim/fields/table_build.h"
+
+using namespace powbench::sim;
+
+namespace {
+
+MagnetDesign contactor(double residual_gap) {
+  auto d = powbench::bench::reference_contactor();
+  d.turns = 1000;
+  d.residual_gap = residual_gap;
+  return d;
+}
+
+TableOptions rough() {
+  TableOptions o;
+  o.accuracy = 0.05;
+  o.psi_nodes = 16;
+  o.gap_nodes = 12;
+  return o;
+}
+
+}  // namespace
+
+TEST_CASE("a residual gap of 10 um: the closed magnet is a node of the table, and pulls hardest") {
+  const auto design = contactor(10e-6);
+  Team team(2);
+  const TablePotential table(build_table(design, rough(), team));
+  MagnetField field(design, plan_table(design, rough()).field);
+  CHECK(table.table().gap.front() == 0);
+  field.set_gap(0);
+  for (const std::size_t k : {1u, 5u, 10u}) {
+    const double psi = table.table().psi[k];
+    const auto exact = field.at_flux(psi, 0).response;
+    const auto r = table.at({psi, 0, 0});
+    CHECK(r.pull == Approx(exact.pull).epsilon(1e-5));
+    CHECK(r.current == Approx(exact.current).epsilon(1e-5));
+    // the same current holds harder where the gap is gone
+    field.set_gap(30e-6);
+    CHECK(field.at_current(exact.current, 0).response.pull < exact.pull);
+    field.set_gap(0);
+  }
+}
+
+TEST_CASE(
+    "beyond its last flux the table goes on with the inductance of air: the later it ends, the better") {
+  const auto design = contactor(20e-6);
+  Team team(2);
+  const auto worst = [&](double largest_field) {
+    auto o = rough();
+    o.largest_field = largest_field;
+    const TablePotential table(build_table(design, o, team));
+    MagnetField field(design, plan_table(design, o).field);
+    const double last = table.table().psi.back();
+    double error = 0;
+    for (const double gap : {0.0, 1e-3})
+      for (const double factor : {1.1, 1.5, 2.0}) {
+        field.set_gap(gap);
+        const auto exact = field.at_flux(factor * last, 0);
+        REQUIRE(exact.newton.converged);
+        const double current = table.at({factor * last, 0, gap}).current;
+        error = std::fmax(error, std::fabs(current / exact.response.current - 1));
+      }
+    return error;
+  };
+  // at 2.4 T in the centre leg some of the steel still carries more than air would
+  const double early = worst(2.4), late = worst(4);
+  CAPTURE(early, late);
+  CHECK(early < 0.2);
+  CHECK(late < 0.5 * early);
+}
+
+TEST_CASE(
+    "switch-on at 0 deg without resistance: the flux doubles, far beyond the table, and no energy is lost") {
+  const auto design = contactor(20e-6);
+  Team team(2);
+  const TablePotential table(build_table(design, rough(), team));
+  TransientSetup s;
+  constexpr double omega = 314.159265358979, volts = 220;
+  s.voltage = [](double t) { return volts * std::sin(omega * t); };
+  s.resistance = 1e-3;
+  s.moves = false;
+  s.start_gap = 0;
+  s.step = 2e-6;
+  s.duration = 20e-3;
+  const auto r = run_transient(table, s);
+  double psi = 0, current = 0;
+  for (const auto& sample : r.samples) {
+    psi = std::max(psi, sample.psi);
+    current = std::max(current, sample.current);
+  }
+  CHECK(psi == Approx(2 * volts / omega).epsilon(5e-3));
+  CHECK(psi > 1.5 * table.table().psi.back());
+  CHECK(current == Approx(table.at({psi, 0, 0}).current).epsilon(1e-3));
+  // u i dt over the period is all but zero: judged by what went in and out
+  CHECK(std::fabs(r.energy.supplied - r.energy.coil_loss - r.energy.stored) <
+        1e-3 * table.at({psi, 0, 0}).energy);
+  // current through zero on the way back
+  CHECK(std::fabs(r.samples.back().psi) < 1e-3 * psi);
+}
+
+TEST_CASE("steel above the last row of its curve is told, by state and by table") {
+  auto design = contactor(20e-6);
+  design.steel = Steel::table("short", {{0.5, 80}, {1.0, 150}, {1.4, 700}, {1.6, 3000}});
+  MagnetField field(design, plan_table(design, rough()).field);
+  field.set_gap(1e-3);
+  const auto weak = field.at_current(0.05, 0), strong = field.at_current(5, 0);
+  CHECK(weak.largest_field < 1.6);
+  CHECK_FALSE(weak.beyond_data);
+  CHECK(strong.largest_field > 1.6);
+  CHECK(strong.beyond_data);
+  Team team(2);
+  TableReport report;
+  build_table(design, rough(), team, &report);
+  CHECK(report.beyond_data > 0);
+  CHECK(report.beyond_data < report.solutions);
+}

@@ -1,0 +1,148 @@
+// Any fields with any mechanics, and the pair that a wanted accuracy needs.
+
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <limits>
+
+#include "core/units.h"
+#include "sim/fields/table_build.h"
+#include "sim/specimen_potential.h"
+#include "sim/study/scene_choice.h"
+
+using namespace powbench::sim;
+
+namespace {
+
+constexpr double unwanted = std::numeric_limits<double>::quiet_NaN();
+
+double no_clock() {
+  return 0;
+}
+
+Case at(double degrees) {
+  Case c;
+  c.conditions.closing_angle = powbench::radians(degrees);
+  return c;
+}
+
+/// Rungs whose model errors are known: fields f and mechanics m are off by 1e-3 / 10^f and 4e-4 / 10^m s.
+SceneAxes known_axes(std::size_t fields, std::size_t mechanics) {
+  SceneAxes axes;
+  for (std::size_t f = 0; f < fields; ++f) axes.fields.push_back("field" + std::to_string(f));
+  for (std::size_t m = 0; m < mechanics; ++m) axes.mechanics.push_back("mechanics" + std::to_string(m));
+  axes.rung = [axes](std::size_t f, std::size_t m) {
+    return Rung{axes.fields[f], axes.mechanics[m], "known error",
+                [f, m](const Case&, double, double tolerance, double) {
+                  Trajectory t;
+                  t.truth.touch =
+                      0.010 + 1e-3 * std::pow(0.1, f) + 4e-4 * std::pow(0.1, m) + 0.01 * tolerance;
+                  t.truth.core_seat = 0.012;
+                  t.truth.settled = 0.015;
+                  return t;
+                }};
+  };
+  return axes;
+}
+
+}  // namespace
+
+TEST_CASE("a scene climbs along the axis that is furthest off, and stops where it may", "[scene]") {
+  // fields: 9e-4, 9e-5; mechanics: 3.6e-4 s to the next rung
+  const auto loose = choose_scene(known_axes(3, 2), at(0), {0.2, unwanted, unwanted}, 0.08, no_clock);
+  CHECK(loose.met);
+  CHECK(loose.rung.name() == "field0+mechanics0");
+  const auto middle = choose_scene(known_axes(3, 2), at(0), {0.06, unwanted, unwanted}, 0.08, no_clock);
+  CHECK(middle.met);
+  CHECK(middle.rung.name() == "field1+mechanics0");
+  const auto tight = choose_scene(known_axes(3, 2), at(0), {0.01, unwanted, unwanted}, 0.08, no_clock);
+  CHECK(tight.met);
+  CHECK(tight.rung.name() == "field1+mechanics1");
+  REQUIRE(tight.steps.size() == 3);
+  CHECK(tight.steps[1].name == "field1+mechanics0");
+  CHECK(tight.steps[1].mechanics_error[0] == Approx(3.6e-4));
+  CHECK(std::isnan(tight.steps[2].mechanics_error[0]));
+  // what is not wanted does not climb
+  CHECK(choose_scene(known_axes(3, 2), at(0), {unwanted, 1e-6, unwanted}, 0.08, no_clock).rung.name() ==
+        "field0+mechanics0");
+}
+
+TEST_CASE("a single rung is refined by its step alone, and says when that is not enough", "[scene]") {
+  const auto fine = choose_scene(known_axes(1, 1), at(0), {1e-6, unwanted, unwanted}, 0.08, no_clock);
+  CHECK(fine.met);
+  CHECK(fine.setting < 1e-6);
+  SceneAxes fixed = known_axes(1, 1);
+  const auto make = fixed.rung;
+  fixed.rung = [make](std::size_t f, std::size_t m) {
+    Rung r = make(f, m);
+    r.setting = "cell mm";
+    r.settings = {6, 4};
+    return r;
+  };
+  const auto coarse = choose_scene(fixed, at(0), {0.01, unwanted, unwanted}, 0.08, no_clock);
+  CHECK_FALSE(coarse.met);
+  CHECK(coarse.setting == 6);
+  CHECK(coarse.steps.back().setting_name == "cell mm");
+}
+
+TEST_CASE("bad wishes are refused", "[scene]") {
+  CHECK_THROWS_AS(choose_scene(known_axes(1, 1), at(0), {unwanted, unwanted, unwanted}, 0.08, no_clock),
+                  std::invalid_argument);
+  CHECK_THROWS_AS(choose_scene(known_axes(1, 1), at(0), {0.9, unwanted, unwanted}, 0.08, no_clock),
+                  std::invalid_argument);
+  CHECK_THROWS_AS(choose_scene({}, at(0), {0.1, unwanted, unwanted}, 0.08, no_clock), std::invalid_argument);
+  CHECK_THROWS_WITH(scene_rung(circuit_field(), "elastic"), Catch::Contains("plant, rigid, modal, explicit"));
+  const auto table = pure_field("table", "a table", std::make_shared<SpecimenPotential>(Specimen{}));
+  CHECK_THROWS_WITH(scene_rung(table, "plant"), Catch::Contains("take rigid"));
+}
+
+TEST_CASE("the same circuit behind every mechanics: touch and seat agree, bending moves the settled time",
+          "[scene]") {
+  const Case c = at(60);
+  const auto field = pure_field("again", "the circuit", std::make_shared<SpecimenPotential>(c.specimen));
+  const std::vector<Rung> rungs{scene_rung(circuit_field(), "plant"), scene_rung(circuit_field(), "rigid"),
+                                scene_rung(field, "rigid"), scene_rung(circuit_field(), "modal")};
+  const auto plant = run_rung(rungs, 0, c, 0.03, 1e-10, no_clock);
+  CHECK(largest(time_error(run_rung(rungs, 1, c, 0.03, 1e-10, no_clock), plant)) < 1e-8);
+  CHECK(time_error(run_rung(rungs, 2, c, 0.03, 1e-10, no_clock), plant)[1] < 1e-8);
+  const auto modal = time_error(run_rung(rungs, 3, c, 0.03, 0.4, no_clock), plant);
+  CHECK(modal[0] < 1e-6);
+  CHECK(modal[1] < 10e-6);
+  CHECK(modal[2] > 10e-6);
+}
+
+TEST_CASE("plane finite elements solved at every step are the table they would fill", "[scene][.slow]") {
+  Case c = at(60);
+  const MagnetDesign design = magnet_design(c.specimen);
+  TableOptions options;
+  options.accuracy = 0.02;
+  options.largest_gap = 1.5 * c.specimen.core.travel;
+  Team team(2);
+  const auto table =
+      pure_field("table", "table", std::make_shared<TablePotential>(build_table(design, options, team)));
+  const auto live = live_field(design, plan_table(design, options).field);
+  const std::vector<Rung> rungs{scene_rung(table, "rigid"), scene_rung(live, "rigid")};
+  const auto a = run_rung(rungs, 0, c, 0.014, 1e-4, no_clock);
+  const auto b = run_rung(rungs, 1, c, 0.014, 1e-4, no_clock);
+  CHECK(time_error(a, b)[0] < 0.005 * b.times[0]);
+  CHECK(time_error(a, b)[0] > 0);  // the interpolation is there
+}
+
+TEST_CASE("a sum of potentials is a potential: adding and taking the same changes nothing", "[scene]") {
+  const Specimen s;
+  const auto base = std::make_shared<SpecimenPotential>(s);
+  Specimen other;
+  other.coil.leakage = 0.4;
+  const auto extra = std::make_shared<SpecimenPotential>(other);
+  const auto same = corrected_potential(base, extra, extra);
+  const auto shifted = corrected_potential(base, extra, base);
+  for (const double psi : {-0.4, 0.1, 0.8}) {
+    const MagneticState at_state{psi, 1e-5, 1e-3};
+    CHECK(same->at(at_state).pull == Approx(base->at(at_state).pull));
+    CHECK(shifted->at(at_state).current == Approx(extra->at(at_state).current));
+    // current and pull belong to one energy
+    const double h = 1e-6;
+    const double up = shifted->at({psi + h, 1e-5, 1e-3}).energy,
+                 down = shifted->at({psi - h, 1e-5, 1e-3}).energy;
+    CHECK((up - down) / (2 * h) == Approx(shifted->at(at_state).current).epsilon(1e-6));
+  }
+}
