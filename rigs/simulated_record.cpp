@@ -129,7 +129,7 @@ SimulatedClosing simulate_record_with(const ClosingRun& run, const std::string& 
   auto closing = run(specimen, conditions, duration + 0.5 * dt, dt);
 
   std::vector<sim::PlantSample> all(states);
-  const auto mains = sim::closing_mains(conditions);
+  const sim::Mains mains = sim::closing_mains(conditions, rig.supply.mains);
   sim::PlantSample last;
   for (std::size_t i = 0; i < states; ++i) {
     const bool known = i >= rest && i - rest < closing.samples.size();
@@ -137,7 +137,7 @@ SimulatedClosing simulate_record_with(const ClosingRun& run, const std::string& 
     all[i] = last;
     all[i].time = static_cast<double>(i + 1) * dt;
     const double t = all[i].time - static_cast<double>(rest) * dt;
-    all[i].mains_voltage = std::sqrt(2.0) * mains.volts * std::sin(2 * pi * mains.hertz * t + mains.phase);
+    all[i].mains_voltage = mains_voltage(mains, mains_piece(mains, t, 0), t);
     if (!known && i >= rest) all[i].coil_voltage = t < conditions.hold_time ? all[i].mains_voltage : 0;
   }
   SensorChain sensors(without_noise(rig.sensors), rig.sample_rate, conditions.mains_hertz, conditions.seed);

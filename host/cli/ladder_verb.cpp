@@ -1,12 +1,12 @@
 #include <fmt/format.h>
 
 #include <cmath>
-#include <ctime>
 #include <filesystem>
 #include <fstream>
 #include <memory>
 #include <nlohmann/json.hpp>
 
+#include "core/cpu_time.h"
 #include "core/units.h"
 #include "host/cli/percent.h"
 #include "host/cli/picture.h"
@@ -24,12 +24,6 @@ namespace {
 
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
-
-double cpu_seconds() {
-  timespec t{};
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
-  return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
-}
 
 /// 0 for "".
 double share_of(const std::string& word) {
@@ -97,7 +91,7 @@ void print_rows(const std::vector<sim::LadderRow>& rows, const std::vector<sim::
 
 Exit choose(const sim::Case& c, const std::vector<sim::Rung>& rungs, double accuracy, double duration,
             bool json) {
-  const auto choice = sim::choose_rung(rungs, c, accuracy, duration, cpu_seconds);
+  const auto choice = sim::choose_rung(rungs, c, accuracy, duration, thread_cpu_seconds);
   const auto& rung = rungs[choice.run.rung];
   if (json) {
     Json tried = Json::array();
@@ -171,7 +165,7 @@ Exit show_ladder(const LadderArgs& args) {
   const sim::LadderOptions options;
   if (const double accuracy = share_of(args.accuracy); accuracy > 0)
     return choose(c, rungs, accuracy, options.duration, args.json);
-  const auto ladder = sim::run_ladder(rungs, c, options, cpu_seconds);
+  const auto ladder = sim::run_ladder(rungs, c, options, thread_cpu_seconds);
   sim::BounceStudyOptions believed;
   believed.end = options.duration;
   const auto bounces = bounces_of(rungs, c, believed);

@@ -1,10 +1,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <ctime>
 #include <nlohmann/json.hpp>
 #include <thread>
 
+#include "core/cpu_time.h"
 #include "host/cli/percent.h"
 #include "host/cli/scene.h"
 #include "host/cli/verbs.h"
@@ -16,12 +16,6 @@ namespace powbench::host {
 namespace {
 
 using Json = nlohmann::ordered_json;
-
-double cpu_seconds() {
-  timespec t{};
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
-  return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
-}
 
 /// What is asked of the simulation; nothing: the plant of the simulated rig.
 struct Wish {
@@ -43,18 +37,18 @@ Wish wish_of(const SimArgs& args, const Plan& plan) {
 }
 
 /// Fields and mechanics that the wish leaves open, cheap ones first.
-sim::SceneAxes axes_of(const Wish& wish, const sim::Specimen& specimen, const FieldCache& cache) {
+sim::SceneAxes axes_of(const Wish& wish, const sim::Case& first, const FieldCache& cache) {
   sim::SceneAxes axes;
   if (wish.fields == "auto")
     axes.fields = {"circuit", "table", "field3d"};
   else
     axes.fields = {wish.fields.empty() ? "circuit" : wish.fields};
-  if (wish.mechanics == "auto" || (wish.mechanics.empty() && wish.accuracy))
-    axes.mechanics = {"rigid", "modal"};
-  else
-    axes.mechanics = {wish.mechanics.empty() ? "rigid" : wish.mechanics};
+  const bool open = wish.mechanics == "auto" || (wish.mechanics.empty() && wish.accuracy);
+  axes.mechanics = {(wish.mechanics.empty() || open) ? "rigid" : wish.mechanics};
+  if (open && sim::unknown_to("modal", first).empty()) axes.mechanics.emplace_back("modal");
   const bool named = axes.mechanics.size() == 1 && !wish.mechanics.empty();
-  axes.rung = [=, fields = axes.fields, mechanics = axes.mechanics](std::size_t f, std::size_t m) {
+  axes.rung = [=, specimen = first.specimen, fields = axes.fields, mechanics = axes.mechanics](
+                  std::size_t f, std::size_t m) {
     // plant and rigid are the same equations on the circuit, and the plant is cheaper
     const bool plant = fields[f] == "circuit" && mechanics[m] == "rigid" && !named;
     return sim::scene_rung(obtain_field(fields[f], specimen, cache), plant ? "plant" : mechanics[m]);
@@ -123,7 +117,7 @@ std::int64_t campaign_for(Store& store, const Scene& scene, const std::string& i
   return store.create_campaign(campaign_info(scene, "", identity));
 }
 
-/// Today's simulation: the plant of the simulated rig, beside the measurement of this plan if there is one.
+/// Of the plant of the simulated rig, beside the measurement of this plan if there is one.
 std::int64_t plain_campaign(Store& store, const Scene& scene) {
   std::optional<std::int64_t> campaign;
   for (const CampaignInfo& c : store.campaigns())
@@ -135,17 +129,18 @@ RecordMaker maker_of(const sim::SceneChoice& choice, const std::string& name) {
   return [choice, name](const sim::Specimen& s, const Conditions& c, const rigs::SimRigConfig& rig) {
     const auto run = [&](const sim::Specimen& specimen, const Conditions& conditions, double duration,
                          double dt) {
-      return choice.rung.run({specimen, conditions}, duration, choice.setting, dt);
+      return choice.rung.run({specimen, conditions, rig.supply}, duration, choice.setting, dt);
     };
     return rigs::simulate_record_with(run, name, s, c, rig);
   };
 }
 
-sim::SceneChoice choose(const Wish& wish, const Scene& scene, const FieldCache& cache) {
+sim::SceneChoice choose(const Wish& wish, const Scene& scene, const sim::Supply& bench,
+                        const FieldCache& cache) {
   constexpr double duration = 0.06;  // s: what is judged
-  const sim::Case first{scene.specimen, scene.shots.front().conditions};
+  const sim::Case first{scene.specimen, scene.shots.front().conditions, bench};
   try {
-    return sim::choose_scene(axes_of(wish, scene.specimen, cache), first, wish.wanted, duration, cpu_seconds);
+    return sim::choose_scene(axes_of(wish, first, cache), first, wish.wanted, duration, thread_cpu_seconds);
   } catch (const std::invalid_argument& e) {
     throw BadInput({std::string("sim: ") + e.what()});
   }
@@ -166,7 +161,7 @@ Exit simulate_plan(const SimArgs& args) {
     FieldCache cache;
     cache.folder = args.cache;
     cache.say = [](const std::string& text) { fmt::print(stderr, "{}\n", text); };
-    choice = choose(wish, scene, cache);
+    choice = choose(wish, scene, sensors.supply, cache);
     print_choice(*choice, wish);
     identity =
         fmt::format("simulation by {}, {} {:g}", choice->rung.name(), choice->rung.setting, choice->setting);

@@ -38,7 +38,7 @@ std::vector<BounceRow> bounces_of(std::span<const sim::Rung> rungs, const sim::C
   for (const auto& rung : rungs) {
     if (rung.costly || !rung.settings.empty()) continue;
     const auto run = [&](double tolerance, const sim::Factor& factor) {
-      const sim::Case changed{sim::varied(c.specimen, factor), c.conditions};
+      const sim::Case changed{sim::varied(c.specimen, factor), c.conditions, c.bench};
       return sim::contact_events(rung.run(changed, options.end, tolerance, 0).events);
     };
     rows.push_back({rung.name(), sim::study_bounces(run, options)});

@@ -72,9 +72,7 @@ class ModalRun {
   }
 
  private:
-  double voltage(double t) const {
-    return std::sqrt(2.0) * mains_.volts * std::sin(2 * pi * mains_.hertz * t + mains_.phase);
-  }
+  double voltage(double t) const { return mains_voltage(mains_, MainsPiece{}, t); }
   double gap() const {
     const double g = body_.separation(u_.data());
     return options_.pressed_gap ? g : std::max(0.0, g);

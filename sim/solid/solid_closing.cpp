@@ -116,8 +116,7 @@ class Closing {
   void couple(double dt) {
     const double gap =
         std::max(0.0, specimen_.core.travel - height(contactor_.mover) + height(contactor_.base));
-    const double voltage = std::sqrt(2.0) * mains_.volts *
-                           std::sin(2 * pi * mains_.hertz * (solid_.time() - 0.5 * dt) + mains_.phase);
+    const double voltage = mains_voltage(mains_, MainsPiece{}, solid_.time() - 0.5 * dt);
     const auto at = [&](double share, const MagneticResponse& r) {
       const double ring = field_.has_ring() ? specimen_.magnet.ring_resistance * r.ring_current : 0;
       return field_.at({psi_ + share * dt * (voltage - resistance_ * r.current), ring_ - share * dt * ring,

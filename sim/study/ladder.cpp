@@ -69,11 +69,11 @@ std::vector<double> settings_of(const Rung& rung, double coarsest, double finest
 std::vector<Rung> closing_rungs() {
   return {{"circuit", "plant", "lumped circuit, core, base and bridges of the simulated rig",
            [](const Case& c, double duration, double tolerance, double sample_dt) {
-             return simulate(c.specimen, c.conditions, duration, sample_dt, tolerance);
+             return simulate(c.specimen, c.conditions, duration, sample_dt, tolerance, c.bench);
            }},
           {"circuit", "rigid", "lumped circuit, rigid parts with two ends each",
            [](const Case& c, double duration, double tolerance, double sample_dt) {
-             return simulate_rigid(c.specimen, c.conditions, duration, sample_dt, tolerance, false);
+             return simulate_rigid(c.specimen, c.conditions, duration, sample_dt, tolerance, false, c.bench);
            }}};
 }
 
@@ -82,7 +82,7 @@ Rung potential_rung(std::string fields, std::string meaning,
   return {std::move(fields), "rigid", std::move(meaning),
           [potential](const Case& c, double duration, double tolerance, double sample_dt) {
             return simulate_rigid_with(*potential, c.specimen, c.conditions, duration, sample_dt, tolerance,
-                                       false);
+                                       false, c.bench);
           }};
 }
 

@@ -14,7 +14,7 @@ const MetricInfo* find_metric(std::string_view name) {
 
 ClosingMetrics closing_metrics(const Case& c, const MetricOptions& options) {
   const Trajectory run =
-      simulate(c.specimen, c.conditions, options.duration, options.sample_dt, options.tolerance);
+      simulate(c.specimen, c.conditions, options.duration, options.sample_dt, options.tolerance, c.bench);
   const ClosingTruth& t = run.truth;
   ClosingMetrics m;
   if (!t.touch || !t.core_seat || t.calm == 0) return m;

@@ -8,6 +8,7 @@
 
 #include "core/units.h"
 #include "sim/mechanics/rigid_closing.h"
+#include "sim/remanence.h"
 #include "sim/solid/modal_closing.h"
 #include "sim/solid/solid_closing.h"
 #include "sim/specimen_potential.h"
@@ -56,6 +57,10 @@ class CorrectedPotential final : public MagneticPotential {
   Part base_, plus_, minus_;
 };
 
+void refuse_unknown(std::string_view mechanics, const Case& c) {
+  if (const std::string what = unknown_to(mechanics, c); !what.empty()) throw std::invalid_argument(what);
+}
+
 /// State at a time between the samples of a closing with deforming parts.
 PlantSample between(const std::vector<SolidClosingSample>& list, double t, std::size_t& at) {
   while (at + 2 < list.size() && list[at + 1].time < t) ++at;
@@ -87,9 +92,7 @@ Trajectory trajectory(const SolidClosingResult& r, const Case& c, double duratio
   for (std::size_t k = 1;
        sample_dt > 0 && static_cast<double>(k) * sample_dt <= duration && !r.samples.empty(); ++k) {
     PlantSample s = between(r.samples, static_cast<double>(k) * sample_dt, at);
-    const auto& q = c.conditions;
-    s.mains_voltage = s.coil_voltage =
-        std::sqrt(2.0) * q.supply_volts * std::sin(2 * pi * q.mains_hertz * s.time + closing_mains(q).phase);
+    s.mains_voltage = s.coil_voltage = mains_voltage(closing_mains(c.conditions), MainsPiece{}, s.time);
     t.truth.peak_current = std::max(t.truth.peak_current, std::fabs(s.coil_current));
     t.samples.push_back(s);
   }
@@ -123,6 +126,7 @@ class KnownParts {
 
 Trajectory run_modal(const FieldRung& field, KnownParts& parts, const Case& c, double duration, double step,
                      double sample_dt) {
+  refuse_unknown("modal", c);
   ModalClosingOptions o;
   o.step = step;
   o.duration = duration;
@@ -133,15 +137,12 @@ Trajectory run_modal(const FieldRung& field, KnownParts& parts, const Case& c, d
 
 Trajectory run_explicit(const FieldRung& field, const Case& c, double duration, double cell_mm,
                         double sample_dt) {
+  refuse_unknown("explicit", c);
   SolidClosingOptions o;
   o.cell = cell_mm * 1e-3;
   o.end = std::min(duration, explicit_duration);
   o.solid.energy_bound = 0.5;  // the residual is handed on with the result
-  Conditions conditions = c.conditions;
-  conditions.closing_angle = closing_mains(c.conditions).phase;
-  Specimen warm = c.specimen;
-  warm.coil.resistance *= 1 + warm.coil.temperature_coefficient * (c.conditions.ambient - 293.15);
-  return trajectory(solid_closing(warm, conditions, *field.potential(c), o), c, duration, sample_dt);
+  return trajectory(solid_closing(c.specimen, c.conditions, *field.potential(c), o), c, duration, sample_dt);
 }
 
 }  // namespace
@@ -177,6 +178,22 @@ std::shared_ptr<const MagneticPotential> corrected_potential(std::shared_ptr<con
   return std::make_shared<CorrectedPotential>(std::move(base), std::move(plus), std::move(minus));
 }
 
+std::string unknown_to(std::string_view mechanics, const Case& c) {
+  if (mechanics != "modal" && mechanics != "explicit") return "";
+  const std::string rung = "the rung " + std::string(mechanics);
+  const std::string instead = "; take plant or rigid";
+  if (!plain(c.bench.mains) || c.bench.coil_switch.kind != CoilSwitch::Kind::ideal)
+    return "supply, switch: " + rung + " knows a plain source and an ideal switch only" + instead;
+  if (remanence(c.specimen).present())
+    return "magnet.coercive_field_A_per_m: allowed 0 on " + rung + ", which has no remanence" + instead;
+  if (c.specimen.base.core_mass > 0)
+    return "base.core_mass_g: allowed 0 on " + rung + ", whose static core is part of the base" + instead;
+  if (mechanics == "explicit" && c.conditions.hold_time < explicit_duration)
+    return "hold_time: allowed from " + std::to_string(explicit_duration * 1e3) + " ms on, " + rung +
+           " does not switch off" + instead;
+  return "";
+}
+
 Rung scene_rung(const FieldRung& field, std::string_view mechanics) {
   if (mechanics == "plant") {
     if (field.name != "circuit")
@@ -189,7 +206,7 @@ Rung scene_rung(const FieldRung& field, std::string_view mechanics) {
     Rung r{field.name, "rigid", field.meaning + ", rigid parts",
            [field](const Case& c, double duration, double tolerance, double sample_dt) {
              return simulate_rigid_with(*field.potential(c), c.specimen, c.conditions, duration, sample_dt,
-                                        tolerance, false);
+                                        tolerance, false, c.bench);
            }};
     r.costly = field.costly;
     if (field.costly) r.settings = {1e-3, 1e-4, 1e-5};

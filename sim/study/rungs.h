@@ -47,6 +47,10 @@ inline constexpr std::array<std::string_view, 4> mechanics_names{"plant", "rigid
 /// How far `explicit` goes: its times beyond the bounces are not to be believed, and every ms costs a second.
 inline constexpr double explicit_duration = 0.03;  // s
 
+/// What of a case these mechanics do not model, in one sentence; empty: nothing. Their rungs throw it as
+/// std::invalid_argument.
+std::string unknown_to(std::string_view mechanics, const Case&);
+
 /// The pair as a rung. Settings: `plant` and `rigid` take tolerances, `modal` the share of its critical step, `explicit` the
 /// edge of its cells in mm. Throws std::invalid_argument for an unknown name, and for `plant` with other fields than
 /// `circuit`: the plant has its circuit built in.

@@ -21,6 +21,13 @@ MainsPiece mains_piece(const Mains& m, double t, double origin) {
   return piece;
 }
 
+bool plain(const Mains& m) {
+  return m.resistance == 0 && m.inductance == 0 &&
+         std::all_of(m.harmonics.begin(), m.harmonics.end(),
+                     [](const Harmonic& h) { return h.share == 0; }) &&
+         std::none_of(m.dips.begin(), m.dips.end(), [](const Dip& d) { return d.duration > 0; });
+}
+
 void require_valid(const Mains& m) {
   constexpr double turn = 6.3;  // rad, a little more than one
   require_range("mains volts", m.volts, 0, 1e6, "V");

@@ -61,6 +61,9 @@ Real mains_voltage(const Mains& m, const MainsPiece& piece, Real t) {
   return std::sqrt(Real(2)) * static_cast<Real>(m.volts * piece.share) * wave;
 }
 
+/// A sine without source impedance, harmonics and dips.
+bool plain(const Mains&);
+
 /// Throws std::invalid_argument naming what is out of range.
 void require_valid(const Mains&);
 

@@ -130,6 +130,16 @@ TEST_CASE("another rung of the simulator goes through the same sensors into the 
     CAPTURE(channel.channel);
     CHECK(far < 20);
   }
+  // the mains beside the closing are the bench's, harmonics and all
+  SimRigConfig polluted;
+  polluted.supply.mains.harmonics[0].share = 0.2;
+  const auto wave = simulate_record({}, c, polluted);
+  const auto same = simulate_record_with(plant, "x", {}, c, polluted);
+  const auto& mains = *wave.record.find(Channel::mains_voltage);
+  int apart = 0;
+  for (std::size_t n = 0; n < mains.raw.size(); ++n)
+    apart += std::abs(mains.raw[n] - same.record.find(Channel::mains_voltage)->raw[n]) > 2;
+  CHECK(apart == 0);
   // a rung that stops early holds its last state
   const auto early = [](const sim::Specimen& s, const Conditions& q, double, double dt) {
     return sim::simulate(s, q, 0.03, dt);
