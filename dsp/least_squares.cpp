@@ -6,6 +6,8 @@
 #include <limits>
 #include <utility>
 
+#include "dsp/gram_eigen.h"
+
 namespace powbench::dsp {
 
 namespace {
@@ -80,8 +82,8 @@ LeastSquares levenberg_marquardt(const Residuals& f, std::size_t rows, std::span
   LeastSquares out;
   for (; out.iterations < max_iterations && !out.converged; ++out.iterations) {
     differentiate();
-    normal.noalias() = J.transpose() * J;
-    const Vector gradient = J.transpose() * r;
+    normal = cross(J, J);
+    const Vector gradient = cross(J, r);
     bool accepted = false;
     for (int tries = 0; tries < 12 && !accepted; ++tries) {
       Matrix damped = normal;
@@ -108,7 +110,7 @@ LeastSquares levenberg_marquardt(const Residuals& f, std::size_t rows, std::span
     if (!accepted) out.converged = true;  // no descent left along any damped direction
   }
   differentiate();
-  normal.noalias() = J.transpose() * J;
+  normal = cross(J, J);
   out.covariance = inverse_of(normal);
   out.x.assign(x.data(), x.data() + n);
   out.chi2 = cost;
@@ -128,7 +130,7 @@ LeastSquares linear_least_squares(std::span<const std::vector<double>> columns, 
   out.x.assign(c.data(), c.data() + n);
   out.chi2 = (b - A * c).squaredNorm();
   if (out.converged) {
-    out.covariance = inverse_of(A.transpose() * A);
+    out.covariance = inverse_of(cross(A, A));
   } else {
     out.covariance.assign(static_cast<std::size_t>(n * n), std::numeric_limits<double>::infinity());
   }
