@@ -76,7 +76,9 @@ namespace {
   X(shape, ring_depth, "ring_depth_mm", 1e-3, 0.2, 100, "depth of the ring's slot below the pole face")      \
   X(shape, ring_slot, "ring_slot_mm", 1e-3, 0.2, 20, "width of the ring's slot")                             \
   X(shape, centre_gap, "centre_gap_mm", 1e-3, 0, 2,                                                          \
-    "by which the fixed centre leg is shorter than the outer legs")
+    "by which the fixed centre leg is shorter than the outer legs")                                          \
+  X(shape, legs, "legs", 1, 2, 3, "3: E-core, 2: U-core with the coil on the centre leg")                    \
+  X(shape, closed_leg, "closed_leg", 1, 0, 1, "1: of two legs the outer one has no gap, a C-core")
 
 constexpr std::array table{
 #define POWBENCH_X(part, member, key, unit, low, high, meaning)                                         \

@@ -51,7 +51,7 @@ std::vector<fs::path> pictures(const fs::path& folder, const sim::MagnetDesign& 
   for (const auto& [name, gap] : {std::pair{"open", travel}, {"half", travel / 2}, {"closed", 0.0}}) {
     field.set_gap(gap);
     const auto point = field.at_flux(psi, 0, {}, true);
-    const std::string title = fmt::format("{}: gap {:.2f} mm, {:.2f} Wb, {:.3g} A, pull {:.3g} N", name,
+    const std::string title = fmt::format("{}: gap {:.2f} mm, {:.3g} Wb, {:.3g} A, pull {:.3g} N", name,
                                           gap * 1e3, psi, point.response.current, point.response.pull);
     files.push_back(folder / fmt::format("field-{}.svg", name));
     write(files.back(), field_svg(field, point, title));
@@ -75,6 +75,14 @@ std::string content_of(const std::string& path) {
   return text.str();
 }
 
+std::string extrapolated_text(const sim::PotentialTable& t, const sim::ExtrapolatedShare& e) {
+  if (t.steel_field.empty()) return "what share is extrapolated is not known";
+  if (e.share == 0) return fmt::format("no state is above the B-H data, which end at {:.3g} T", t.data_end);
+  return fmt::format(
+      "somewhere above the B-H data, which end at {:.3g} T, in {:.3g} % of the states, from {:.3g} Wb on",
+      t.data_end, e.share * 100, e.from_psi);
+}
+
 /// One state on a mesh drawn elsewhere.
 Exit show_mesh(const FieldArgs& args, const sim::MagnetDesign& design) {
   if (!(std::fabs(args.current) <= 1e4))
@@ -93,6 +101,7 @@ Exit show_mesh(const FieldArgs& args, const sim::MagnetDesign& design) {
   fs::create_directories(args.folder);
   write(file, to_vtu(field_grid(problem, a)));
   const double energy = newton.energy(), largest = problem.largest_field(a.data());
+  const double beyond = problem.share_beyond_data(a.data());
   // towards positive y
   const double force = drawn.armature.empty() ? 0 : problem.stress_force(a.data(), drawn.armature);
   if (args.json) {
@@ -102,7 +111,8 @@ Exit show_mesh(const FieldArgs& args, const sim::MagnetDesign& design) {
                                {"current_A", args.current},
                                {"psi_Wb", psi},
                                {"energy_J", energy},
-                               {"largest_field_T", largest}};
+                               {"largest_field_T", largest},
+                               {"steel_beyond_data", beyond}};
     if (!drawn.armature.empty()) out["force_y_N"] = force;
     out["picture"] = file.string();
     fmt::print("{}\n", out.dump(2));
@@ -110,6 +120,7 @@ Exit show_mesh(const FieldArgs& args, const sim::MagnetDesign& design) {
     fmt::print("{}: {} unknowns, {} iterations{}\n  {:.6g} A: {:.6g} Wb, {:.6g} J, steel up to {:.3g} T\n",
                args.mesh_file, problem.size(), report.iterations, report.converged ? "" : ", NOT CONVERGED",
                args.current, psi, energy, largest);
+    fmt::print("  {:.3g} % of the steel is above its B-H data\n", beyond * 100);
     if (!drawn.armature.empty()) fmt::print("  force on the armature along y: {:.6g} N\n", force);
     fmt::print("{}\n", file.string());
   }
@@ -138,6 +149,7 @@ Exit show_field(const FieldArgs& args) {
     return *std::max_element(list.begin(), list.end());
   };
   const double current_error = worst(choice.table.current_error), pull_error = worst(choice.table.pull_error);
+  const auto beyond = sim::extrapolated_share(choice.table);
   auto files = pictures(folder, design, options, specimen.core.travel);
   files.push_back(folder / "field-table.svg");
   write(files.back(), table_svg(table, specimen.name + ": " + choice.table.description));
@@ -150,6 +162,10 @@ Exit show_field(const FieldArgs& args) {
                                               {"mesh_error", choice.table.mesh_error},
                                               {"worst_current_error", current_error},
                                               {"worst_pull_error", pull_error},
+                                              {"largest_field_T", beyond.largest_field},
+                                              {"data_end_T", choice.table.data_end},
+                                              {"states_beyond_data", beyond.share},
+                                              {"beyond_data_from_Wb", beyond.from_psi},
                                               {"least_stiffness_A_per_Wb", table.least_stiffness()},
                                               {"pictures", list}}
                            .dump(2));
@@ -159,6 +175,7 @@ Exit show_field(const FieldArgs& args) {
       "{} ({})\n  {}\n  expected error: mesh {:.2g} %, table {:.2g} % in the current, {:.2g} % in the pull\n",
       choice.file.string(), choice.reused ? "as stored" : "built", choice.table.description,
       choice.table.mesh_error * 100, current_error * 100, pull_error * 100);
+  fmt::print("  steel up to {:.3g} T; {}\n", beyond.largest_field, extrapolated_text(choice.table, beyond));
   for (const auto& f : files) fmt::print("{}\n", f.string());
   return Exit::pass;
 }

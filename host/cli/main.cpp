@@ -223,8 +223,10 @@ void add_study_verbs(CLI::App& app) {
   auto field_args = std::make_shared<FieldArgs>();
   CLI::App* field = verb(app, "field", "The magnet's potential by finite elements: table and pictures",
                          field_args, show_field);
-  field->add_option("specimen", field_args->specimen_file,
-                    "specimen file (TOML); the reference contactor if left out");
+  field->add_option(
+      "specimen", field_args->specimen_file,
+      "specimen file (TOML); the reference contactor if left out. Its [shape] is an E-core, with legs = 2 "
+      "a U-core, with closed_leg = 1 too a C-core");
   field->add_option("-o,--output", field_args->folder, "folder for table and pictures; made if missing")
       ->capture_default_str();
   field->add_option("--accuracy", field_args->accuracy, "relative error of current and pull")

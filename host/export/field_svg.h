@@ -13,8 +13,8 @@ namespace powbench::host {
 /// the one last set on the field. The picture shows the core and a margin around it.
 std::string field_svg(const sim::MagnetField&, const sim::FieldPoint&, const std::string& title);
 
-/// Coil current and pull over flux linkage and gap, two surfaces side by side. With a ring, its flux grows in step with the
-/// coil's.
+/// Energy, coil current and pull over flux linkage and gap, three surfaces side by side. With a ring, its flux grows in step
+/// with the coil's.
 std::string table_svg(const sim::TablePotential&, const std::string& title);
 
 }  // namespace powbench::host

@@ -14,7 +14,7 @@
 namespace powbench::host {
 namespace {
 
-constexpr std::string_view magic = "powbench field table 1";
+constexpr std::string_view magic = "powbench field table 2";
 constexpr std::size_t checksum_size = 4;
 
 std::uint32_t checksum(std::string_view bytes) {
@@ -42,6 +42,7 @@ constexpr Column columns[] = {
     {"air", "A/Wb_and_A/Wb/m", &sim::PotentialTable::air},
     {"current_error", "1", &sim::PotentialTable::current_error},
     {"pull_error", "1", &sim::PotentialTable::pull_error},
+    {"steel_field", "T", &sim::PotentialTable::steel_field},
 };
 
 static_assert(std::endian::native == std::endian::little, "the numbers are stored as they lie in memory");
@@ -53,7 +54,8 @@ std::string field_table_bytes(const sim::PotentialTable& t) {
   out.precision(17);
   out << magic << '\n'
       << "hash " << hash_text(t.design_hash) << '\n'
-      << "mesh_error " << t.mesh_error << '\n';
+      << "mesh_error " << t.mesh_error << '\n'
+      << "data_end " << t.data_end << '\n';
   for (const auto& c : columns) out << c.key << ' ' << (t.*c.values).size() << ' ' << c.unit << '\n';
   out << "description " << t.description << '\n';
   std::string bytes = out.str();
@@ -85,7 +87,7 @@ sim::PotentialTable parse_field_table(std::string_view bytes, const std::string&
   std::istringstream header{std::string(content.substr(magic.size() + 1, data - magic.size()))};
   sim::PotentialTable t;
   std::string key, unit, hash;
-  header >> key >> hash >> key >> t.mesh_error;
+  header >> key >> hash >> key >> t.mesh_error >> key >> t.data_end;
   t.design_hash = std::strtoull(hash.c_str(), nullptr, 16);
   std::size_t at = data + 1;
   for (const auto& c : columns) {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <stdexcept>
 
 #include "sim/field3d/grid3.h"
 #include "sim/field3d/winding3.h"
@@ -25,6 +26,7 @@ struct Outline : CoreOutline {
   int region(const Vec3& p) const {
     const auto [x, y, z] = p;
     if (z > 0 && z < face) return CoreRegion3::strip;
+    if (x < 0) return -x < x1 ? region({-x, y, z}) : CoreRegion3::air;  // of two legs
     if (x > x3 || y > y1 || z < yoke_bottom || z > yoke_top) return CoreRegion3::air;
     if (z > face) return x > x1 && x < x2 && z < window_top ? CoreRegion3::air : CoreRegion3::iron;
     if (ring && z > ring_bottom && x > slot_left && x < slot_right) return CoreRegion3::air;
@@ -70,13 +72,17 @@ std::vector<double> with_air(const std::vector<GridMark>& core, bool below, doub
 }
 
 std::vector<double> x_lines(const Outline& o, const CoreMeshSizes3& s) {
-  std::vector<GridMark> marks{{0, s.largest},          {o.x1, s.corner}, {o.coil_left, s.other},
-                              {o.coil_right, s.other}, {o.x2, s.corner}, {o.x3, s.corner}};
+  std::vector<GridMark> marks{
+      {o.x1, s.corner}, {o.coil_left, s.other}, {o.coil_right, s.other}, {o.x2, s.corner}, {o.x3, s.corner}};
+  if (o.half)
+    marks.push_back({0, s.largest});
+  else
+    marks.insert(marks.end(), {{-o.x1, s.corner}, {-o.coil_left, s.other}, {-o.coil_right, s.other}});
   if (o.ring)
     for (const auto& m :
          {GridMark{o.ring_left, s.other}, GridMark{o.slot_left, s.corner}, GridMark{o.slot_right, s.corner}})
       marks.push_back(m);
-  return with_air(merged(marks), false, 4 * o.x3, s);
+  return with_air(merged(marks), !o.half, 4 * o.x3, s);
 }
 
 std::vector<double> y_lines(const Outline& o, const CoreMeshSizes3& s) {
@@ -115,6 +121,8 @@ CoreMeshSizes3 CoreMeshSizes3::scaled(double factor) const {
 
 Problem3 core_problem3(const MagnetDesign& design, const CoreMeshSizes3& sizes, double gap) {
   check_shape(design.shape);
+  if (design.shape.closed_leg != 0)
+    throw std::invalid_argument("shape.closed_leg = 1, allowed 0 in three dimensions");
   const Outline o(design.shape, gap);
   Problem3 p;
   p.mesh = grid_mesh(x_lines(o, sizes), y_lines(o, sizes), z_lines(o, sizes), Cell::hex20,
@@ -128,7 +136,7 @@ Problem3 core_problem3(const MagnetDesign& design, const CoreMeshSizes3& sizes, 
       return {0, 0,
               o.inside_ring(at[0], at[1]) / o.ring_bottom};  // downwards: the outer legs carry the flux back
     });
-  p.copies = 4;
+  p.copies = o.half ? 4 : 2;
   if (!sizes.ends) p.series = {design.end_leakage};
   return p;
 }

@@ -5,8 +5,8 @@
 #include "sim/field3d/problem3.h"
 #include "sim/fields/magnet_field.h"
 
-/// The core of a `MagnetShape` in three dimensions: a quarter (x >= 0, y >= 0) of the core with its stack (y), the coil
-/// with its heads and the shading rings with theirs, in air. z is the direction of motion; z = 0 is the fixed pole face.
+/// The core of a `MagnetShape` in three dimensions: of three legs a quarter (x >= 0, y >= 0), of two the half y >= 0, with
+/// the stack along y, the coil with its heads and the shading rings with theirs, in air. z is the direction of motion; z = 0 is the fixed pole face.
 
 namespace powbench::sim {
 
@@ -29,7 +29,7 @@ struct CoreMeshSizes3 {
 
 /// Windings: the coil with its turns; then, if the shape has them, both rings in series with one turn each. Positive
 /// currents drive flux the same way round the windows. The strip has the height `gap`, m, > 0. Throws
-/// std::invalid_argument by `check_shape`.
+/// std::invalid_argument by `check_shape`, and for a closed leg, which only the plane has.
 Problem3 core_problem3(const MagnetDesign&, const CoreMeshSizes3&, double gap);
 
 /// How far each node moves with the moving half: 0 up to the fixed pole face, 1 above the moving one. Weight of the pull.

@@ -28,11 +28,12 @@ CircuitPotential::CircuitPotential(const MagnetShape& s, const Steel& steel, dou
   const bool ring = s.ring_share > 0;
   const double tip = ring ? s.ring_depth : 0;
 
-  // iron: both outer legs, both halves of each yoke as one path
+  // iron: the outer legs, likewise the parts of each yoke, as one path; half of the flux comes from half of the centre leg
+  const int sides = s.outer_legs();
   const double centre = s.centre_width * s.stack;
-  const double outer = 2 * s.outer_width * s.stack;
-  const double yoke = 2 * s.yoke * s.stack;
-  const double across = s.window_width + 0.25 * s.centre_width + 0.5 * s.outer_width;
+  const double outer = sides * s.outer_width * s.stack;
+  const double yoke = sides * s.yoke * s.stack;
+  const double across = s.window_width + 0.5 * s.centre_width / sides + 0.5 * s.outer_width;
   path_ = {{s.fixed_window + 0.5 * s.yoke, centre},
            {across, yoke},
            {s.fixed_window + 0.5 * s.yoke - tip, outer},
@@ -44,19 +45,22 @@ CircuitPotential::CircuitPotential(const MagnetShape& s, const Steel& steel, dou
 
   // gaps; the slot of the ring takes its width from the pole face, in equal parts from both sides
   const double slot = ring ? s.ring_slot : 0;
-  const double face = 2 * (s.outer_width - slot) * s.stack;
+  const bool closed = s.closed_leg != 0;
+  const double face = closed ? 0 : sides * (s.outer_width - slot) * s.stack;
   const double share = ring ? s.ring_share : 0;
   const double flank = 0.5 * s.window_width;
   const double outside = 0.5 * (s.outer_width + s.yoke);
-  centre_ = {centre, s.centre_gap, {{2 * s.stack, flank}}};
+  centre_ = {centre, s.centre_gap, {{sides * s.stack, flank}}};
+  if (sides == 1) centre_.edges.push_back({s.stack, 0.5 * (s.centre_width + s.yoke)});
   shaded_ = {share * face, 0, {}};
-  bare_ = {(1 - share) * face, 0, {{2 * s.stack, outside}}};
-  (ring ? shaded_ : bare_).edges.push_back({2 * s.stack, flank});
+  bare_ = {(1 - share) * face, 0, {{sides * s.stack, outside}}};
+  (ring ? shaded_ : bare_).edges.push_back({sides * s.stack, flank});
   if (options.stack_ends) {
     centre_.edges.push_back({2 * s.centre_width, 0.5 * s.centre_width});
-    bare_.edges.push_back({4 * (1 - share) * s.outer_width, 0.5 * s.outer_width});
-    if (ring) shaded_.edges.push_back({4 * share * s.outer_width, 0.5 * s.outer_width});
+    bare_.edges.push_back({2 * sides * (1 - share) * s.outer_width, 0.5 * s.outer_width});
+    if (ring) shaded_.edges.push_back({2 * sides * share * s.outer_width, 0.5 * s.outer_width});
   }
+  if (closed) column_ = {{1, outer}};
   if (ring) {
     shaded_tips_ = {{tip, std::max(shaded_.area, 1e-3 * outer)}};
     bare_tips_ = {{tip, bare_.area}};
@@ -65,7 +69,7 @@ CircuitPotential::CircuitPotential(const MagnetShape& s, const Steel& steel, dou
   // leakage across the windows of the fixed half: a third of the winding's height counts, all of what is above it
   const double above = s.fixed_window - s.coil_offset - s.coil_height;
   const double depth = s.stack + (options.stack_ends ? s.window_width : 0);
-  const double permeance = vacuum * 2 * depth * (s.coil_height / 3 + above) / s.window_width;
+  const double permeance = vacuum * sides * depth * (s.coil_height / 3 + above) / s.window_width;
   leakage_ = turns * turns * permeance + end_leakage;
 }
 
@@ -82,7 +86,19 @@ CircuitPotential::Derivatives CircuitPotential::iron(const std::vector<Section>&
   return d;
 }
 
+/// All iron that carries phi.
+CircuitPotential::Derivatives CircuitPotential::path(double flux, double gap) const {
+  Derivatives d = iron(path_, flux);
+  const Derivatives column = iron(column_, flux);
+  const double length = gap + residual_gap_;
+  d.energy += length * column.energy;
+  d.first += length * column.first;
+  d.second += length * column.second;
+  return d;
+}
+
 CircuitPotential::Reluctance CircuitPotential::reluctance(const Face& face, double gap) const {
+  if (face.area == 0) return {};
   const double g = gap + residual_gap_ + face.extra;
   double p = face.area / g;
   double p1 = -face.area / (g * g);
@@ -109,7 +125,7 @@ double CircuitPotential::core_flux(double psi, double ring, double gap) const {
   double high = HUGE_VAL;
   double phi = psi / turns_;
   for (int k = 0; k < 100; ++k) {
-    const Derivatives path = iron(path_, phi);
+    const Derivatives path = this->path(phi, gap);
     const double rest = shaded ? phi - ring : phi;
     const Derivatives tip = shaded ? iron(bare_tips_, rest) : Derivatives{};
     const double slope =
@@ -136,7 +152,8 @@ MagneticResponse CircuitPotential::at(const MagneticState& state) const {
   const Reluctance c = reluctance(centre_, gap);
   const Reluctance b = reluctance(bare_, gap);
   const Reluctance s = shaded ? reluctance(shaded_, gap) : Reluctance{};
-  const Derivatives path = iron(path_, phi);
+  const Derivatives path = this->path(phi, gap);
+  const Derivatives column = iron(column_, phi);
   const Derivatives tip_b = iron(bare_tips_, rest);
   const Derivatives tip_s = iron(shaded_tips_, ring);
 
@@ -145,7 +162,7 @@ MagneticResponse CircuitPotential::at(const MagneticState& state) const {
   const double a = path.second + tip_b.second + c.value + b.value;
   const double phi_ring = -b.value - tip_b.second;
   const double ring_ring = b.value + tip_b.second + s.value + tip_s.second;
-  const double phi_gap = c.slope * phi + b.slope * rest;
+  const double phi_gap = c.slope * phi + b.slope * rest + column.first;
   const double ring_gap = s.slope * ring - b.slope * rest;
   const double gap_gap =
       0.5 * (c.curvature * phi * phi + b.curvature * rest * rest + s.curvature * ring * ring);
@@ -158,7 +175,7 @@ MagneticResponse CircuitPotential::at(const MagneticState& state) const {
   r.current = m / turns_;
   r.energy = 0.5 * leakage_ * r.current * r.current + path.energy + tip_b.energy + tip_s.energy +
              0.5 * (c.value * phi * phi + b.value * rest * rest + s.value * ring * ring);
-  r.pull = 0.5 * (c.slope * phi * phi + b.slope * rest * rest + s.slope * ring * ring);
+  r.pull = 0.5 * (c.slope * phi * phi + b.slope * rest * rest + s.slope * ring * ring) + column.energy;
   r.current_psi = a / (leakage_ * stiffness);
   r.current_gap = link * phi_gap;
   r.pull_gap = gap_gap - phi_gap * phi_gap / stiffness;

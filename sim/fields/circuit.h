@@ -17,6 +17,9 @@
 ///
 ///   P = mu0 (A / g + sum over edges of length (0.26 + ln(1 + 2 flank / g) / pi))
 ///
+/// With three legs the outer ones and both halves of the yokes are parallel; with two there is one of each. A closed leg has no
+/// gap, and its iron gets longer with that of the other leg: A (gap + residual gap) w(phi / A).
+///
 /// Source of the edge terms: H. C. Roters, Electromagnetic Devices (Wiley 1941), chapter V. All derivatives are analytic.
 
 namespace powbench::sim {
@@ -63,6 +66,7 @@ class CircuitPotential final : public MagneticPotential {
   };
 
   Derivatives iron(const std::vector<Section>&, double flux) const;
+  Derivatives path(double flux, double gap) const;
   Reluctance reluctance(const Face&, double gap) const;
 
   Steel steel_;
@@ -70,6 +74,7 @@ class CircuitPotential final : public MagneticPotential {
   double residual_gap_;
   double leakage_ = 0;
   std::vector<Section> path_;         ///< carries phi
+  std::vector<Section> column_;       ///< carries phi: 1 m of a closed leg, or nothing
   std::vector<Section> shaded_tips_;  ///< carries phi_s
   std::vector<Section> bare_tips_;    ///< carries phi - phi_s
   Face centre_, bare_, shaded_;

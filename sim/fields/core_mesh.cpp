@@ -13,7 +13,8 @@ struct Outline : CoreOutline {
   explicit Outline(const MagnetShape& s) : CoreOutline(s, strip_height) {}
 
   int region(double x, double y) const {
-    if (y > 0 && y < face) return CoreRegion::strip;
+    if (x < 0) return left_region(-x, y);
+    if (y > 0 && y < face) return closed_leg && x > x2 && x < x3 ? CoreRegion::strip_iron : CoreRegion::strip;
     if (x < x3 && y > face && y < yoke_top) {
       const bool window = x > x1 && x < x2 && y < window_top;
       return window ? CoreRegion::air : CoreRegion::moving_iron;
@@ -25,6 +26,13 @@ struct Outline : CoreOutline {
     if (x > x1 && x < x2 && y > window_bottom) return CoreRegion::air;
     if (x < x1 && y > centre_face) return CoreRegion::air;
     return CoreRegion::fixed_iron;
+  }
+
+  /// Of two legs: the other half of the centre leg, and the coil around it. x > 0 to the left.
+  int left_region(double x, double y) const {
+    if (x < x1) return region(x, y);
+    if (x > coil_left && x < coil_right && y > coil_bottom && y < coil_top) return CoreRegion::coil_back;
+    return y > 0 && y < face ? CoreRegion::strip : CoreRegion::air;
   }
 };
 
@@ -56,8 +64,12 @@ void append_far(std::vector<double>& lines, double from, double to, double size,
 }
 
 std::vector<double> x_lines(const Outline& o, const CoreMeshSizes& z) {
-  std::vector<GridStop> stops{{0, 0},           {o.coil_left, z.other}, {o.coil_right, z.other},
-                              {o.x1, z.corner}, {o.x2, z.corner},       {o.x3, z.corner}};
+  std::vector<GridStop> stops{
+      {o.coil_left, z.other}, {o.coil_right, z.other}, {o.x1, z.corner}, {o.x2, z.corner}, {o.x3, z.corner}};
+  if (o.half)
+    stops.push_back({0, 0});
+  else
+    stops.insert(stops.end(), {{-o.x1, z.corner}, {-o.coil_left, z.other}, {-o.coil_right, z.other}});
   if (o.ring) {
     stops.push_back({o.ring_left, z.other});
     stops.push_back({o.slot_left, z.corner});
@@ -65,6 +77,7 @@ std::vector<double> x_lines(const Outline& o, const CoreMeshSizes& z) {
   }
   auto lines = graded_lines(merged(stops), z.growth, z.iron);
   append_far(lines, o.x3, 5.5 * o.x3, z.corner, z);
+  if (!o.half) append_far(lines, -o.coil_right, -5.5 * o.x3, z.other, z);
   return lines;
 }
 

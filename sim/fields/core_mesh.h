@@ -6,14 +6,26 @@
 #include "sim/fields/magnet_shape.h"
 #include "sim/fields/mesh.h"
 
-/// The mesh of a `MagnetShape`: the half x >= 0 of the symmetric core in its air, one topology for every gap. The strip
+/// The mesh of a `MagnetShape` in its air: the half x >= 0 of a core with three legs, the whole one with two; one topology for
+/// every gap. The strip
 /// between the pole faces is meshed with the height `strip_height`; the true gap scales it (FieldProblem::set_gap).
 
 namespace powbench::sim {
 
 /// Regions of a core mesh.
 struct CoreRegion {
-  enum : int { air, strip, fixed_iron, moving_iron, coil, ring_inner, ring_outer, count };
+  enum : int {
+    air,
+    strip,
+    fixed_iron,
+    moving_iron,
+    coil,  ///< in the window
+    ring_inner,
+    ring_outer,
+    coil_back,   ///< on the other side of the leg, two legs
+    strip_iron,  ///< of a closed leg: stretches with the strip
+    count
+  };
 };
 
 /// Cell sizes, m. The defaults give 0.1 % in psi and in F.

@@ -6,9 +6,12 @@
 
 namespace powbench::sim {
 
-/// Edges of the core in the half model, m. x = 0: middle of the centre leg; height 0: outer pole faces of the fixed half; `face`:
+/// Edges of the core, m: of its half with three legs, of the whole with two, where what is named here at x lies around the
+/// centre leg at -x, too. x = 0: middle of the centre leg; height 0: outer pole faces of the fixed half; `face`:
 /// those of the moving half.
 struct CoreOutline {
+  bool half;          ///< x < 0 is the mirror image
+  bool closed_leg;    ///< the outer leg goes through the gap
   double x1, x2, x3;  ///< centre leg, window, outer leg end here
   double yoke_bottom, window_bottom, centre_face;
   double face, window_top, yoke_top;  ///< of the moving half
@@ -17,7 +20,9 @@ struct CoreOutline {
   double ring_left, slot_left, slot_right, ring_bottom;  ///< ring_left: of its side in the window
 
   CoreOutline(const MagnetShape& s, double moving_face)
-      : x1(s.centre_width / 2),
+      : half(s.legs == 3),
+        closed_leg(s.closed_leg != 0),
+        x1(s.centre_width / 2),
         x2(x1 + s.window_width),
         x3(x2 + s.outer_width),
         yoke_bottom(-s.fixed_window - s.yoke),

@@ -86,6 +86,9 @@ void FieldProblem::build_steel() {
       curls_.insert(curls_.end(), p.curl_y.begin(), p.curl_y.begin() + static_cast<std::ptrdiff_t>(lanes));
     }
   }
+  if (setup_.strip_steel_region < 0) return;
+  meshed_curls_ = curls_;
+  meshed_weights_ = weights_;
 }
 
 void FieldProblem::build_linear() {
@@ -139,36 +142,6 @@ void FieldProblem::build_windings() {
     c.back() = 0;
     windings_.push_back(std::move(c));
   }
-}
-
-void FieldProblem::set_gap(double height) {
-  if (!(height > 0))
-    throw std::invalid_argument("gap of the field = " + std::to_string(height) + " m, must be above 0");
-  gap_ = height;
-  linear_ = fixed_;
-  if (strip_x_.empty()) return;
-  const double stretch = height / setup_.strip_height;
-  for (std::size_t k = 0; k < linear_.size(); ++k)
-    linear_[k] += stretch * strip_y_[k] + strip_x_[k] / stretch;
-}
-
-void FieldProblem::gap_gradient(const double* a, double* y) const {
-  std::fill(y, y + size() + 1, 0.0);
-  if (strip_x_.empty()) return;
-  const double h = setup_.strip_height;
-  std::vector<double> values(strip_x_.size());
-  for (std::size_t k = 0; k < values.size(); ++k)
-    values[k] = strip_y_[k] / h - strip_x_[k] * h / (gap_ * gap_);
-  multiply(space_.pattern, values, a, y);
-}
-
-double FieldProblem::gap_curvature(const double* a) const {
-  if (strip_x_.empty()) return 0;
-  std::vector<double> y(index(size()) + 1);
-  multiply(space_.pattern, strip_x_, a, y.data());
-  double sum = 0;
-  for (int k = 0; k < size(); ++k) sum += a[k] * y[index(k)];
-  return 2 * setup_.strip_height / (gap_ * gap_ * gap_) * sum;
 }
 
 template <int nodes, int lanes>
@@ -261,6 +234,18 @@ double FieldProblem::largest_field(const double* a) const {
   return largest;
 }
 
+double FieldProblem::share_beyond_data(const double* a) const {
+  double above = 0, whole = 0;
+  for (std::size_t e = 0; e < elements_.size(); ++e) {
+    double volume = 0;
+    for (int q = 0; q < points_; ++q) volume += weights_[e * index(points_) + index(q)];
+    const auto [bx, by] = field(elements_[e].triangle, {1. / 3, 1. / 3, 1. / 3}, a);
+    whole += volume;
+    if (std::hypot(bx, by) > setup_.steels[index(elements_[e].steel)].data_end()) above += volume;
+  }
+  return whole > 0 ? above / whole : 0;
+}
+
 std::pair<double, double> FieldProblem::field(std::size_t triangle, const std::array<double, 3>& l,
                                               const double* a) const {
   const ShapePoint p = shape_at(space_, triangle, l);
@@ -270,39 +255,10 @@ std::pair<double, double> FieldProblem::field(std::size_t triangle, const std::a
     bx += p.curl_x[index(n)] * a[u[n]];
     by += p.curl_y[index(n)] * a[u[n]];
   }
-  if (space_.mesh.region[triangle] == setup_.strip_region) bx *= setup_.strip_height / gap_;
+  const int region = space_.mesh.region[triangle];
+  if (region >= 0 && (region == setup_.strip_region || region == setup_.strip_steel_region))
+    bx *= setup_.strip_height / gap_;
   return {bx, by};
-}
-
-double FieldProblem::stress_force(const double* a, const std::vector<double>& weight) const {
-  const Mesh& m = space_.mesh;
-  double force = 0;
-  for (std::size_t t = 0; t < m.triangle.size(); ++t) {
-    const auto& v = m.triangle[t];
-    const std::array<double, 3> w{weight[index(v[0])], weight[index(v[1])], weight[index(v[2])]};
-    if (w[0] == w[1] && w[1] == w[2]) continue;
-    const double inverse = 1 / twice_area(m, v);
-    double dx = 0, dy = 0;
-    for (std::size_t k = 0; k < 3; ++k) {
-      const auto p = index(v[(k + 1) % 3]), q = index(v[(k + 2) % 3]);
-      dx += w[k] * (m.y[p] - m.y[q]) * inverse;
-      dy += w[k] * (m.x[q] - m.x[p]) * inverse;
-    }
-    const bool strip = m.region[t] == setup_.strip_region;
-    const double stretch = strip ? gap_ / setup_.strip_height : 1;
-    dy /= stretch;
-    const int* const u = space_.unknowns(t);
-    for (const auto& p : shape_points(space_, t, setup_.axisymmetric ? 4 : setup_.order)) {
-      double bx = 0, by = 0;
-      for (int n = 0; n < space_.nodes; ++n) {
-        bx += p.curl_x[index(n)] * a[u[n]];
-        by += p.curl_y[index(n)] * a[u[n]];
-      }
-      bx /= stretch;
-      force += stretch * p.weight / mu0 * (0.5 * (by * by - bx * bx) * dy + bx * by * dx);
-    }
-  }
-  return -force;
 }
 
 }  // namespace powbench::sim

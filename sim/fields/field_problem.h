@@ -12,7 +12,8 @@
 ///
 /// A field with prescribed fluxes minimises E under c_k^T a = psi_k; the multipliers are the currents. One strip of air
 /// may be stretched: its part of K is (g/h) K_y + (h/g) K_x with the height h as meshed and the true height g, so that
-/// the derivatives by g at fixed a are exact: the pull by virtual work. J, Wb, A, m.
+/// the derivatives by g at fixed a are exact: the pull by virtual work. Steel may go through the strip (a closed leg): its
+/// B_x is h/g times, its volume g/h times the meshed one, so dE/dg = int (w - H_x B_x) dV / g there. J, Wb, A, m.
 
 namespace powbench::sim {
 
@@ -30,6 +31,7 @@ struct FieldSetup {
   std::vector<Winding> windings;
   std::vector<double> conductivity;  ///< S/m by region; regions behind the end do not conduct
   int strip_region = -1;             ///< -1: nothing moves
+  int strip_steel_region = -1;       ///< -1: no steel goes through the strip
   double strip_height = 1e-3;        ///< as meshed
 };
 
@@ -72,19 +74,24 @@ class FieldProblem {
     std::vector<double> b_;  ///< B and dB/ds, four a point
   };
 
-  /// y = dK/dg a, and a^T d2K/dg2 a. At fixed a.
-  void gap_gradient(const double* a, double* y) const;
+  /// dE/dg, d2E/dg2, and y = d2E/dg da. At fixed a.
+  double gap_slope(const double* a) const;
   double gap_curvature(const double* a) const;
+  void gap_gradient(const double* a, double* y) const;
 
   /// Largest flux density in the steel, T.
   double largest_field(const double* a) const;
+
+  /// Share of the steel's volume that is above the last row of its curve (Steel::data_end); 0 without steel.
+  double share_beyond_data(const double* a) const;
 
   /// B at barycentric coordinates of a triangle; the true height of the strip counted.
   std::pair<double, double> field(std::size_t triangle, const std::array<double, 3>& l,
                                   const double* a) const;
 
   /// Force on the body moved with `weight` (by vertex; 1 on the body, 0 on what stands still, between them in air):
-  /// int T . grad(weight) over the air, in y. Only triangles over which the weight varies count, which must be linear.
+  /// int T . grad(weight), in y. Only triangles over which the weight varies count: air, or steel that stretches, where T
+  /// is the tensor of virtual work with H = dw/dB.
   double stress_force(const double* a, const std::vector<double>& weight) const;
 
  private:
@@ -92,6 +99,10 @@ class FieldProblem {
   void build_steel();
   void build_linear();
   void build_windings();
+  void stretch_steel();
+  void linear_gap_gradient(const double* a, double* y) const;
+  template <class Visit>
+  void each_stretched(const double* a, const Visit& visit) const;
   template <int nodes, int lanes>
   double add_steel_by(const double* a, double* gradient, double* values) const;
 
@@ -105,7 +116,8 @@ class FieldProblem {
   int points_ = 3;               ///< of the quadrature in the steel
   std::vector<double> curls_;    ///< by element and point: lanes x curl_x, lanes x curl_y
   std::vector<double> weights_;  ///< by element and point
-  std::vector<int> positions_;   ///< by element, see element_positions
+  std::vector<double> meshed_curls_, meshed_weights_;  ///< of all steel, where some goes through the strip
+  std::vector<int> positions_;                         ///< by element, see element_positions
   std::vector<double> fixed_, strip_x_, strip_y_, linear_, mass_;
   std::vector<std::vector<double>> windings_;
   double gap_ = 0;

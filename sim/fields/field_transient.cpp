@@ -57,9 +57,8 @@ class FieldRung {
     m.current = current_[0];
     if (fluxes_.size() > 1) m.ring_current = current_[1];
     m.psi = fluxes_[0] + 0.5 * step * (voltage - setup_.resistance * m.current);
+    m.pull = problem_.gap_slope(middle.data());
     std::vector<double> slope(a_.size());
-    problem_.gap_gradient(middle.data(), slope.data());
-    m.pull = 0.5 * dot(middle, slope);
     for (std::size_t k = 0; k < a_.size(); ++k) slope[k] = 2 * (middle[k] - a_[k]);  // the whole step
     if (eddies) {
       multiply(problem_.space().pattern, problem_.mass(), slope.data(), load_.data());

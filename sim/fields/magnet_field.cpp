@@ -17,11 +17,14 @@ double dot(const std::vector<double>& a, const std::vector<double>& b) {
 FieldSetup setup_of(const MagnetDesign& d, const FieldOptions& o, double iron_conductivity) {
   FieldSetup f;
   f.order = o.order;
-  f.depth = 2 * d.shape.stack;
+  const bool half = d.shape.legs == 3;
+  f.depth = (half ? 2 : 1) * d.shape.stack;
   f.steels = {d.steel.stacked(d.shape.stack_factor)};
   f.steel_of_region.assign(CoreRegion::count, -1);
-  f.steel_of_region[CoreRegion::fixed_iron] = f.steel_of_region[CoreRegion::moving_iron] = 0;
+  for (const int iron : {CoreRegion::fixed_iron, CoreRegion::moving_iron, CoreRegion::strip_iron})
+    f.steel_of_region[static_cast<std::size_t>(iron)] = 0;
   f.windings = {{{{CoreRegion::coil, d.turns}}}};
+  if (!half) f.windings[0].parts.emplace_back(CoreRegion::coil_back, -d.turns);
   if (d.shape.ring_share > 0)
     f.windings.push_back({{{CoreRegion::ring_inner, 1.0}, {CoreRegion::ring_outer, -1.0}}});
   if (iron_conductivity > 0) {
@@ -29,6 +32,7 @@ FieldSetup setup_of(const MagnetDesign& d, const FieldOptions& o, double iron_co
     f.conductivity[CoreRegion::fixed_iron] = f.conductivity[CoreRegion::moving_iron] = iron_conductivity;
   }
   f.strip_region = CoreRegion::strip;
+  if (d.shape.closed_leg != 0) f.strip_steel_region = CoreRegion::strip_iron;
   f.strip_height = strip_height;
   return f;
 }
@@ -148,9 +152,7 @@ FieldPoint MagnetField::at_current(double current, double ring_current, std::vec
   if (has_ring()) circuits.push_back({false, ring_current, 0});
   std::vector<double> currents;
   const auto report = newton_->solve(circuits, a, currents, options_.newton);
-  std::vector<double> force(a.size());
-  problem_->gap_gradient(a.data(), force.data());
-  const double pull = 0.5 * dot(a, force);
+  const double pull = problem_->gap_slope(a.data());
   auto p = finish(std::move(a), currents, report);
   p.response.pull = pull;
   return p;

@@ -1,7 +1,9 @@
 #pragma once
 
 /// The laminated core seen from the side, as the field rungs mesh it. A fixed and a moving half face each other across
-/// the gap; the fixed one is E-shaped (centre leg in the coil), the moving one E- or I-shaped. All lengths in m.
+/// the gap. All lengths in m.
+///
+/// Three legs: the fixed half is E-shaped (centre leg in the coil), the moving one E- or I-shaped.
 ///
 ///        |<------------ 2 outer + 2 window + centre ----------->|
 ///   moving half    +---------------------------------------------+   yoke
@@ -14,6 +16,18 @@
 ///                  +---------------------------------------------+
 ///
 /// The ring encloses the inner `ring_share` of each outer leg's width, in a slot `ring_depth` below the pole face.
+///
+/// Two legs: the right half of that picture with the whole centre leg, so the coil lies outside of it, too. A U-core; with a
+/// `closed_leg` a C-core: the outer leg goes through, its iron gets longer with the gap, and one gap is left.
+///
+///             +--------+--------------+                +--------+--------------+
+///             | centre |  window      |                |        |              |
+///             +--------+       +------+                +--------+       |      |
+///                 ^ gap                                    ^ gap        |      |
+///             +--------+       +------+                +--------+       |      |
+///        coil |        | coil  |[ring]|           coil |        | coil  |      |
+///             |                       |                |                       |
+///             +-----------------------+                +-----------------------+
 
 namespace powbench::sim {
 
@@ -33,6 +47,10 @@ struct MagnetShape {
   double ring_depth = 3.0e-3;   ///< slot depth below the pole face
   double ring_slot = 2.0e-3;    ///< slot width
   double centre_gap = 0;        ///< by which the fixed centre leg is shorter than the outer legs
+  int legs = 3;                 ///< 3: E-core, 2: U- or C-core
+  int closed_leg = 0;           ///< 1: of two legs, the outer one has no gap: C-core
+
+  int outer_legs() const { return legs - 1; }
 };
 
 }  // namespace powbench::sim

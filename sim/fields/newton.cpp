@@ -184,13 +184,13 @@ FieldDerivatives Newton::derivatives(const std::vector<double>& a) {
   const std::size_t n = bordered_.size();
   std::vector<double> force(a.size());
   problem_.gap_gradient(a.data(), force.data());
-  d.gap = 0.5 * dot(a, force);
+  d.gap = problem_.gap_slope(a.data());
   d.flux_flux = inverse_;
   auto moved = force;
   cholesky_.solve(moved.data());
   moved.back() = 0;
   d.flux_gap.assign(n, 0);
-  d.gap_gap = 0.5 * problem_.gap_curvature(a.data()) - dot(force, moved);
+  d.gap_gap = problem_.gap_curvature(a.data()) - dot(force, moved);
   for (std::size_t k = 0; k < n; ++k) {
     for (std::size_t l = 0; l < n; ++l)
       d.flux_gap[k] += inverse_[k * n + l] * dot(problem_.winding(bordered_[l]), moved);

@@ -77,7 +77,10 @@ void check_table(const PotentialTable& t) {
   if (t.nodes.size() != count * t.values() || t.air.size() != t.gap.size() * air)
     throw std::invalid_argument("table: " + std::to_string(t.nodes.size()) + " values for " +
                                 std::to_string(count) + " nodes of " + std::to_string(t.values()));
-  for (const auto* list : {&t.psi, &t.ring, &t.gap, &t.nodes, &t.air})
+  if (!t.steel_field.empty() && t.steel_field.size() != count)
+    throw std::invalid_argument("table: " + std::to_string(t.steel_field.size()) + " flux densities for " +
+                                std::to_string(count) + " nodes");
+  for (const auto* list : {&t.psi, &t.ring, &t.gap, &t.nodes, &t.air, &t.steel_field})
     for (const double value : *list)
       if (!std::isfinite(value)) throw std::invalid_argument("table: a value is not a number");
 }

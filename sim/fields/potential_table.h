@@ -31,11 +31,23 @@ struct PotentialTable {
   std::vector<double> current_error, pull_error;
   double mesh_error = 0;
 
+  /// Largest flux density in the steel by node, T; empty: not known. `data_end`: where the rows of its curve end, T; 0: no end.
+  std::vector<double> steel_field;
+  double data_end = 0;
+
   std::uint64_t design_hash = 0;  ///< of shape, steel, turns and mesh
   std::string description;        ///< one line for people
 
   std::size_t values() const { return ring.empty() ? 4 : 8; }  ///< by node
 };
+
+/// How much of a table rests on extrapolated steel.
+struct ExtrapolatedShare {
+  double share = 0;          ///< of the nodes with steel somewhere above PotentialTable::data_end, 0 .. 1
+  double from_psi = 0;       ///< Wb: the smallest flux linkage among them; without meaning where share is 0
+  double largest_field = 0;  ///< T, of all nodes
+};
+ExtrapolatedShare extrapolated_share(const PotentialTable&);
 
 /// Throws std::invalid_argument where sizes do not fit, nodes do not ascend, or a number is not finite.
 void check_table(const PotentialTable&);

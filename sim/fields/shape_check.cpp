@@ -32,6 +32,12 @@ struct Fit {
     within("shape.coil_height_mm", s.coil_height, s.fixed_window - s.coil_offset,
            "fixed window less coil offset");
     within("shape.centre_gap_mm", s.centre_gap, 0.1 * s.fixed_window, "a tenth of shape.fixed_window_mm");
+    const bool closed = s.closed_leg != 0;
+    if (closed && s.legs != 2)
+      errors.push_back({"shape.closed_leg", text(s.closed_leg), "0 (shape.legs is not 2)"});
+    if (closed && s.ring_share > 0)
+      errors.push_back(
+          {"shape.ring_share", text(s.ring_share), "0 (shape.closed_leg: no pole face for a ring)"});
     if (!(s.ring_share > 0)) return;
     within("shape.ring_slot_mm", s.ring_slot, 0.5 * s.outer_width,
            "half of shape.outer_width_mm: the pole around the ring");

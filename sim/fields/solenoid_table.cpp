@@ -94,6 +94,7 @@ PotentialTable build_table(const SolenoidDesign& d, const TableOptions& o, Team&
       plan, false, team, [&] { return Coil(d, plan.field); }, [&] { return Coil(bare, plan.field); }, &sum);
   estimate_errors(t);
   t.mesh_error = plan.mesh_error;
+  t.data_end = d.steel.data_end();
   t.design_hash = hash_of(d, options);
   char text[160];
   std::snprintf(text, sizeof text, "solenoid, %zu x %zu nodes, %d unknowns, %s, %g turns, residual gap %g um",

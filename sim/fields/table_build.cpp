@@ -90,7 +90,7 @@ TablePlan plan_table(const MagnetDesign& d, const TableOptions& o) {
   if (with_ring(d, o)) {
     const int nr = o.ring_nodes ? o.ring_nodes : std::max(8, nodes_for(o.accuracy) * 2 / 3);
     const double inner = d.shape.ring_share * (d.shape.outer_width - d.shape.ring_slot);
-    const double ring = 2 * inner * d.shape.stack * d.shape.stack_factor * o.largest_field;
+    const double ring = d.shape.outer_legs() * inner * d.shape.stack * d.shape.stack_factor * o.largest_field;
     for (int k = 0; k < nr; ++k) plan.ring.push_back(ring * (2.0 * k / (nr - 1) - 1));
   }
   return plan;
@@ -109,6 +109,7 @@ PotentialTable build_table(const MagnetDesign& d, const TableOptions& o, Team& t
   if (ring) fill_triple(t);
   estimate_errors(t);
   t.mesh_error = plan.mesh_error;
+  t.data_end = d.steel.stacked(d.shape.stack_factor).data_end();
   t.design_hash = table_hash(d, o);
   t.description = describe(d, plan, prototype.unknowns());
   return t;
@@ -151,6 +152,8 @@ std::uint64_t table_hash(const MagnetDesign& d, const TableOptions& o) {
                       s.ring_depth,
                       s.ring_slot,
                       s.centre_gap,
+                      static_cast<double>(s.legs),
+                      static_cast<double>(s.closed_leg),
                       d.turns,
                       d.residual_gap,
                       d.end_leakage,

@@ -82,4 +82,18 @@ void estimate_errors(PotentialTable& t) {
       }
 }
 
+ExtrapolatedShare extrapolated_share(const PotentialTable& t) {
+  ExtrapolatedShare e;
+  std::size_t beyond = 0;
+  for (std::size_t n = 0; n < t.steel_field.size(); ++n) {
+    e.largest_field = std::max(e.largest_field, t.steel_field[n]);
+    if (!(t.data_end > 0 && t.steel_field[n] > t.data_end)) continue;
+    const double psi = t.psi[n % t.psi.size()];
+    e.from_psi = beyond == 0 ? psi : std::min(e.from_psi, psi);
+    ++beyond;
+  }
+  if (beyond > 0) e.share = static_cast<double>(beyond) / static_cast<double>(t.steel_field.size());
+  return e;
+}
+
 }  // namespace powbench::sim

@@ -18,6 +18,7 @@ namespace powbench::sim::table_sweep {
 /// What one gap contributes.
 struct Slice {
   std::vector<double> nodes;
+  std::vector<double> steel_field;
   std::vector<double> air;
   TableReport report;
   double largest_pull = 0;
@@ -82,6 +83,7 @@ class Sweep {
 
   void store(const FieldPoint& point) {
     const auto& r = point.response;
+    slice_.steel_field.push_back(point.largest_field);
     if (ring_)
       slice_.nodes.insert(slice_.nodes.end(), {r.energy, r.current, r.ring_current, r.current_ring, r.pull,
                                                r.current_gap, r.ring_gap, 0});
@@ -133,6 +135,7 @@ PotentialTable fill_table(const TablePlan& plan, bool ring, Team& team, const Ma
   for (const auto& s : slices) {
     t.nodes.insert(t.nodes.end(), s.nodes.begin(), s.nodes.end());
     t.air.insert(t.air.end(), s.air.begin(), s.air.end());
+    t.steel_field.insert(t.steel_field.end(), s.steel_field.begin(), s.steel_field.end());
     sum.solutions += s.report.solutions;
     sum.iterations += s.report.iterations;
     sum.beyond_data += s.report.beyond_data;

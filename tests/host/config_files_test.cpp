@@ -1,5 +1,6 @@
 #include <catch2/catch.hpp>
 #include <filesystem>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -214,11 +215,16 @@ TEST_CASE("a specimen file reaches every field of the simulator's table", "[conf
     if (f.section != section) text.append("[").append(section = f.section).append("]\n");
     const double share = random.uniform();
     const double value = f.whole ? f.high : f.low + share * 1e-3 * (f.high - f.low);
-    const bool length = f.key == "travel_mm" || f.key == "tilt_gap_mm" || f.key == "gap_spread_mm";
-    text += std::string(f.key) + " = " +
-            (length ? (f.key == "travel_mm" ? "49" : "0.01")
-                    : std::to_string(f.whole ? int(value) : value).substr(0, f.whole ? 1 : 30)) +
-            "\n";
+    // what has to fit together: gaps within the travel, a closed leg of two without a ring
+    const std::map<std::string_view, const char*> given{
+        {"travel_mm", "49"}, {"tilt_gap_mm", "0.01"}, {"gap_spread_mm", "0.01"},
+        {"ring_share", "0"}, {"legs", "2"},           {"closed_leg", "1"}};
+    const auto fitting = given.find(f.key);
+    text +=
+        std::string(f.key) + " = " +
+        (fitting != given.end() ? fitting->second
+                                : std::to_string(f.whole ? int(value) : value).substr(0, f.whole ? 1 : 30)) +
+        "\n";
   }
   const sim::Specimen s = parse_specimen(text, "s.toml");
   for (const auto& f : sim::specimen_fields()) {

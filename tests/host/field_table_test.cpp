@@ -24,6 +24,8 @@ sim::PotentialTable small_table() {
   t.current_error = {1e-3, 2e-3};
   t.pull_error = {1e-4, 3e-4};
   t.mesh_error = 2e-3;
+  t.steel_field = {0, 0.8, 1.7, 0, 0.7, 1.5};
+  t.data_end = 1.6;
   t.design_hash = 0x0123456789abcdefULL;
   t.description = "three by two";
   return t;
@@ -52,6 +54,8 @@ TEST_CASE("a field table comes back from the disk bit by bit") {
   CHECK(r.air == t.air);
   CHECK(r.pull_error == t.pull_error);
   CHECK(r.mesh_error == t.mesh_error);
+  CHECK(r.steel_field == t.steel_field);
+  CHECK(r.data_end == t.data_end);
   CHECK(r.design_hash == t.design_hash);
   CHECK(r.description == t.description);
   CHECK(std::distance(fs::directory_iterator(folder.path), {}) == 1);
@@ -70,7 +74,7 @@ TEST_CASE("a damaged field table is told with its name and its fault") {
   for (const std::size_t length : {std::size_t{0}, std::size_t{10}, std::size_t{30}, good.size() - 8})
     CHECK_THROWS_AS(parse(good.substr(0, length)), host::StoreError);
   auto other = good;
-  other[other.find(" 1\n") + 1] = '7';
+  other[other.find(" 2\n") + 1] = '7';
   CHECK_THROWS_WITH(parse(other), Contains("version"));
   CHECK_THROWS_WITH(parse("hello"), Contains("not a table"));
   CHECK_THROWS_AS(host::load_field_table("/nowhere/at/all.table"), host::StoreError);

@@ -115,7 +115,19 @@ TEST_CASE("steel above the last row of its curve is told, by state and by table"
   CHECK(strong.beyond_data);
   Team team(2);
   TableReport report;
-  build_table(design, rough(), team, &report);
+  const auto table = build_table(design, rough(), team, &report);
   CHECK(report.beyond_data > 0);
   CHECK(report.beyond_data < report.solutions);
+  const auto e = extrapolated_share(table);
+  CHECK(table.data_end == Approx(1.6));
+  CHECK(e.share == static_cast<double>(report.beyond_data) / report.solutions);
+  CHECK(e.largest_field > 1.6);
+  // the smallest flux of all that are beyond: the node before is not
+  for (std::size_t n = 0; n < table.steel_field.size(); ++n)
+    if (table.psi[n % table.psi.size()] < e.from_psi) CHECK(table.steel_field[n] <= table.data_end);
+  CHECK(e.from_psi > 0);
+  CHECK(field.problem().share_beyond_data(weak.a.data()) == 0);
+  const double share = field.problem().share_beyond_data(strong.a.data());
+  CHECK(share > 0);
+  CHECK(share < 1);
 }
