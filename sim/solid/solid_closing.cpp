@@ -43,6 +43,8 @@ class Closing {
 
   SolidClosingResult run(const std::function<void(const ExplicitSolid&, const ContactorMesh&)>& watch) {
     result_.cells = static_cast<long>(contactor_.mesh.cells.size());
+    result_.scaled_cells = solid_.added_inertia().cells();
+    result_.added_inertia = solid_.added_inertia().share();
     solid_.step();
     solid_.set_step(options_.flight_step);
     double next_sample = 0, next_field = 0;

@@ -54,6 +54,8 @@ struct SolidClosingResult {
   SolidEnergies energies;
   CoilEnergies electric;
   long cells = 0, rigid_steps = 0, deformed_steps = 0;
+  int scaled_cells = 0;                     ///< with inertia added on request (SolidOptions::scale_masses_to)
+  double added_inertia = 0;                 ///< theirs over the mass of all bodies
   std::vector<SolidClosingSample> samples;  ///< in their order of time
 };
 
