@@ -90,6 +90,30 @@ Plane quarter_disc(int n) {
   return plane;
 }
 
+/// Of one part. Each face is cut from its lowest-numbered corner, so neighbours fit whatever the order of their corners.
+SolidMesh tetrahedra_around_middles(const SolidMesh& hexes) {
+  static constexpr std::size_t faces[6][4] = {{0, 3, 2, 1}, {4, 5, 6, 7}, {0, 1, 5, 4},
+                                              {1, 2, 6, 5}, {2, 3, 7, 6}, {3, 0, 4, 7}};
+  SolidMesh mesh;
+  mesh.parts = hexes.parts;
+  mesh.nodes = hexes.nodes;
+  for (const SolidCell& hex : hexes.cells) {
+    const int middle = static_cast<int>(mesh.nodes.size());
+    Vec3 sum;
+    for (const Vec3& p : corners_of(hexes, hex)) sum += p;
+    mesh.nodes.push_back(0.125 * sum);
+    for (const auto& face : faces) {
+      std::array<int, 4> n{};
+      for (std::size_t k = 0; k < 4; ++k) n[k] = hex.nodes[face[k]];
+      std::rotate(n.begin(), std::min_element(n.begin(), n.end()), n.end());
+      // seen from outside the corners turn anticlockwise: from the middle they turn clockwise
+      for (const auto& t : {std::array<int, 3>{n[0], n[2], n[1]}, std::array<int, 3>{n[0], n[3], n[2]}})
+        mesh.cells.push_back({{t[0], t[1], t[2], middle, -1, -1, -1, -1}, hex.part});
+    }
+  }
+  return mesh;
+}
+
 }  // namespace
 
 SphereImpact sphere_on_half_space(double finest, int workers) {
@@ -250,8 +274,9 @@ SolidMesh taylor_mesh(int across, int along) {
   return mesh;
 }
 
-TaylorBar taylor_bar(int across, int along, bool held) {
-  const SolidMesh mesh = taylor_mesh(across, along);
+TaylorBar taylor_bar(int across, int along, bool held, TaylorCells cells) {
+  const SolidMesh hexes = taylor_mesh(across, along),
+                  mesh = cells == TaylorCells::tetrahedra ? tetrahedra_around_middles(hexes) : hexes;
   SolidMaterial copper;
   copper.young = 110e9;
   copper.density = 8970;

@@ -52,8 +52,9 @@ struct TaylorBar {
   long steps = 0;
 };
 /// Copper rod R 3.2 mm, L 32.4 mm, 227 m/s, yield 400 MPa, hardening 100 MPa, quarter mesh; after 80 us.
-/// `held`: the foot cannot leave the wall, as the peer has it.
-TaylorBar taylor_bar(int across, int along, bool held);
+/// `held`: the foot cannot leave the wall, as the peer has it. Tetrahedra: twelve around the middle of each hexahedron.
+enum class TaylorCells { hexahedra, tetrahedra };
+TaylorBar taylor_bar(int across, int along, bool held, TaylorCells = TaylorCells::hexahedra);
 /// The mesh of it, for the peer.
 sim::SolidMesh taylor_mesh(int across, int along);
 

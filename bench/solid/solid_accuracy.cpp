@@ -102,6 +102,13 @@ void taylor() {
         "    %d instead of %d cells to the radius: length %.3f mm, radius %.3f mm, plastic strain %.2f\n",
         finer, across, 1e3 * r.length, 1e3 * r.radius, r.plastic_strain);
   }
+  const TaylorBar tets = taylor_bar(across, along, true, TaylorCells::tetrahedra);
+  std::printf(
+      "    12 960 tetrahedra instead: length %.3f mm (%+.2f %%), radius %.3f mm (%+.1f %%), plastic strain "
+      "%.2f, "
+      "energy residual %.1e\n",
+      1e3 * tets.length, 100 * (tets.length / own.length - 1), 1e3 * tets.radius,
+      100 * (tets.radius / own.radius - 1), tets.plastic_strain, tets.residual);
   const TaylorBar free = taylor_bar(across, along, false);
   std::printf(
       "    foot free to leave the wall: length %.3f mm, radius %.3f mm (published codes 21.3 .. 21.7 and 6.9 "

@@ -196,6 +196,8 @@ void add_result_verbs(CLI::App& app) {
   out->add_option("-o,--output", exported->file, "file; stdout if left out. vtu, gltf: folder");
   out->add_option("--cell-mm", exported->cell_mm, "vtu, gltf: largest cell of the bodies")
       ->capture_default_str();
+  out->add_option("--scale-masses-ns", exported->scale_masses_ns,
+                  "vtu, gltf: thin cells get inertia against deformation up to this step, ns");
   out->add_option("--end-ms", exported->end_ms, "vtu, gltf: end of the closing")->capture_default_str();
 }
 

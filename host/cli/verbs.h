@@ -102,8 +102,9 @@ Exit write_report(const ReportArgs&);
 struct ExportArgs : ResultArgs {
   std::int64_t shot = 0;
   std::string to = "csv";
-  std::string file;    ///< "" = stdout; for vtu and gltf a folder, "" = closing
-  double cell_mm = 4;  ///< of the bodies in vtu and gltf
+  std::string file;                       ///< "" = stdout; for vtu and gltf a folder, "" = closing
+  double cell_mm = 4;                     ///< of the bodies in vtu and gltf
+  std::optional<double> scale_masses_ns;  ///< selective mass scaling of thin cells; none unless given
   double end_ms = 24;
 };
 Exit export_shot(const ExportArgs&);

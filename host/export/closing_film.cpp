@@ -45,8 +45,9 @@ ClosingFilm::ClosingFilm(Format format, Write write, double flight_interval)
 
 void ClosingFilm::operator()(const ExplicitSolid& s, const ContactorMesh& c) {
   if (times_.empty()) contactor_ = c;
-  if (s.is_rigid(c.mover) && s.time() < next_) return;
-  if (!times_.empty() && s.time() <= times_.back()) return;
+  const bool again = !times_.empty() && s.time() <= times_.back();
+  if (!s.stopped() && (again || (s.is_rigid(c.mover) && s.time() < next_))) return;
+  if (again) forget_last();  // what stopped the run shows in the newest state of its instant
   next_ = s.time() + interval_;
   times_.push_back(s.time());
   if (format_ == Format::gltf) {
@@ -57,6 +58,12 @@ void ClosingFilm::operator()(const ExplicitSolid& s, const ContactorMesh& c) {
   const std::string name = "closing_" + std::to_string(steps_.size()) + ".vtu";
   write_(name, to_vtu(state_grid(s, c)));
   steps_.push_back({s.time(), name, 0});
+}
+
+void ClosingFilm::forget_last() {
+  times_.pop_back();
+  for (auto& [part, shift] : shifts_) shift.pop_back();
+  if (!steps_.empty()) steps_.pop_back();
 }
 
 void ClosingFilm::finish() {

@@ -27,7 +27,7 @@ class ClosingFilm {
   using Write = std::function<void(const std::string& name, const std::string& content)>;
 
   /// Files go to `write` as they are ready. In flight a state is kept every `flight_interval`, s, and as often as the
-  /// closing shows one while parts deform.
+  /// closing shows one while parts deform; the state that a run stopped in is always the last one.
   ClosingFilm(Format, Write write, double flight_interval = 2e-4);
 
   void operator()(const sim::ExplicitSolid&, const sim::ContactorMesh&);
@@ -37,6 +37,7 @@ class ClosingFilm {
 
  private:
   GltfBody body(int part) const;
+  void forget_last();
 
   Format format_;
   Write write_;

@@ -66,9 +66,6 @@ CellBatches::CellBatches(const SolidMesh& mesh, const std::vector<SolidMaterial>
   check_mesh(mesh_);
   for (std::size_t e = 0; e < mesh_.cells.size(); ++e) {
     const bool flows = material(mesh_.cells[e].part).law() == SolidLaw::plastic;
-    if (flows && !mesh_.cells[e].is_hex())
-      throw std::invalid_argument("mesh cell " + std::to_string(e) +
-                                  ": a tetrahedron with a yield stress; plastic parts need hexahedra");
     if (in_float_ && (flows || !mesh_.cells[e].is_hex()))
       throw std::invalid_argument("mesh cell " + std::to_string(e) +
                                   ": forces in float are for elastic hexahedra");
@@ -101,8 +98,9 @@ void CellBatches::sort_parts() {
 }
 
 CellBatches::Kind CellBatches::kind_of(const SolidCell& cell) const {
-  if (!cell.is_hex()) return Kind::tet;
-  if (material(cell.part).law() == SolidLaw::plastic) return Kind::plastic;
+  const bool flows = material(cell.part).law() == SolidLaw::plastic;
+  if (!cell.is_hex()) return flows ? Kind::plastic_tet : Kind::tet;
+  if (flows) return Kind::plastic;
   std::array<Vec3, 8> x;
   double size = 0;
   for (std::size_t a = 0; a < 8; ++a) x[a] = mesh_.nodes[static_cast<std::size_t>(cell.nodes[a])];
@@ -139,9 +137,25 @@ void CellBatches::number_nodes(Batch& b) {
   b.spare = static_cast<int>(b.nodes.size());
 }
 
+std::size_t CellBatches::numbers_of(Kind k) {
+  switch (k) {
+    case Kind::brick:
+      return brick_numbers;
+    case Kind::hex:
+      return hex_numbers;
+    case Kind::tet:
+      return tet_numbers;
+    case Kind::plastic:
+      return plastic_numbers;
+    case Kind::plastic_tet:
+      return plastic_tet_numbers;
+  }
+  return 0;
+}
+
 void CellBatches::fill(Batch& b) {
   number_nodes(b);
-  const std::size_t corners = b.kind == Kind::tet ? 4 : 8, blocks = (b.cells.size() + lanes - 1) / lanes;
+  const std::size_t corners = corners_of(b.kind), blocks = (b.cells.size() + lanes - 1) / lanes;
   b.corners.assign(blocks * corners * lanes, 4 * b.spare);
   for (std::size_t k = 0; k < b.cells.size(); ++k) {
     const auto& cell = mesh_.cells[static_cast<std::size_t>(b.cells[k])];
@@ -150,12 +164,8 @@ void CellBatches::fill(Batch& b) {
       b.corners[(k / lanes * corners + a) * lanes + k % lanes] = 4 * static_cast<int>(local);
     }
   }
-  const std::size_t numbers = b.kind == Kind::brick ? brick_numbers
-                              : b.kind == Kind::hex ? hex_numbers
-                              : b.kind == Kind::tet ? tet_numbers
-                                                    : plastic_numbers;
-  (b.kind == Kind::plastic ? b.state : b.shape).assign(blocks * numbers * lanes, 0.0);
-  if (b.kind != Kind::plastic)
+  (flows(b.kind) ? b.state : b.shape).assign(blocks * numbers_of(b.kind) * lanes, 0.0);
+  if (!flows(b.kind))
     for (std::size_t k = 0; k < b.cells.size(); ++k) fill_shape(b, k);
   if (!in_float_) return;
   for (const double s : b.shape) b.float_shape.push_back(static_cast<float>(s));
@@ -164,9 +174,7 @@ void CellBatches::fill(Batch& b) {
 void CellBatches::fill_shape(Batch& b, std::size_t k) {
   const auto& cell = mesh_.cells[static_cast<std::size_t>(b.cells[k])];
   const auto corner = [&](std::size_t a) { return mesh_.nodes[static_cast<std::size_t>(cell.nodes[a])]; };
-  const std::size_t numbers = b.kind == Kind::brick ? brick_numbers
-                              : b.kind == Kind::hex ? hex_numbers
-                                                    : tet_numbers;
+  const std::size_t numbers = numbers_of(b.kind);
   std::size_t next = 0;
   const auto put = [&](double value) { b.shape[(k / lanes * numbers + next++) * lanes + k % lanes] = value; };
   const auto put3 = [&](const Vec3& v) {

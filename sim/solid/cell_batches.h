@@ -29,8 +29,8 @@ struct CellEnergies {
 
 class CellBatches {
  public:
-  /// Throws std::invalid_argument for a bad mesh or material (see check_mesh, check_material), for tetrahedra with a
-  /// yield stress, and for parts whose nodes do not stand together.
+  /// Throws std::invalid_argument for a bad mesh or material (see check_mesh, check_material), and for parts whose nodes
+  /// do not stand together.
   CellBatches(const SolidMesh&, const std::vector<SolidMaterial>& materials, bool float_forces);
 
   int count() const { return static_cast<int>(batches_.size()); }
@@ -62,15 +62,19 @@ class CellBatches {
   std::vector<CellStress> stresses(const std::vector<double>& u) const;
 
   /// Of all plastic cells, the smallest time a wave needs through one as it is now, s (0: there are none). The critical
-  /// step shrinks with it.
-  double plastic_transit(const double* u) const;
+  /// step shrinks with it. `gains`: by cell, what added inertia multiplies its step with; may be empty.
+  double plastic_transit(const double* u, const std::vector<double>& gains) const;
 
   /// Everything the cells remember (stress, plastic strain, hourglass forces, work booked), for a restart.
   std::vector<double> memory() const;
   void restore_memory(const std::vector<double>&);
 
  private:
-  enum class Kind { brick, hex, tet, plastic };
+  enum class Kind { brick, hex, tet, plastic, plastic_tet };
+
+  static bool flows(Kind k) { return k == Kind::plastic || k == Kind::plastic_tet; }
+  static std::size_t corners_of(Kind k) { return k == Kind::tet || k == Kind::plastic_tet ? 4 : 8; }
+  static std::size_t numbers_of(Kind);  ///< of shape or state, a cell
 
   struct Batch {
     Kind kind{};

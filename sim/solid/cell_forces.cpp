@@ -3,6 +3,7 @@
 #include <stdexcept>
 
 #include "sim/solid/cell_batches.h"
+#include "sim/solid/flush_denormals.h"
 
 /// What the batches compute: forces in each step, energies and stresses when asked.
 
@@ -93,12 +94,14 @@ double CellBatches::elastic(Batch& b, const double* u) {
     work.shape = b.float_shape.data();
     work.f = float_forces_.data() + b.force_place;
     std::fill_n(work.f, local.size(), Real(0));
+    const FlushDenormals in_here;
     return static_cast<double>(
         (b.kind == Kind::brick ? kernel_->brick_float : kernel_->hex_float)(work, linear));
   } else {
     work.shape = b.shape.data();
     work.f = forces_.data() + b.force_place;
     std::fill_n(work.f, local.size(), Real(0));
+    const FlushDenormals in_here;
     return (b.kind == Kind::brick ? kernel_->brick
             : b.kind == Kind::hex ? kernel_->hex
                                   : kernel_->tet)(work, linear);
@@ -131,7 +134,11 @@ double CellBatches::plastic(Batch& b, const double* u, const double* v, double d
   work.hourglass = 0.1 * m.hourglass * m.young;
   work.dt = dt;
   std::fill_n(work.f, place.size(), 0.0);
-  const double smallest = kernel_->plastic(work);
+  const auto forces = b.kind == Kind::plastic ? kernel_->plastic : kernel_->plastic_tet;
+  const double smallest = [&] {
+    const FlushDenormals in_here;
+    return forces(work);
+  }();
   b.stored += work.stored;
   b.plastic += work.plastic_work;
   b.hourglass += work.hourglass_work;
@@ -140,9 +147,9 @@ double CellBatches::plastic(Batch& b, const double* u, const double* v, double d
 
 int CellBatches::compute(int batch, const double* u, const double* v, double dt) {
   Batch& b = batches_[static_cast<std::size_t>(batch)];
-  const double smallest = b.kind == Kind::plastic ? plastic(b, u, v, dt)
-                          : in_float_             ? elastic<float>(b, u)
-                                                  : elastic<double>(b, u);
+  const double smallest = flows(b.kind) ? plastic(b, u, v, dt)
+                          : in_float_   ? elastic<float>(b, u)
+                                        : elastic<double>(b, u);
   if (smallest > 0) return -1;  // NaN is not > 0
   return material(b.part).law() == SolidLaw::linear ? -1 : inverted(b, u);
 }
@@ -218,7 +225,7 @@ CellEnergies CellBatches::energies(int part, const std::vector<double>& u) const
     sum.plastic += b.plastic;
     sum.strain += b.stored - b.plastic;
     sum.hourglass += b.hourglass;
-    if (b.kind == Kind::plastic) continue;
+    if (flows(b.kind)) continue;
     for (const int e : b.cells) {
       const CellState s = state_of(mesh_, mesh_.cells[static_cast<std::size_t>(e)], material(part), u);
       sum.strain += s.volume * energy_density(s.gradient, material(part));
@@ -233,9 +240,9 @@ std::vector<CellStress> CellBatches::stresses(const std::vector<double>& u) cons
   for (const Batch& b : batches_)
     for (std::size_t k = 0; k < b.cells.size(); ++k) {
       CellStress& c = all[static_cast<std::size_t>(b.cells[k])];
-      if (b.kind == Kind::plastic) {
+      if (flows(b.kind)) {
         const auto number = [&](std::size_t i) {
-          return b.state[(k / lanes * plastic_numbers + i) * lanes + k % lanes];
+          return b.state[(k / lanes * numbers_of(b.kind) + i) * lanes + k % lanes];
         };
         for (std::size_t i = 0; i < 6; ++i) c.stress[i] = number(i);
         c.plastic = number(6);
@@ -247,24 +254,23 @@ std::vector<CellStress> CellBatches::stresses(const std::vector<double>& u) cons
   return all;
 }
 
-double CellBatches::plastic_transit(const double* u) const {
+double CellBatches::plastic_transit(const double* u, const std::vector<double>& gains) const {
   double least = 1e300;
   for (const Batch& b : batches_) {
-    if (b.kind != Kind::plastic) continue;
+    if (!flows(b.kind)) continue;
     const double modulus = material(b.part).wave_modulus();
     for (const int e : b.cells) {
       const SolidCell& cell = mesh_.cells[static_cast<std::size_t>(e)];
-      std::array<Vec3, 8> x;
+      std::array<Vec3, 8> x{};
       double mass = 0;
-      for (std::size_t a = 0; a < 8; ++a) {
+      for (std::size_t a = 0; a < corners_of(b.kind); ++a) {
         const auto n = static_cast<std::size_t>(cell.nodes[a]);
         x[a] = mesh_.nodes[n] + Vec3{u[4 * n], u[4 * n + 1], u[4 * n + 2]};
-        mass += masses_[n] / 8;
+        mass += masses_[n] / cell.corners();
       }
-      const HexShape s = hex_shape(x);
-      double square = 0;
-      for (const Vec3& beta : s.beta) square += 8 * dot(beta, beta);
-      least = std::min(least, std::sqrt(mass * s.volume / (modulus * square)));
+      const double square = gradient_square(x, cell.is_hex()), volume = cell_volume(x, cell.is_hex());
+      const double gain = gains.empty() ? 1 : gains[static_cast<std::size_t>(e)];
+      least = std::min(least, gain * std::sqrt(mass * volume / (modulus * square)));
     }
   }
   return least < 1e300 ? least : 0;

@@ -20,8 +20,9 @@ inline constexpr int brick_numbers = 22;
 inline constexpr int hex_numbers = 43;
 inline constexpr int tet_numbers = 10;
 
-/// State of a plastic cell: Cauchy stress xx yy zz xy yz xz, plastic strain, hourglass forces (12).
+/// State of a plastic cell: Cauchy stress xx yy zz xy yz xz, plastic strain and, of hexahedra, hourglass forces (12).
 inline constexpr int plastic_numbers = 19;
+inline constexpr int plastic_tet_numbers = 7;
 
 template <class Real>
 struct ElasticBatch {
@@ -66,13 +67,14 @@ struct NodeRange {
 
 struct CellKernel {
   const char* name;
-  /// Each returns the smallest J (plastic: smallest V over the brick of its edges' mean; linear: 1) of its cells.
+  /// Each returns the smallest J (plastic: smallest V, m3; linear: 1) of its cells.
   double (*brick)(const ElasticBatch<double>&, bool linear);
   double (*hex)(const ElasticBatch<double>&, bool linear);
   float (*brick_float)(const ElasticBatch<float>&, bool linear);
   float (*hex_float)(const ElasticBatch<float>&, bool linear);
   double (*tet)(const ElasticBatch<double>&, bool linear);
   double (*plastic)(PlasticBatch&);
+  double (*plastic_tet)(PlasticBatch&);
   void (*advance)(const NodeRange<double>&);
   void (*advance_float)(const NodeRange<float>&);
 };

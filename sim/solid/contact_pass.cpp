@@ -260,21 +260,24 @@ void ContactPass::add_pressure(std::vector<double>& all) const {
   }
 }
 
+/// A spring k between a node and a point of a face, k (u - sum w u_f)^2 / 2, is at most k (u^2 + sum w u_f^2): twice its
+/// stiffness at the node, and twice at the corners together.
 void ContactPass::add_stiffness(std::vector<double>& all) const {
   for (std::size_t n = 0; n < slave_->nodes.size(); ++n)
-    all[static_cast<std::size_t>(slave_->nodes[n])] += stiffness(n, slave_->areas[n]);
+    all[static_cast<std::size_t>(slave_->nodes[n])] += 2 * stiffness(n, slave_->areas[n]);
   for (std::size_t n = 0; n < master_->nodes.size(); ++n)  // as much comes from the nodes that stand on it
     all[static_cast<std::size_t>(master_->nodes[n])] +=
         pair_->layer > 0
-            ? 0.5 * pair_->layer * master_->areas[n]
-            : pair_->factor * series(master_->stiffness[n], master_stiffness_) * master_->areas[n];
+            ? pair_->layer * master_->areas[n]
+            : 2 * pair_->factor * series(master_->stiffness[n], master_stiffness_) * master_->areas[n];
 }
 
 void ContactPass::add_damping(std::vector<double>& all) const {
   if (!(pair_->damping > 0 || pair_->layer_damping > 0 || pair_->stick_damping > 0)) return;
   for (std::size_t n = 0; n < slave_->nodes.size(); ++n) {
     const double c = std::max(damping(n, slave_->areas[n]), sticking(n, slave_->areas[n]));
-    all[static_cast<std::size_t>(slave_->nodes[n])] += 2 * c;  // as much from the nodes that stand on it
+    all[static_cast<std::size_t>(slave_->nodes[n])] +=
+        4 * c;  // twice, and as much from the nodes that stand on it
   }
 }
 

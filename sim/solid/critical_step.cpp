@@ -34,16 +34,58 @@ double noise(std::size_t k) {
   return static_cast<double>(z >> 11) / 9007199254740992.0 - 0.5;
 }
 
-double length(const std::vector<double>& a) {
+double product(const std::vector<double>& a, const std::vector<double>& b) {
   double sum = 0;
-  for (const double x : a) sum += x * x;
-  return std::sqrt(sum);
+  for (std::size_t k = 0; k < a.size(); ++k) sum += a[k] * b[k];
+  return sum;
 }
+
+/// The masses in units of the lumped ones: 1 where no inertia is added.
+class ScaledMasses {
+ public:
+  ScaledMasses(const AddedInertia& inertia, const std::vector<double>& root)
+      : inertia_(inertia), root_(root) {
+    for (const int n : inertia.nodes())
+      for (std::size_t i = 0; i < 3; ++i) {
+        const double r = root[4 * static_cast<std::size_t>(n) + i];
+        mass_.push_back(r > 0 ? 1 / (r * r) : 0);
+      }
+  }
+
+  std::vector<double> times(const std::vector<double>& q) const {
+    std::vector<double> all = q, part = inertia_.gather(q.data());
+    each([&](std::size_t at, std::size_t k) { part[k] *= root_[at]; });
+    part = inertia_.times(part);
+    each([&](std::size_t at, std::size_t k) { all[at] += root_[at] * part[k]; });
+    return all;
+  }
+
+  std::vector<double> solve(const std::vector<double>& b) const {
+    std::vector<double> all = b, part = inertia_.gather(b.data());
+    each([&](std::size_t at, std::size_t k) { part[k] = root_[at] > 0 ? part[k] / root_[at] : 0; });
+    part = inertia_.solve(mass_, part);
+    each([&](std::size_t at, std::size_t k) { all[at] = root_[at] > 0 ? part[k] / root_[at] : 0; });
+    return all;
+  }
+
+ private:
+  template <class Visit>
+  void each(const Visit& visit) const {
+    for (std::size_t n = 0; n < inertia_.nodes().size(); ++n)
+      for (std::size_t i = 0; i < 3; ++i)
+        visit(4 * static_cast<std::size_t>(inertia_.nodes()[n]) + i, 3 * n + i);
+  }
+
+  const AddedInertia& inertia_;
+  const std::vector<double>& root_;
+  std::vector<double> mass_;
+};
 
 }  // namespace
 
 double cell_critical_step(const SolidMesh& mesh, const std::vector<SolidMaterial>& materials,
-                          const std::vector<double>& inverse_mass, const std::vector<double>& added) {
+                          const std::vector<double>& inverse_mass, const std::vector<double>& added,
+                          const AddedInertia& inertia) {
   std::vector<SolidMaterial> linear = materials;
   for (auto& m : linear) {
     if (m.law() == SolidLaw::plastic) m.hourglass *= 0.1;
@@ -57,13 +99,16 @@ double cell_critical_step(const SolidMesh& mesh, const std::vector<SolidMaterial
     root[k] = std::sqrt(inverse_mass[k]);
     q[k] = root[k] > 0 ? noise(k) : 0;
   }
-  std::vector<double> diagonal, beside;
-  double beta = length(q), previous = 0, found = 0;
+  // in u = M^-1/2 q the masses are S = 1 + M^-1/2 (M' - M) M^-1/2; p = S q, and vectors are orthonormal in S
+  const ScaledMasses scaled(inertia, root);
+  std::vector<double> diagonal, beside, p = scaled.times(q);
+  double beta = std::sqrt(product(q, p)), previous = 0, found = 0;
   if (!(beta > 0)) return 1e300;  // everything is fixed
   constexpr int most = 120;
   for (int step = 0; step < most && beta > 0; ++step) {
     for (std::size_t k = 0; k < size; ++k) {
       q[k] /= beta;
+      p[k] /= beta;
       u[k] = root[k] * q[k];
     }
     for (int b = 0; b < cells.count(); ++b) cells.compute(b, u.data(), u.data(), 0);
@@ -77,11 +122,12 @@ double cell_critical_step(const SolidMesh& mesh, const std::vector<SolidMaterial
         alpha += w[k] * q[k];
       }
     }
-    for (std::size_t k = 0; k < size; ++k) w[k] -= alpha * q[k];
+    for (std::size_t k = 0; k < size; ++k) w[k] -= alpha * p[k];
     diagonal.push_back(alpha);
-    last = q;
-    q = w;
-    beta = length(q);
+    last = p;
+    p = w;
+    q = scaled.solve(w);
+    beta = std::sqrt(product(q, p));
     if (step % 10 == 9) {
       found = largest_eigenvalue(diagonal, beside);
       if (found - previous < 1e-7 * found) break;
@@ -115,13 +161,15 @@ double ExplicitSolid::critical_step() const {
   std::vector<SolidMaterial> materials;
   for (std::size_t p = 0; p < cells_.mesh().parts.size(); ++p)
     materials.push_back(cells_.material(static_cast<int>(p)));
-  double limit = cell_critical_step(cells_.mesh(), materials, inverse_mass_, added);
+  AddedInertia inertia = inertia_;
+  inertia.aim(cells_.mesh().nodes, u_.data(), v_.data(), 0, [](int) { return false; });
+  double limit = cell_critical_step(cells_.mesh(), materials, inverse_mass_, added, inertia);
   if (std::all_of(damping.begin(), damping.end(), [](double c) { return c == 0; })) return limit;
   // a damping force half a step late takes w^2 dt^2 + 2 c dt / m <= 4: like a stiffness 2 c / dt at that step
   for (int k = 0; k < 3; ++k) {
     std::vector<double> stiff = added;
     for (std::size_t n = 0; n < nodes; ++n) stiff[n] += 2 * damping[n] / limit;
-    limit = cell_critical_step(cells_.mesh(), materials, inverse_mass_, stiff);
+    limit = cell_critical_step(cells_.mesh(), materials, inverse_mass_, stiff, inertia);
   }
   return limit;
 }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "sim/solid/flush_denormals.h"
 #include "sim/team.h"
 
 namespace powbench::sim {
@@ -36,6 +37,7 @@ ExplicitSolid::ExplicitSolid(const SolidMesh& mesh, const std::vector<SolidMater
     throw std::invalid_argument("safety = " + std::to_string(options.safety) + ", must be in (0, 1]");
   if (!(options.energy_bound > 0))
     throw std::invalid_argument("energy_bound = " + std::to_string(options.energy_bound) + ", must be > 0");
+  if (options.scale_masses_to != 0) inertia_ = AddedInertia(mesh, materials, options.scale_masses_to);
   for (std::size_t n = 0; n < mesh.nodes.size(); ++n)
     for (std::size_t i = 0; i < 3; ++i) inverse_mass_[4 * n + i] = 1 / cells_.masses()[n];
   for (int p = 0; p < static_cast<int>(mesh.parts.size()); ++p)
@@ -118,6 +120,10 @@ void ExplicitSolid::begin() {
                                 "] ns, the critical step of this mesh and its contacts");
   dt_before_ = dt_;
   begun_ = true;
+  if (!inertia_.empty()) {
+    aim_inertia(0);
+    inertia_.start(v_.data());
+  }
   // half a step back with the forces at t = 0, so that the first velocity belongs half a step before it
   dt_before_ = 0;
   compute_forces();
@@ -131,16 +137,18 @@ void ExplicitSolid::begin() {
 void ExplicitSolid::set_step(double dt) {
   if (!begun_) throw std::invalid_argument("set_step: before the first step the options say the step");
   if (!(dt > 0)) throw std::invalid_argument("dt = " + std::to_string(dt) + " s, must be > 0");
-  bool deformable = false;
-  for (std::size_t p = 0; p < cells_.mesh().parts.size(); ++p)
-    deformable = deformable || rigid_.count(static_cast<int>(p)) == 0;
-  if (deformable && dt > limit_)
+  if (deforms() && dt > limit_)
     throw std::invalid_argument("dt = " + std::to_string(dt * 1e9) + " ns, must be in (0, " +
                                 std::to_string(limit_ * 1e9) + "] ns while a part deforms");
   dt_ = dt;
 }
 
+bool ExplicitSolid::deforms() const {
+  return rigid_.size() < cells_.mesh().parts.size();
+}
+
 void ExplicitSolid::each_worker(const std::function<void(int)>& job) {
+  if (!deforms()) return;  // no cell to compute: waking threads would cost more than the step
   if (team_)
     team_->run(job);
   else
@@ -157,9 +165,9 @@ void ExplicitSolid::compute_forces() {
   });
   for (const int cell : found_bad_)
     if (cell >= 0)
-      throw SolidStop("cell " + std::to_string(cell) +
-                          " has turned inside out at t = " + std::to_string(time_ * 1e6) + " us",
-                      cell, time_);
+      stop("cell " + std::to_string(cell) + " has turned inside out at t = " + std::to_string(time_ * 1e6) +
+               " us",
+           cell);
 }
 
 void ExplicitSolid::compute_loads() {
@@ -187,8 +195,7 @@ void ExplicitSolid::advance_nodes(double dt, double drift) {
   for (const int n :
        extra_.touched()) {  // a kick before the step, made larger by what damping will take off it
     const auto place = 4 * static_cast<std::size_t>(n);
-    int part = 0;
-    while (n >= cells_.nodes_end(part)) ++part;
+    const int part = part_of_node(n);
     if (rigid_.count(part) > 0) continue;
     const double scale = dt / (1 - 0.5 * damping_of(part) * dt);
     for (std::size_t i = 0; i < 3; ++i)
@@ -197,6 +204,7 @@ void ExplicitSolid::advance_nodes(double dt, double drift) {
   const int workers = options_.workers > 1 ? options_.workers : 1;
   const CellKernel& kernel = cells_.kernel();
   each_worker([&](int w) {
+    const FlushDenormals in_here;
     for (int part = 0; part < parts; ++part) {
       if (rigid_.count(part) > 0) continue;
       const int begin = cells_.nodes_begin(part), size = cells_.nodes_end(part) - begin;
@@ -222,13 +230,41 @@ void ExplicitSolid::advance_nodes(double dt, double drift) {
   });
   for (auto& [part, body] : rigid_)
     sim::advance(body, extra_, cells_.mesh().nodes, dt, drift, u_.data(), v_.data());
+  if (!inertia_.empty()) add_inertia(dt, drift);
+}
+
+int ExplicitSolid::part_of_node(int node) const {
+  int part = 0;
+  while (node >= cells_.nodes_end(part)) ++part;
+  return part;
+}
+
+/// Where the nodes are when they have moved on for a while, s, as fast as now.
+void ExplicitSolid::aim_inertia(double ahead) {
+  inertia_.aim(cells_.mesh().nodes, u_.data(), v_.data(), ahead,
+               [&](int part) { return rigid_.count(part) > 0; });
+}
+
+/// After nodes have moved by their masses alone.
+void ExplicitSolid::add_inertia(double dt, double drift) {
+  aim_inertia(0.5 * (drift > 0 ? drift : 2 * dt) - drift);
+  std::vector<double> diagonal;
+  for (const int n : inertia_.nodes()) {
+    const int part = part_of_node(n);
+    for (std::size_t i = 0; i < 3; ++i) {
+      const double inverse = inverse_mass_[4 * static_cast<std::size_t>(n) + i];
+      const bool moves = inverse > 0 && rigid_.count(part) == 0;
+      diagonal.push_back(moves ? (1 + 0.5 * damping_of(part) * dt) / inverse : 0);
+    }
+  }
+  inertia_.correct(diagonal, drift, u_.data(), v_.data());
 }
 
 /// The critical step goes with the time a wave needs through the flattest plastic cell.
 void ExplicitSolid::follow_cells() {
   constexpr long every = 20;
   if (options_.dt > 0 || steps_ % every != 0) return;
-  const double now = cells_.plastic_transit(u_.data());
+  const double now = cells_.plastic_transit(u_.data(), inertia_.gains());
   if (now <= 0) return;
   if (transit_ == 0) transit_ = now;
   dt_ = std::min(dt_, options_.safety * limit_ * std::min(1.0, now / transit_));
@@ -263,6 +299,7 @@ void ExplicitSolid::step() {
   if (due) {
     energies_.kinetic = 0;
     for (const auto& [part, body] : rigid_) energies_.kinetic += body.kinetic_between(turning.at(part));
+    if (!inertia_.empty()) energies_.kinetic += inertia_.kinetic(before.data(), v_.data());
     balance(before);
   }
   extra_.clear();
@@ -306,10 +343,14 @@ void ExplicitSolid::balance(const std::vector<double>& v_before) {
   asked_ = false;
   largest_ = std::max({largest_, std::fabs(e.stored()), std::fabs(e.external), std::fabs(e.start)});
   if (std::fabs(e.residual()) > options_.energy_bound * largest_)
-    throw SolidStop("energy residual " + std::to_string(e.residual() / largest_) +
-                        " of the largest energy at t = " + std::to_string(time_ * 1e6) + " us, allowed is " +
-                        std::to_string(options_.energy_bound),
-                    -1, time_);
+    stop("energy residual " + std::to_string(e.residual() / largest_) + " of the largest energy at t = " +
+             std::to_string(time_ * 1e6) + " us, allowed is " + std::to_string(options_.energy_bound),
+         -1);
+}
+
+void ExplicitSolid::stop(const std::string& why, int cell) {
+  stopped_ = true;
+  throw SolidStop(why, cell, time_);
 }
 
 void ExplicitSolid::set_rigid(int part, bool rigid) {
@@ -326,6 +367,10 @@ void ExplicitSolid::set_rigid(int part, bool rigid) {
     before += 0.5 * cells_.masses()[static_cast<std::size_t>(n)] * dot(velocity(n), velocity(n));
   }
   RigidPart body = freeze(first, last, held, view(), cells_.masses());
+  if (!inertia_.empty()) {
+    before += inertia_.kinetic_of(first, last, v_.data());
+    inertia_.rest(first, last);
+  }
   booked_frozen_ += before - body.kinetic();
   rigid_.emplace(part, std::move(body));
 }
@@ -340,6 +385,7 @@ SolidState ExplicitSolid::save() const {
   s.v = v_;
   s.cells = cells_.memory();
   if (contact_) s.contact = contact_->memory();
+  s.inertia = inertia_.momentum();
   s.booked = {booked_external_, booked_damping_,    booked_frozen_, largest_,       limit_,
               energies_.start,  begun_ ? 1.0 : 0.0, transit_,       booked_contact_};
   s.rigid = rigid_;
@@ -347,10 +393,12 @@ SolidState ExplicitSolid::save() const {
 }
 
 void ExplicitSolid::restore(const SolidState& s) {
-  if (s.u.size() != u_.size() || s.booked.size() != 9)
+  if (s.u.size() != u_.size() || s.booked.size() != 9 || s.inertia.size() != inertia_.momentum().size())
     throw std::invalid_argument("restart: the saved state belongs to another mesh");
+  stopped_ = false;
   cells_.restore_memory(s.cells);
   if (contact_) contact_->restore_memory(s.contact);
+  inertia_.set_momentum(s.inertia);
   time_ = s.time;
   dt_ = s.dt;
   dt_before_ = s.dt_before;

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "sim/solid/added_inertia.h"
 #include "sim/solid/cell_batches.h"
 #include "sim/solid/rigid_part.h"
 #include "sim/solid/solid_contact.h"
@@ -56,13 +57,16 @@ struct SolidOptions {
   bool float_forces = false;   ///< elastic bricks and hexahedra in single precision; places stay in double
   int ledger_every = 200;      ///< steps between energy balances; 0: never
   double energy_bound = 0.01;  ///< largest |residual| over the largest energy seen, else SolidStop; > 0
+  /// s; > 0: cells whose own step is smaller get inertia against deformation until it is this (added_inertia.h); at most
+  /// the median own step of the cells.
+  double scale_masses_to = 0;
 };
 
 /// Everything a run needs to go on as if it had not stopped.
 struct SolidState {
   double time = 0, dt = 0, dt_before = 0;
   long step = 0;
-  std::vector<double> u, v, cells, contact, booked;
+  std::vector<double> u, v, cells, contact, inertia, booked;
   std::map<int, RigidPart> rigid;
 };
 
@@ -98,6 +102,9 @@ class ExplicitSolid {
   void set_step(double dt);  ///< a new step from here; throws std::invalid_argument above the limit
   bool is_rigid(int part) const { return rigid_.count(part) > 0; }
 
+  bool stopped() const {
+    return stopped_;
+  }  ///< a SolidStop has been thrown: the state is the one it speaks of
   double time() const { return time_; }
   double dt() const { return dt_; }
   double step_limit() const { return limit_; }  ///< s, critical step; 0 before the first step
@@ -107,6 +114,7 @@ class ExplicitSolid {
   double plane_force() const { return plane_force_; }  ///< N, of the latest step
   const SolidContact* contact() const { return contact_.get(); }
   const CellBatches& cells() const { return cells_; }
+  const AddedInertia& added_inertia() const { return inertia_; }  ///< empty unless it was asked for
   const std::vector<double>& displacements() const { return u_; }
   Vec3 mean_velocity(int part) const;
   Vec3 mean_displacement(int part) const;
@@ -123,15 +131,21 @@ class ExplicitSolid {
   void compute_forces();
   void compute_loads();
   void advance_nodes(double dt, double drift);
+  int part_of_node(int node) const;
+  void aim_inertia(double ahead);
+  void add_inertia(double dt, double drift);
+  bool deforms() const;  // at least one part
   void each_worker(const std::function<void(int)>&);
   void book_work(double half_dt);
   double damping_work(double half_dt) const;
   void balance(const std::vector<double>& v_before);
   void follow_cells();
+  [[noreturn]] void stop(const std::string& why, int cell);
   double damping_of(int part) const { return cells_.material(part).damping; }
 
   CellBatches cells_;
   SolidOptions options_;
+  AddedInertia inertia_;
   std::unique_ptr<Team> team_;
   std::unique_ptr<SolidContact> contact_;
   std::vector<double> u_, v_, inverse_mass_;
@@ -146,13 +160,14 @@ class ExplicitSolid {
   double booked_external_ = 0, booked_damping_ = 0, booked_contact_ = 0, booked_frozen_ = 0, largest_ = 0,
          limit_ = 0, transit_ = 0;
   long steps_ = 0;
-  bool begun_ = false, asked_ = false;
+  bool begun_ = false, asked_ = false, stopped_ = false;
   SolidEnergies energies_;
 };
 
-/// Largest stable step of a mesh without contact, s: Lanczos iteration on its small displacements.
+/// Largest stable step of a mesh without contact, s: Lanczos iteration on its small displacements. Where inertia is added it
+/// must have been aimed.
 double cell_critical_step(const SolidMesh&, const std::vector<SolidMaterial>&,
-                          const std::vector<double>& inverse_mass,
-                          const std::vector<double>& added_stiffness);
+                          const std::vector<double>& inverse_mass, const std::vector<double>& added_stiffness,
+                          const AddedInertia& = {});
 
 }  // namespace powbench::sim

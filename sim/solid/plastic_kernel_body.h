@@ -2,9 +2,9 @@
 
 #include "sim/solid/cell_kernel_body.h"
 
-/// Plastic hexahedra in the current configuration. Strain rate and spin come from the mean gradient at mid-step, the
+/// Plastic cells in the current configuration. Strain rate and spin come from the mean gradient at mid-step, the
 /// stress is turned by the Jaumann rate, tried elastically and returned radially to the von Mises cylinder; forces act
-/// at the end of the step. Hourglass forces grow with the rate of their modes.
+/// at the end of the step. Hourglass forces of hexahedra grow with the rate of their modes.
 
 namespace powbench::sim {
 namespace {
@@ -160,6 +160,71 @@ double plastic_cells(PlasticBatch& batch) {
   return result;
 }
 
+/// Edges 1 .. 3 of tetrahedra from corner 0, and their cross products b_1 .. b_3; gives six times the volume.
+template <class V>
+POWBENCH_INLINE V tet_gradient(const V (&d)[3][3], V (&b)[3][3]) {
+  for (int k = 0; k < 3; ++k)
+    for (int i = 0; i < 3; ++i) {
+      const int next = (k + 1) % 3, last = (k + 2) % 3, j = (i + 1) % 3, l = (i + 2) % 3;
+      b[k][i] = d[next][j] * d[last][l] - d[next][l] * d[last][j];
+    }
+  return d[0][0] * b[0][0] + d[0][1] * b[0][1] + d[0][2] * b[0][2];
+}
+
+double plastic_tets(PlasticBatch& batch) {
+  using V = D8;
+  V smallest = V{} + 1e300, stored{}, lost{};
+  const Flow material{batch.lambda, batch.mu, batch.yield, batch.hardening, batch.dt};
+  const double half = 0.5 * batch.dt;
+  for (int part = 0; part < batch.blocks * 2; ++part) {
+    const int block = part / 2, lane = (part % 2) * 8;
+    const int* c = batch.nodes + block * 4 * block_cells + lane;
+    double* state = batch.state + static_cast<long>(block) * plastic_tet_numbers * block_cells + lane;
+    const auto number = [state](int k) -> D8u& { return *reinterpret_cast<D8u*>(state + k * block_cells); };
+    V x[3][4], v[3][4], rate[3][3], now[3][3], middle[3][3], b[3][3], l[3][3];
+    for (int a = 0; a < 4; ++a) {
+      gather(batch.x, c + a * block_cells, x[0][a], x[1][a], x[2][a]);
+      gather(batch.v, c + a * block_cells, v[0][a], v[1][a], v[2][a]);
+    }
+    for (int k = 0; k < 3; ++k)
+      for (int i = 0; i < 3; ++i) {
+        rate[k][i] = v[i][k + 1] - v[i][0];
+        now[k][i] = x[i][k + 1] - x[i][0];
+        middle[k][i] = now[k][i] - rate[k][i] * half;
+      }
+    const V mid_six = tet_gradient(middle, b);
+    const V inverse = 1.0 / (mid_six == V{} ? V{} + 1.0 : mid_six);  // unused lanes
+    for (int i = 0; i < 3; ++i)
+      for (int j = 0; j < 3; ++j)
+        l[i][j] = (rate[0][i] * b[0][j] + rate[1][i] * b[1][j] + rate[2][i] * b[2][j]) * inverse;
+    V s[6], plastic = number(6), flow_stress;
+    for (int k = 0; k < 6; ++k) s[k] = number(k);
+    const V before = power(s, l);
+    const V step = update_stress(l, material, s, plastic, flow_stress);
+    stored += (before + power(s, l)) * mid_six * (half / 6);
+    lost += flow_stress * step * mid_six * (1.0 / 6);
+    for (int k = 0; k < 6; ++k) number(k) = s[k];
+    number(6) = plastic;
+    const V six = tet_gradient(now, b);
+    smallest = least(smallest, mid_six == V{} ? V{} + 1e300 : six * (1.0 / 6));
+    const V t[3][3] = {{s[0], s[3], s[5]}, {s[3], s[1], s[4]}, {s[5], s[4], s[2]}};
+    V n[3][4];
+    for (int i = 0; i < 3; ++i) {
+      for (int k = 0; k < 3; ++k)
+        n[i][k + 1] = (t[i][0] * b[k][0] + t[i][1] * b[k][1] + t[i][2] * b[k][2]) * (-1.0 / 6);
+      n[i][0] = -(n[i][1] + n[i][2] + n[i][3]);
+    }
+    for (int a = 0; a < 4; ++a) scatter(batch.f, c + a * block_cells, n[0][a], n[1][a], n[2][a]);
+  }
+  double result = smallest[0];
+  for (int k = 0; k < 8; ++k) {
+    result = smallest[k] < result ? smallest[k] : result;
+    batch.stored += stored[k];
+    batch.plastic_work += lost[k];
+  }
+  return result;
+}
+
 POWBENCH_INLINE D4 widen(const double* p) {
   return *reinterpret_cast<const D4u*>(p);
 }
@@ -185,12 +250,12 @@ void advance_nodes(const NodeRange<Real>& range) {
 
 }  // namespace
 
-#define POWBENCH_CELL_KERNEL(function, title)                                                         \
-  const CellKernel& function() {                                                                      \
-    static constexpr CellKernel kernel{                                                               \
-        title,     brick_cells<double>, hex_cells<double>,     brick_cells<float>,  hex_cells<float>, \
-        tet_cells, plastic_cells,       advance_nodes<double>, advance_nodes<float>};                 \
-    return kernel;                                                                                    \
+#define POWBENCH_CELL_KERNEL(function, title)                                                            \
+  const CellKernel& function() {                                                                         \
+    static constexpr CellKernel kernel{                                                                  \
+        title,     brick_cells<double>, hex_cells<double>, brick_cells<float>,    hex_cells<float>,      \
+        tet_cells, plastic_cells,       plastic_tets,      advance_nodes<double>, advance_nodes<float>}; \
+    return kernel;                                                                                       \
   }
 
 }  // namespace powbench::sim

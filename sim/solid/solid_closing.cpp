@@ -43,6 +43,8 @@ class Closing {
 
   SolidClosingResult run(const std::function<void(const ExplicitSolid&, const ContactorMesh&)>& watch) {
     result_.cells = static_cast<long>(contactor_.mesh.cells.size());
+    result_.scaled_cells = solid_.added_inertia().cells();
+    result_.added_inertia = solid_.added_inertia().share();
     solid_.step();
     solid_.set_step(options_.flight_step);
     double next_sample = 0, next_field = 0;
@@ -163,7 +165,10 @@ class Closing {
     if (closed && result_.first_touch < 0) result_.first_touch = solid_.time();
     if (closed && solid_.time() - closed_at_ > chatter) {  // nodes come and go within a touch
       result_.last_touch = solid_.time();
-      if (closed_at_ > 0) ++result_.openings;
+      if (closed_at_ > 0) {
+        ++result_.openings;
+        result_.open.push_back({closed_at_, solid_.time()});
+      }
     }
     if (closed) closed_at_ = solid_.time();
     result_.peak_force = std::max(result_.peak_force, pad.force_sum);

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <functional>
 
 #include "core/conditions.h"
@@ -49,11 +50,14 @@ struct CoilEnergies {
 struct SolidClosingResult {
   double first_touch = -1, core_seat = -1, last_touch = -1;  ///< s, of the first bridge and the mover
   int openings = 0;                                          ///< of the first bridge
+  std::vector<std::array<double, 2>> open;                   ///< s, each of them: from, to
   double peak_force = 0;                                     ///< N, on the first bridge's pads
   double residual = 0;  ///< largest energy residual over the largest energy
   SolidEnergies energies;
   CoilEnergies electric;
   long cells = 0, rigid_steps = 0, deformed_steps = 0;
+  int scaled_cells = 0;                     ///< with inertia added on request (SolidOptions::scale_masses_to)
+  double added_inertia = 0;                 ///< theirs over the mass of all bodies
   std::vector<SolidClosingSample> samples;  ///< in their order of time
 };
 

@@ -28,6 +28,13 @@ double smallest_corner(const std::array<Vec3, 8>& x) {
 
 }  // namespace
 
+std::array<Vec3, 8> corners_of(const SolidMesh& mesh, const SolidCell& cell) {
+  std::array<Vec3, 8> x{};
+  for (std::size_t a = 0; a < static_cast<std::size_t>(cell.corners()); ++a)
+    x[a] = mesh.nodes[static_cast<std::size_t>(cell.nodes[a])];
+  return x;
+}
+
 int SolidMesh::add_part(const std::string& name) {
   parts.push_back(name);
   return static_cast<int>(parts.size()) - 1;
@@ -89,12 +96,23 @@ void map_nodes(SolidMesh& mesh, int first, const std::function<Vec3(const Vec3&)
     mesh.nodes[n] = map(mesh.nodes[n]);
 }
 
+double cell_volume(const std::array<Vec3, 8>& x, bool hex) {
+  return hex ? hex_shape(x).volume : tet_volume(x[0], x[1], x[2], x[3]);
+}
+
 double cell_volume(const SolidMesh& mesh, const SolidCell& cell) {
-  const auto at = [&](std::size_t a) { return mesh.nodes[static_cast<std::size_t>(cell.nodes[a])]; };
-  if (!cell.is_hex()) return tet_volume(at(0), at(1), at(2), at(3));
-  std::array<Vec3, 8> x;
-  for (std::size_t a = 0; a < 8; ++a) x[a] = at(a);
-  return hex_shape(x).volume;
+  return cell_volume(corners_of(mesh, cell), cell.is_hex());
+}
+
+double gradient_square(const std::array<Vec3, 8>& x, bool hex) {
+  double square = 0;
+  if (hex) {
+    for (const Vec3& beta : hex_shape(x).beta) square += 8 * dot(beta, beta);
+    return square;
+  }
+  const Vec3 d1 = x[1] - x[0], d2 = x[2] - x[0], d3 = x[3] - x[0];
+  const Vec3 b1 = cross(d2, d3), b2 = cross(d3, d1), b3 = cross(d1, d2), b0 = b1 + b2 + b3;
+  return (dot(b0, b0) + dot(b1, b1) + dot(b2, b2) + dot(b3, b3)) / 36;
 }
 
 void check_mesh(const SolidMesh& mesh) {
@@ -111,9 +129,8 @@ void check_mesh(const SolidMesh& mesh) {
     const double volume = cell_volume(mesh, cell);
     if (!(volume > 0)) bad(e, "volume " + std::to_string(volume) + " m3, must be > 0");
     if (!cell.is_hex()) continue;
-    std::array<Vec3, 8> x;
-    for (std::size_t a = 0; a < 8; ++a) x[a] = mesh.nodes[static_cast<std::size_t>(cell.nodes[a])];
-    if (!(smallest_corner(x) > 0)) bad(e, "is folded at a corner, the Jacobian must be > 0 at all eight");
+    if (!(smallest_corner(corners_of(mesh, cell)) > 0))
+      bad(e, "is folded at a corner, the Jacobian must be > 0 at all eight");
   }
 }
 

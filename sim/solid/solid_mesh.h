@@ -42,8 +42,15 @@ void add_grid(SolidMesh&, int part, const std::vector<double>& x, const std::vec
 /// Moves the nodes `first` .. last by a map.
 void map_nodes(SolidMesh&, int first, const std::function<Vec3(const Vec3&)>&);
 
+/// Places of its corners, m; of a tetrahedron the first four.
+std::array<Vec3, 8> corners_of(const SolidMesh&, const SolidCell&);
+
 /// Volume of one cell, m3; negative when it is inside out. Exact for trilinear hexahedra.
 double cell_volume(const SolidMesh&, const SolidCell&);
+double cell_volume(const std::array<Vec3, 8>& corners, bool hex);
+
+/// Sum over the corners of |dV/dx|^2, m4: of the eight of a hexahedron, or the first four of a tetrahedron.
+double gradient_square(const std::array<Vec3, 8>& corners, bool hex);
 
 /// Throws std::invalid_argument with the number of the first cell that names a node or part that is not there, or whose
 /// volume or whose Jacobian at a corner is not positive.

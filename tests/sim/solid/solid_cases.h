@@ -60,6 +60,27 @@ inline SolidMesh tetrahedra_of(const SolidMesh& hexes) {
   return m;
 }
 
+/// Displacement (4 a node) of the linear field u = G x.
+inline std::vector<double> linear_field(const SolidMesh& m, const double (&g)[3][3]) {
+  std::vector<double> u(4 * m.nodes.size(), 0.0);
+  for (std::size_t n = 0; n < m.nodes.size(); ++n)
+    for (std::size_t i = 0; i < 3; ++i)
+      for (int j = 0; j < 3; ++j) u[4 * n + i] += g[i][static_cast<std::size_t>(j)] * m.nodes[n][j];
+  return u;
+}
+
+/// Largest difference of any cell's stress to the first one's, relative.
+inline double stress_scatter(const CellBatches& cells, const std::vector<double>& u) {
+  const auto s = cells.stresses(u);
+  double worst = 0, size = 0;
+  for (const auto& c : s)
+    for (std::size_t k = 0; k < 6; ++k) {
+      worst = std::max(worst, std::fabs(c.stress[k] - s[0].stress[k]));
+      size = std::max(size, std::fabs(c.stress[k]));
+    }
+  return worst / size;
+}
+
 inline SolidMaterial material(double young, double poisson, double density) {
   SolidMaterial m;
   m.young = young;
