@@ -142,6 +142,8 @@ Exit show_field(const FieldArgs& args) {
   sim::Team team(2);
   if (args.ends && args.ring)
     throw BadInput({"--ends and --ring: the table with ends has no ring flux, allowed one of them"});
+  if (args.ends && design.shape.closed_leg != 0)
+    throw BadInput({"--ends: shape.closed_leg = 1, allowed 0 in three dimensions"});
   const auto choice = args.ends ? obtain_end_table(folder, design, options, {}, team)
                                 : obtain_field_table(folder, design, options, team);
   const sim::TablePotential table(choice.table);

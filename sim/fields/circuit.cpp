@@ -71,6 +71,19 @@ CircuitPotential::CircuitPotential(const MagnetShape& s, const Steel& steel, dou
   const double depth = s.stack + (options.stack_ends ? s.window_width : 0);
   const double permeance = vacuum * sides * depth * (s.coil_height / 3 + above) / s.window_width;
   leakage_ = turns * turns * permeance + end_leakage;
+  stack_factor_ = s.stack_factor;
+}
+
+double CircuitPotential::sheet_resistance(double thickness, double conductivity) const {
+  if (!(thickness >= 0.02e-3 && thickness <= 5e-3))
+    throw std::invalid_argument("thickness of a sheet = " + std::to_string(thickness * 1e3) +
+                                " mm, allowed 0.02 .. 5");
+  if (!(conductivity >= 1e4 && conductivity <= 1e8))
+    throw std::invalid_argument("conductivity = " + std::to_string(conductivity) +
+                                " S/m, allowed 1e4 .. 1e8");
+  double lengths = 0;
+  for (const auto& s : path_) lengths += s.length / (s.area * stack_factor_);
+  return 12 * turns_ * turns_ / (conductivity * thickness * thickness * lengths);
 }
 
 CircuitPotential::Derivatives CircuitPotential::iron(const std::vector<Section>& sections,

@@ -41,6 +41,15 @@ class CircuitPotential final : public MagneticPotential {
   /// Leakage inductance that is in series with the core, H.
   double leakage() const { return leakage_; }
 
+  /// R_e of the eddy currents in the sheets, ohm (`TransientSetup::sheet_resistance`), for a sheet's thickness in m and its
+  /// conductivity in S/m, both above 0:
+  ///
+  ///   1 / R_e = sigma d^2 / (12 N^2) sum of l / A_iron over the sections that carry phi
+  ///
+  /// The first term of the law of a sheet, H = B / mu z coth z with z = (1 + j) d / (2 delta), in j omega: good while the
+  /// skin depth delta is above half of the thickness. Throws std::invalid_argument for values that cannot be.
+  double sheet_resistance(double thickness, double conductivity) const;
+
   /// Flux through the centre leg for given flux linkages, Wb.
   double core_flux(double psi, double ring, double gap) const;
 
@@ -73,6 +82,7 @@ class CircuitPotential final : public MagneticPotential {
   double turns_;
   double residual_gap_;
   double leakage_ = 0;
+  double stack_factor_ = 1;
   std::vector<Section> path_;         ///< carries phi
   std::vector<Section> column_;       ///< carries phi: 1 m of a closed leg, or nothing
   std::vector<Section> shaded_tips_;  ///< carries phi_s

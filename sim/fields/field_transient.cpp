@@ -8,6 +8,18 @@
 namespace powbench::sim {
 namespace {
 
+/// The resistance beside the coil's flux: dpsi/dt = u - R (dW/dpsi + dpsi/dt / R_e).
+struct Sheets {
+  double share = 1, conductance = 0;
+  explicit Sheets(const TransientSetup& s) {
+    if (!(s.sheet_resistance >= 0)) throw std::invalid_argument("transient: sheet_resistance below 0 ohm");
+    if (s.sheet_resistance == 0) return;
+    conductance = 1 / s.sheet_resistance;
+    share = 1 / (1 + s.resistance * conductance);
+  }
+  double current(double rate) const { return rate * conductance; }
+};
+
 class FieldRung {
  public:
   FieldRung(const MagnetDesign& d, const FieldOptions& o, const TransientSetup& s)
@@ -46,27 +58,31 @@ class FieldRung {
       load_.back() = 0;
       newton_.set_quadratic(&matrix_, &load_);
     }
-    std::vector<Circuit> circuits{
-        {true, fluxes_[0] + 0.5 * step * voltage, design_.end_leakage + 0.5 * step * setup_.resistance}};
+    const Sheets sheets(setup_);
+    const double r = setup_.resistance;
+    std::vector<Circuit> circuits{{true, fluxes_[0] + 0.5 * step * sheets.share * voltage,
+                                   design_.end_leakage + 0.5 * step * sheets.share * r}};
     if (fluxes_.size() > 1) circuits.push_back({true, fluxes_[1], 0.5 * step * setup_.ring_resistance});
     std::vector<double> middle = a_;
     const auto report = newton_.solve(circuits, middle, current_, options_.newton);
     if (!report.converged) throw std::runtime_error("transient: the field does not converge");
     iterations += report.iterations;
     Middle m;
-    m.current = current_[0];
+    const double rate = sheets.share * (voltage - r * current_[0]);
+    m.current = current_[0] + sheets.current(rate);
     if (fluxes_.size() > 1) m.ring_current = current_[1];
-    m.psi = fluxes_[0] + 0.5 * step * (voltage - setup_.resistance * m.current);
+    m.psi = fluxes_[0] + 0.5 * step * rate;
+    m.eddy_power = sheets.current(rate) * rate;
     m.pull = problem_.gap_slope(middle.data());
     std::vector<double> slope(a_.size());
     for (std::size_t k = 0; k < a_.size(); ++k) slope[k] = 2 * (middle[k] - a_[k]);  // the whole step
     if (eddies) {
       multiply(problem_.space().pattern, problem_.mass(), slope.data(), load_.data());
       load_.back() = 0;
-      m.eddy_power = dot(slope, load_) / (step * step);
+      m.eddy_power += dot(slope, load_) / (step * step);
     }
     for (std::size_t k = 0; k < a_.size(); ++k) a_[k] += slope[k];
-    fluxes_[0] += step * (voltage - setup_.resistance * m.current);
+    fluxes_[0] += step * rate;
     if (fluxes_.size() > 1) fluxes_[1] -= step * setup_.ring_resistance * m.ring_current;
     return m;
   }
@@ -97,16 +113,18 @@ class PotentialRung {
   /// Newton on the two fluxes at the middle of the step.
   Middle advance(double voltage, double gap, double step) {
     constexpr int most = 50;
-    const double h = 0.5 * step, r = setup_.resistance,
+    const Sheets sheets(setup_);
+    const double h = 0.5 * step * sheets.share, half = 0.5 * step, r = setup_.resistance,
                  q = potential_.has_ring() ? setup_.ring_resistance : 0;
     double psi = psi_, ring = ring_;
     MagneticResponse m;
     for (int k = 0; k < most; ++k) {
       m = potential_.at({psi, ring, gap});
       ++iterations;
-      const double f = psi - psi_ - h * (voltage - r * m.current), g = ring - ring_ + h * q * m.ring_current;
-      const double a = 1 + h * r * m.current_psi, b = h * r * m.current_ring, c = h * q * m.current_ring,
-                   d = 1 + h * q * m.ring_ring;
+      const double f = psi - psi_ - h * (voltage - r * m.current),
+                   g = ring - ring_ + half * q * m.ring_current;
+      const double a = 1 + h * r * m.current_psi, b = h * r * m.current_ring, c = half * q * m.current_ring,
+                   d = 1 + half * q * m.ring_ring;
       const double det = a * d - b * c;
       const double dpsi = (f * d - b * g) / det, dring = (a * g - c * f) / det;
       psi -= dpsi;
@@ -116,7 +134,8 @@ class PotentialRung {
     m = potential_.at({psi, ring, gap});
     psi_ = 2 * psi - psi_;
     ring_ = 2 * ring - ring_;
-    return {psi, m.current, m.ring_current, m.pull, 0};
+    const double rate = sheets.share * (voltage - r * m.current), eddy = sheets.current(rate);
+    return {psi, m.current + eddy, m.ring_current, m.pull, eddy * rate};
   }
 
  private:

@@ -15,12 +15,15 @@
 
 namespace powbench::sim {
 
+/// Eddy currents in the sheets of a stack are a resistance R_e beside the coil's flux: i = dW/dpsi + (dpsi/dt) / R_e.
+
 struct TransientSetup {
-  std::function<double(double)> voltage;        ///< u(t), V
-  double resistance = 1;                        ///< of the coil, ohm
-  double ring_resistance = 1e-3;                ///< ohm
-  double iron_conductivity = 0;                 ///< S/m; 0: laminated
-  double mass = 0.1;                            ///< kg; the moving part
+  std::function<double(double)> voltage;  ///< u(t), V
+  double resistance = 1;                  ///< of the coil, ohm
+  double ring_resistance = 1e-3;          ///< ohm
+  double iron_conductivity = 0;           ///< S/m; 0: laminated
+  double sheet_resistance = 0;  ///< ohm, R_e of `lamination_resistance`; 0: no eddy currents in sheets
+  double mass = 0.1;            ///< kg; the moving part
   std::function<double(double)> counter_force;  ///< N at a gap, against the closing; empty: none
   double start_gap = 4e-3;  ///< m; the gap stays within [0, start_gap], impacts are plastic
   bool moves = true;
@@ -38,7 +41,7 @@ struct TransientEnergy {
   double supplied = 0;   ///< u i dt
   double coil_loss = 0;  ///< R i^2
   double ring_loss = 0;
-  double eddy_loss = 0;     ///< in solid iron
+  double eddy_loss = 0;     ///< in solid iron or in its sheets
   double mechanical = 0;    ///< pull times way
   double stored = 0;        ///< in the field at the end
   double residual() const;  ///< what is missing, over what was supplied

@@ -106,8 +106,10 @@ PotentialTable build_table(const SolenoidDesign& d, const TableOptions& o, Team&
 }
 
 TransientResult run_transient(const SolenoidDesign& d, const FieldOptions& o, const TransientSetup& s) {
-  if (s.iron_conductivity != 0)
-    throw std::invalid_argument("transient: iron_conductivity of a solenoid must be 0, its parts slide");
+  if (s.iron_conductivity != 0 || s.sheet_resistance != 0)
+    throw std::invalid_argument(
+        "transient: iron_conductivity and sheet_resistance of a solenoid must be 0, its parts slide and are "
+        "solid");
   if (s.start_gap > d.largest_gap)
     throw std::invalid_argument("transient: start_gap_mm = " + std::to_string(s.start_gap * 1e3) +
                                 ", allowed 0 .. " + std::to_string(d.largest_gap * 1e3));

@@ -1,5 +1,7 @@
+#include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
+#include <cstdio>
 
 #include "bench/fields/contactor.h"
 
@@ -100,6 +102,7 @@ TEST_CASE("25 cold starts with the steel of TEAM 13 converge in at most 25 itera
   auto design = reference_contactor();
   design.steel = builtin_steel("team13");
   MagnetField field(design, {});
+  int most = 0;
   for (const double gap : {0.02e-3, 0.1e-3, 0.5e-3, 2e-3, 5e-3})
     for (const double current : {30.0, 300.0, 1000.0, 3000.0, 10000.0}) {
       INFO("gap " << gap * 1e3 << " mm, " << current << " A");
@@ -107,14 +110,17 @@ TEST_CASE("25 cold starts with the steel of TEAM 13 converge in at most 25 itera
       const auto p = field.at_current(current, 0);
       CHECK(p.newton.converged);
       CHECK(p.newton.iterations <= 25);
+      most = std::max(most, p.newton.iterations);
     }
+  std::printf("25 cold starts, steel of TEAM 13: at most %d iterations\n", most);
 }
 
 TEST_CASE("the gap may close to a tenth of a micrometre, saturated or not") {
   auto design = reference_contactor();
   design.residual_gap = 0.1e-6;
   MagnetField field(design, {});
-  double before = 0;
+  double before = 0, stress = 0;
+  int most = 0;
   for (const double current : {30.0, 3000.0}) {
     before = 0;
     for (const double gap : {100e-6, 10e-6, 1e-6, 0.0}) {
@@ -126,14 +132,20 @@ TEST_CASE("the gap may close to a tenth of a micrometre, saturated or not") {
       CHECK(p.response.pull > before);
       CHECK(relative(p.stress_pull, p.response.pull) < 5e-3);
       before = p.response.pull;
+      stress = std::max(stress, relative(p.stress_pull, p.response.pull));
+      most = std::max(most, p.newton.iterations);
     }
   }
+  std::printf(
+      "gap 100 um .. 0.1 um, 30 and 3000 A turns: at most %d iterations, stress %.2f %% off virtual work\n",
+      most, 100 * stress);
 }
 
 TEST_CASE("a bad start does no harm") {
   MagnetField field(reference_contactor(), coarse());
   field.set_gap(0.5e-3);
   const auto right = field.at_current(1000, 0);
+  double worst = 0;
   for (const double factor : {-3.0, 10.0, 100.0}) {
     auto start = right.a;
     for (std::size_t k = 0; k < start.size(); k += 3) start[k] *= factor;
@@ -141,7 +153,9 @@ TEST_CASE("a bad start does no harm") {
     const auto p = field.at_current(1000, 0, start);
     CHECK(p.newton.converged);
     CHECK(relative(p.response.pull, right.response.pull) < 1e-6);
+    worst = std::max(worst, relative(p.response.pull, right.response.pull));
   }
+  std::printf("starts 3, 10 and 100 times off in every third unknown: pull differs by %.0e\n", worst);
 }
 
 TEST_CASE("impossible shapes are told with key, value and range") {

@@ -1,0 +1,51 @@
+// `powbench field`: cores of two legs, what it tells, what it refuses.
+
+#include <catch2/catch.hpp>
+
+#include "tests/system/program.h"
+
+using namespace powbench::test;
+using Catch::Contains;
+
+TEST_CASE("a U- and a C-core: table, pictures, and how much of it rests on extrapolated steel", "[system]") {
+  Folder folder;
+  const std::string shape = "[shape]\nlegs = 2\nring_share = 0.0\nouter_width_mm = 12.0\nyoke_mm = 12.0\n";
+  for (const char* leg : {"closed_leg = 0\n", "closed_leg = 1\n"}) {
+    const std::string file = folder.write("two.specimen.toml", shape + leg);
+    const Finished r = run(folder, {"field", file, "-o", folder.file("field"), "--accuracy", "5%"});
+    INFO(r.err);
+    CHECK(r.status == 0);
+    CHECK_THAT(r.out, Contains("built") && Contains("steel up to") &&
+                          Contains("above the B-H data, which end at 2.37 T"));
+    CHECK_THAT(r.out, Contains("field-half.svg") && Contains("field-table.svg"));
+    const Finished again =
+        run(folder, {"field", file, "-o", folder.file("field"), "--accuracy", "5%", "--json"});
+    CHECK_THAT(again.out, Contains("\"reused\": true") && Contains("\"states_beyond_data\": 0."));
+  }
+}
+
+TEST_CASE("fields that cannot be: exit 2 and a sentence with key, value and range", "[system]") {
+  Folder folder;
+  const auto refused = [&](const std::string& text, std::vector<std::string> more = {}) {
+    std::vector<std::string> words{"field", folder.write("x.specimen.toml", text), "-o",
+                                   folder.file("field")};
+    words.insert(words.end(), more.begin(), more.end());
+    const Finished r = run(folder, words);
+    CHECK(r.status == 2);
+    CHECK(r.out.empty());
+    return r.err;
+  };
+  CHECK_THAT(refused("[shape]\nlegs = 4\n"),
+             Contains("x.specimen.toml:2") && Contains("legs = 4") && Contains("2..3"));
+  CHECK_THAT(refused("[shape]\nclosed_leg = 1\n"), Contains("closed_leg = 1") && Contains("allowed 0"));
+  CHECK_THAT(refused("[shape]\nlegs = 2\nclosed_leg = 1\n"),
+             Contains("ring_share") && Contains("no pole face"));
+  CHECK_THAT(refused("[shape]\nstack_mm = 0.018\n"), Contains("stack_mm = 0.018") && Contains("1..300"));
+  CHECK_THAT(refused("[shape]\ncoil_width_mm = 12\n"), Contains("coil_width_mm") && Contains("up to 9"));
+  CHECK_THAT(refused("[shape]\nring_slot_mm = 5\n"),
+             Contains("ring_slot_mm") && Contains("the pole around the ring"));
+  CHECK_THAT(refused("[magnet]\nresidual_gap_um = -1\n"), Contains("residual_gap_um = -1"));
+  CHECK_THAT(refused("", {"--steel", "cheese"}), Contains("'cheese' is unknown") && Contains("lamination"));
+  CHECK_THAT(refused("[shape]\nlegs = 2\nclosed_leg = 1\nring_share = 0.0\n", {"--ends"}),
+             Contains("--ends") && Contains("closed_leg = 1"));
+}
