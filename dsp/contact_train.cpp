@@ -110,9 +110,24 @@ void admit_amplifier(Contact& c, double delay) {
   c.release.u = std::hypot(c.release.u, u);
 }
 
+/// A shape that does not fit says nothing beyond the film: where its peak stands above all that the film shows while the contact
+/// is closed, the film's largest value is the peak, and as uncertain as the two are apart. A clipped film shows too little.
+void hold_peak(Contact& c, const Signal& film) {
+  constexpr double first_rise = 300e-6;  // s, of a contact that stays closed
+  if (!(c.flags & flag_poor_fit) || (c.flags & flag_clipped) || !c.peak.known()) return;
+  const double end = c.release.known() ? c.release.value : c.touch.value + first_rise;
+  double seen = 0;
+  for (std::size_t i = film.index_at(c.touch.value); i < film.size() && film.time(i) <= end; ++i)
+    if (!film.masked[i]) seen = std::max(seen, film.value[i]);
+  if (!(c.peak.value > seen) || !(seen > 0)) return;
+  c.peak.u = std::hypot(c.peak.u, c.peak.value - seen);
+  c.peak.value = seen;
+}
+
 void fill_train(ContactTrain& train, const Round& r, const Force& f, double t_end, const ExtractOptions& o) {
   for (const ContactFit& fit : r.fits) {
     train.contacts.push_back(fit.contact);
+    hold_peak(train.contacts.back(), f.signal);
     admit_amplifier(train.contacts.back(), f.delay);
     train.flags |= fit.contact.flags & (flag_clipped | flag_gap);
   }

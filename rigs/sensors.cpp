@@ -102,11 +102,14 @@ SensorChain::SensorChain(const SensorConfig& config, double sample_rate, double 
 }
 
 std::int16_t SensorChain::quantise(Channel channel, double value, double noise) {
+  ++conversions_;
   const double counts = (value + noise * random_.normal()) * counts_per_si_[index(channel)];
   return static_cast<std::int16_t>(std::lrint(std::clamp(counts, -32768.0, 32767.0)));
 }
 
 void SensorChain::force_step(const sim::PlantSample& p) {
+  const bool film_a = wants(Channel::pvdf_a), film_b = wants(Channel::pvdf_b);
+  if (!film_a && !film_b && !wants(Channel::aux)) return;  // nobody feels the frame ring
   double ring_a = 0.0, ring_b = 0.0;
   for (std::size_t m = 0; m < modes_.size(); ++m) {
     modes_[m].step(p.core_force);
@@ -116,8 +119,8 @@ void SensorChain::force_step(const sim::PlantSample& p) {
   const double pickup = config_.coil_pickup * p.coil_voltage / 325.0;
   const double a = p.force_a + config_.force_crosstalk * p.force_b + ring_a + pickup;
   const double b = p.force_b + config_.force_crosstalk * p.force_a + ring_b + pickup;
-  force_a_ = high_a_.step(low_a_.step(a));
-  force_b_ = high_b_.step(low_b_.step(b));
+  if (film_a) force_a_ = high_a_.step(low_a_.step(a));
+  if (film_b) force_b_ = high_b_.step(low_b_.step(b));
 }
 
 double SensorChain::laser(const sim::PlantSample& p) {
@@ -147,7 +150,7 @@ void SensorChain::convert(std::span<const sim::PlantSample> plant, std::span<std
   constexpr double frame_stiffness = 1e8;  // N/m: turns a mode's force into its motion at the accelerometer
   for (const sim::PlantSample& p : plant) {
     force_step(p);
-    travel = laser(p);
+    if (wants(Channel::laser)) travel = laser(p);
     voltage += p.coil_voltage;
     mains += p.mains_voltage;
     current += p.coil_current;
@@ -159,7 +162,9 @@ void SensorChain::convert(std::span<const sim::PlantSample> plant, std::span<std
   const double share = 1.0 / static_cast<double>(plant.size());
   const double phase = 2 * pi * mains_hertz_ * plant.back().time;
   const double hum = config_.force_hum * sqrt2 * (std::sin(phase + 0.7) + std::sin(3 * phase + 1.9) / 3.0);
-  const auto put = [&](Channel c, double value, double noise) { scan[index(c)] = quantise(c, value, noise); };
+  const auto put = [&](Channel c, double value, double noise) {
+    scan[index(c)] = wants(c) ? quantise(c, value, noise) : std::int16_t{0};
+  };
   put(Channel::pvdf_a, force_a_ + hum, config_.force_noise);
   put(Channel::pvdf_b, force_b_ + 0.8 * hum, config_.force_noise);
   put(Channel::laser, travel, 0.0);

@@ -73,6 +73,9 @@ class SensorChain {
   /// `plant`: the `oversampling` samples that end at the converter instant; `scan`: channel_count values.
   void convert(std::span<const sim::PlantSample> plant, std::span<std::int16_t> scan);
 
+  /// Values converted so far: what the wanted channels cost.
+  std::int64_t conversions() const { return conversions_; }
+
   /// The laser holds its last value while set.
   void drop_laser(bool dropped) { laser_dropped_ = dropped; }
 
@@ -80,6 +83,7 @@ class SensorChain {
   std::int16_t quantise(Channel, double value, double noise);
   double laser(const sim::PlantSample&);
   void force_step(const sim::PlantSample&);
+  bool wants(Channel c) const { return contains(config_.channels, c); }
 
   SensorConfig config_;
   double mains_hertz_;
@@ -94,6 +98,7 @@ class SensorChain {
   double plant_dt_;
   double next_laser_ = 0.0, laser_value_ = 0.0;
   bool laser_started_ = false, laser_dropped_ = false;
+  std::int64_t conversions_ = 0;
 };
 
 }  // namespace powbench::rigs

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <string>
 
+#include "core/channel_set.h"
 #include "core/units.h"
 #include "sim/supply/supply_modes.h"
 
@@ -22,6 +23,9 @@ struct RingMode {
 
 /// The virtual sensor chain: what the plant does -> what the converter gives.
 struct SensorConfig {
+  ChannelSet channels =
+      all_channels;  ///< converted at all; of the others nothing is computed, their counts stay 0
+
   // force: PVDF film -> charge amplifier -> converter
   double charge_sensitivity = 21e-12;  ///< C/N, effective d33 of the glued film
   double film_area = 25e-6;            ///< m2

@@ -26,12 +26,12 @@ std::uint32_t record_crc(const Record& record) {
   std::uint32_t crc = 0;
   for (std::size_t i = 0; i < record.samples(); ++i) {
     std::uint8_t scan[2 * channel_count];
-    for (std::size_t c = 0; c < channel_count; ++c) {
+    for (std::size_t c = 0; c < record.channels.size(); ++c) {
       const auto v = static_cast<std::uint16_t>(record.channels[c].raw[i]);
       scan[2 * c] = static_cast<std::uint8_t>(v & 0xFFU);
       scan[2 * c + 1] = static_cast<std::uint8_t>(v >> 8);
     }
-    crc = crc32(scan, crc);
+    crc = crc32({scan, 2 * record.channels.size()}, crc);
   }
   return crc;
 }
@@ -46,7 +46,10 @@ Record empty_record(const Conditions& conditions, const SimRigConfig& rig, const
   record.calibration = "virtual";
   const auto samples = static_cast<std::size_t>(std::llrint(rig.record_length * rig.sample_rate));
   const auto scales = channel_scales(rig.sensors, rig.sample_rate);
+  if ((rig.sensors.channels & all_channels) == 0)
+    throw std::invalid_argument("channels: allowed at least one of the channel table");
   for (std::size_t c = 0; c < channel_count; ++c) {
+    if (!contains(rig.sensors.channels, static_cast<Channel>(c))) continue;
     record.channels.push_back({.channel = static_cast<Channel>(c),
                                .raw = std::vector<std::int16_t>(samples),
                                .scale = scales[c].si_per_count,
@@ -62,7 +65,7 @@ void convert(SensorChain& sensors, const std::vector<sim::PlantSample>& states, 
   std::array<std::int16_t, channel_count> scan{};
   for (std::size_t i = 0; i < states.size() / oversampling; ++i) {
     sensors.convert({&states[i * oversampling], oversampling}, scan);
-    for (std::size_t c = 0; c < channel_count; ++c) record.channels[c].raw[first + i] = scan[c];
+    for (auto& c : record.channels) c.raw[first + i] = scan[index(c.channel)];
   }
 }
 
@@ -111,6 +114,7 @@ SimulatedClosing simulate_record(const sim::Specimen& specimen, const Conditions
   out.events.assign(plant.events().begin(), plant.events().end());
   for (auto& e : out.events) e.time -= switch_on;
   out.truth = sim::closing_truth(out.events, conditions.hold_time);
+  out.conversions = sensors.conversions();
   out.evaluations = plant.evaluations();
   return out;
 }
@@ -145,6 +149,7 @@ SimulatedClosing simulate_record_with(const ClosingRun& run, const std::string& 
   out.record.crc32 = record_crc(out.record);
   out.events = std::move(closing.events);
   out.truth = closing.truth;
+  out.conversions = sensors.conversions();
   out.evaluations = closing.evaluations;
   return out;
 }

@@ -13,12 +13,14 @@ namespace powbench::rigs {
 /// A simulated closing as a record: plant alone, switched exactly at the commanded angle, through the virtual
 /// sensor chain of the rig. What the sensors do to a signal (bandwidth, droop, delay, ringing, quantisation,
 /// saturation) stands on both sides of a comparison; their noise and hum are left out, because a prediction
-/// has none.
+/// has none. The record holds the channels of `rig.sensors.channels`, each the same to the last bit whatever others are wanted;
+/// none is refused with std::invalid_argument.
 struct SimulatedClosing {
   Record record;
   sim::ClosingTruth truth;              ///< located by the integrator, unaffected by sensors
   std::vector<sim::PlantEvent> events;  ///< the same source, every event; s after switch-on
   std::int64_t evaluations = 0;         ///< of the right-hand side
+  std::int64_t conversions = 0;         ///< values that the sensors made
 };
 
 SimulatedClosing simulate_record(const sim::Specimen&, const Conditions&, const SimRigConfig&);

@@ -147,6 +147,8 @@ void take_options(const FitArgs& args, Source& s) {
   s.job.options.evaluations = args.evaluations;
   s.job.options.ensemble = args.ensemble;
   s.job.searches = args.searches;
+  s.job.problem.prior_deviation = args.prior;
+  s.job.finish = args.finish;
   s.job.options.seed = args.seed;
 }
 
@@ -173,7 +175,8 @@ Exit fit_specimen(const FitArgs& args) {
   const StopOnSignal stop;
   const auto per_fit = static_cast<std::size_t>(args.evaluations);
   Progress progress("fit",
-                    per_fit * static_cast<std::size_t>(args.searches) * (1 + source.job.held_out.size()),
+                    per_fit * static_cast<std::size_t>(args.searches) * (1 + source.job.held_out.size()) +
+                        static_cast<std::size_t>(args.finish),
                     progress_style(args.progress));
   auto saved = std::chrono::steady_clock::now();
   const auto watch = [&](std::size_t fit, std::size_t fits, long used, long, double best,

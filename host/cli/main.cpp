@@ -270,6 +270,11 @@ void add_fit_verb(CLI::App& app) {
       ->delimiter(',')
       ->expected(3)
       ->check(CLI::Range(0.01, 100.0));
+  v->add_option(
+       "--prior", fit->prior,
+       "standard deviation of each free number about the middle of its bounds, as a share of them; 0: none")
+      ->check(CLI::Range(0.0, 100.0))
+      ->capture_default_str();
   v->add_option("--hold-out", fit->hold_out, "closing angles in degrees that are predicted, never used")
       ->delimiter(',');
   v->add_flag("--leave-one-out", fit->leave_one_out, "predict every angle from the others, one fit each");
@@ -278,6 +283,12 @@ void add_fit_verb(CLI::App& app) {
       ->capture_default_str();
   v->add_option("--searches", fit->searches, "independent searches for each fit")
       ->check(CLI::Range(1, 1000))
+      ->capture_default_str();
+  v->add_option(
+       "--finish", fit->finish,
+       "specimens tried in a last search of the fit to all closings, from those found, on the sum of "
+       "absolute deviations")
+      ->check(CLI::Range(0, 100'000'000))
       ->capture_default_str();
   v->add_option("--ensemble", fit->ensemble, "fits to shifted data for the bands, for each search")
       ->check(CLI::Range(0, 1000))

@@ -171,8 +171,8 @@ std::vector<BounceRow> bounces_of_scene(const sim::Rung& rung, const Scene& scen
 Exit simulate_plan(const SimArgs& args) {
   const Scene scene = load_scene(args.plan);
   const Wish wish = wish_of(args, scene.plan);
-  const rigs::SimRigConfig sensors =
-      args.rig_file.empty() ? rigs::SimRigConfig{} : read_rig(args.rig_file).config;
+  rigs::SimRigConfig sensors = args.rig_file.empty() ? rigs::SimRigConfig{} : read_rig(args.rig_file).config;
+  sensors.sensors.channels = wanted_channels(scene.plan);
   const StopOnSignal stop;
   std::optional<sim::SceneChoice> choice;
   RecordMaker maker = rigs::simulate_record;

@@ -18,10 +18,12 @@ struct FitArgs {
   std::vector<std::string> free;   ///< NAME=LOW:HIGH
   std::vector<std::string> start;  ///< specimen files that the search for everything begins from
   std::vector<double> deviations;  ///< percent of touch, seat, bounce; empty = defaults of the source
+  double prior = 0.35;             ///< deviation of each free number, as a share of its bounds; 0: none
   std::vector<double> hold_out;    ///< degrees: never used, predicted
   bool leave_one_out = false;
   long evaluations = 6'000;  ///< of each search
   int searches = 3;
+  long finish = 0;   ///< evaluations of the last search, on absolute deviations; 0: none
   int ensemble = 3;  ///< of each search
   std::uint64_t seed = 1;
   int threads = 0;

@@ -1,7 +1,9 @@
 #include "host/config/plan_file.h"
 
+#include <algorithm>
 #include <cmath>
 
+#include "core/channel_set.h"
 #include "core/phase.h"
 #include "host/config/file_reader.h"
 #include "host/config/specimen_file.h"
@@ -59,6 +61,7 @@ FileKind kind_of(Plan& p) {
                 Need::optional);
   kind.text("fields", p.fields, "circuit, table, field2d, field3d, or auto: climb as far as it takes");
   kind.text("mechanics", p.mechanics, "plant, rigid, modal, explicit, or auto");
+  kind.text("channels", p.channels, "that are simulated, such as \"contact_a laser\"; left out: all");
   return kind;
 }
 
@@ -73,6 +76,32 @@ void check_rung(FileReader& reader, const char* key, const std::string& word,
     known += ", " + std::string(name);
   }
   reader.fail("wanted", key, "is '" + word + "'", known);
+}
+
+/// Calls body(word) for each word between blanks and commas.
+template <class Body>
+void each_word(std::string_view text, const Body& body) {
+  constexpr std::string_view between = " ,\t";
+  for (std::size_t at = 0; (at = text.find_first_not_of(between, at)) != std::string_view::npos;) {
+    const std::size_t end = std::min(text.find_first_of(between, at), text.size());
+    body(text.substr(at, end - at));
+    at = end;
+  }
+}
+
+const ChannelInfo* find_channel(std::string_view name) {
+  for (const auto& c : channel_table)
+    if (c.name == name) return &c;
+  return nullptr;
+}
+
+void check_channels(FileReader& reader, const std::string& text) {
+  std::string known;
+  for (const auto& c : channel_table) known += (known.empty() ? "" : ", ") + std::string(c.name);
+  each_word(text, [&](std::string_view word) {
+    if (find_channel(word) == nullptr)
+      reader.fail("wanted", "channels", "names '" + std::string(word) + "'", known);
+  });
 }
 
 void check_angles(FileReader& reader, Plan& p) {
@@ -96,6 +125,7 @@ void check(FileReader& reader, Plan& p) {
                 "1..100000 shots");
   check_rung(reader, "fields", p.fields, sim::field_names);
   check_rung(reader, "mechanics", p.mechanics, sim::mechanics_names);
+  check_channels(reader, p.channels);
   for (std::size_t i = 0; i < p.limits.size(); ++i) {
     if (!(p.limits[i].low > p.limits[i].high)) continue;
     const Quantity& q = quantity_table[i];
@@ -134,6 +164,14 @@ std::string plan_template() {
 std::string resolved_text(const Plan& plan) {
   Plan p = plan;
   return kind_of(p).resolved_text();
+}
+
+ChannelSet wanted_channels(const Plan& plan) {
+  ChannelSet set = 0;
+  each_word(plan.channels, [&](std::string_view word) {
+    if (const auto* c = find_channel(word)) set |= 1U << static_cast<unsigned>(c - channel_table.data());
+  });
+  return set == 0 ? all_channels : set;
 }
 
 sim::Specimen load_specimen(const Plan& plan) {

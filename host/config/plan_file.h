@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "core/channel_set.h"
 #include "core/quantities.h"
 #include "core/units.h"
 #include "host/config/bad_input.h"
@@ -48,6 +49,7 @@ struct Plan {
                                std::numeric_limits<double>::quiet_NaN(),
                                std::numeric_limits<double>::quiet_NaN()};
   std::string fields, mechanics;  ///< of the simulation, by name or `auto`; "" = no wish
+  std::string channels;           ///< that the simulation records, by name; "" = all
 
   std::filesystem::path folder;  ///< of the plan file; not part of the resolved text
 };
@@ -64,5 +66,8 @@ std::string resolved_text(const Plan&);
 
 /// The specimen the plan names, or the built-in reference contactor. Throws BadInput.
 sim::Specimen load_specimen(const Plan&);
+
+/// The channels a plan wants of its simulation.
+ChannelSet wanted_channels(const Plan&);
 
 }  // namespace powbench::host

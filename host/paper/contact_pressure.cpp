@@ -9,14 +9,15 @@
 #include <nlohmann/json.hpp>
 
 #include "core/units.h"
+#include "host/paper/contact_hum.h"
 
 namespace powbench::host {
 namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr double duration = 0.1;     // s
-constexpr double sample_dt = 10e-6;  // s: pulses on soft pads last half a millisecond
+constexpr double duration = 0.1;  // s
+constexpr double sample_dt = pressure_sample_dt;
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 
 /// One line of the comparison.
@@ -137,13 +138,17 @@ PressureTrain pressure_train(const std::vector<sim::PlantSample>& samples, bool 
   return t;
 }
 
-sim::Trajectory pressure_closing(const sim::Specimen& specimen, double theta_deg) {
+Conditions pressure_conditions(double theta_deg) {
   Conditions c;
   c.supply_volts = 220;
   c.ambient = zero_celsius + 17;
   c.closing_angle = radians(theta_deg);
   c.hold_time = duration;
-  return sim::simulate(specimen, c, duration, sample_dt);
+  return c;
+}
+
+sim::Trajectory pressure_closing(const sim::Specimen& specimen, double theta_deg) {
+  return sim::simulate(specimen, pressure_conditions(theta_deg), duration, sample_dt);
 }
 
 std::string pressure_text(const PressurePage& page) {
@@ -164,6 +169,14 @@ std::string pressure_text(const PressurePage& page) {
   for (const auto& [name, t] : {std::pair{"level", &one}, {"tilted, F1", &a}, {"tilted, F2", &b}})
     text += fmt::format("  {:<12} mean {:.2f} N, swing {:.3g} N, at 50 Hz {:.2g} N, at 100 Hz {:.2g} N\n",
                         name, t->mean, t->swing, t->once, t->second);
+  text += fmt::format(
+      "\nheld for 0.4 s, {}: where the pulsation would come from\n  {:<30} {:>13} {:>14} {:>12} {:>12} "
+      "{:>6}\n",
+      page.tilted.name, "", "pull N", "overtravel um", "at 100 Hz mN", "k_c / 2 x mN", "lifts");
+  for (const auto& l : hum_lines(page.tilted))
+    text += fmt::format("  {:<30} {:>13} {:>14.1f} {:>12.1f} {:>12.1f} {:>6}\n", l.what,
+                        fmt::format("{:.0f} .. {:.0f}", l.low, l.high), l.swing_um, 1e3 * l.second,
+                        1e3 * l.expected, l.lifts);
   text +=
       fmt::format("\nclosing angles, {}\n  {:>5} {:>9} {:>9} {:>9} {:>8} {:>11} {:>13}\n", page.tilted.name,
                   "deg", "touch ms", "seat ms", "bounce ms", "bounces", "first peak N", "impulse mN s");
@@ -189,6 +202,15 @@ std::string pressure_json(const PressurePage& page) {
   const auto level = pressure_train(pressure_closing(page.level, page.level_deg).samples, false, 50);
   const auto tilted = pressure_closing(page.tilted, page.tilted_deg);
   const auto a = pressure_train(tilted.samples, false, 50), b = pressure_train(tilted.samples, true, 50);
+  Json hum = Json::array();
+  for (const auto& l : hum_lines(page.tilted))
+    hum.push_back({{"what", l.what},
+                   {"pull_low_N", l.low},
+                   {"pull_high_N", l.high},
+                   {"overtravel_swing_um", l.swing_um},
+                   {"at_100_Hz_N", l.second},
+                   {"by_overtravel_spring_N", l.expected},
+                   {"core_lifts", l.lifts}});
   Json angles = Json::array();
   for (const double theta : ranked_deg) {
     const auto l = angle_line(page.tilted, theta);
@@ -204,6 +226,7 @@ std::string pressure_json(const PressurePage& page) {
       {"simulation", lines(printed_simulation(level))},
       {"measurement", lines(printed_measurement(a, b))},
       {"pulsation", {{"level", pulsation(level)}, {"tilted_a", pulsation(a)}, {"tilted_b", pulsation(b)}}},
+      {"held", hum},
       {"angles", angles}}
       .dump(2);
 }

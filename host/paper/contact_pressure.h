@@ -37,7 +37,11 @@ inline constexpr double shortest_opening = 0.1e-3;  // s
 /// Of break A or B, from samples. A pulse is a stretch of force > 0; pulsation never reaches 0 and is therefore no bounce.
 PressureTrain pressure_train(const std::vector<sim::PlantSample>&, bool break_b, double mains_hertz);
 
-/// A closing under the paper's conditions: 220 V, 50 Hz, 17 degC.
+inline constexpr double pressure_sample_dt = 10e-6;  // s: pulses on soft pads last half a millisecond
+
+/// The paper's conditions: 220 V, 50 Hz, 17 degC.
+Conditions pressure_conditions(double theta_deg);
+/// A closing under them.
 sim::Trajectory pressure_closing(const sim::Specimen&, double theta_deg);
 
 /// The published statements beside two specimens: `level`, both breaks alike and softly padded, against the printed simulation;

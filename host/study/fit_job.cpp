@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "core/random.h"
 #include "host/config/bad_input.h"
 #include "host/config/specimen_file.h"
 #include "host/store/hash.h"
@@ -42,6 +43,37 @@ FitFold together(std::span<const FitFold> searches) {
   return all;
 }
 
+/// A fit that is to describe, not to predict: relative errors in units of what is wanted of their means. Bounds rule out; beyond
+/// that the middle of a range is no better than its ends.
+sim::FitProblem describing(sim::FitProblem problem) {
+  constexpr double touch = 0.02, seat = 0.02, bounce = 0.08, settled = 0.03;
+  constexpr double share = 0.5;  // of the wanted error that weighs as much as a range left by one deviation
+  problem.prior_deviation = 0;
+  for (auto& m : problem.closings) {
+    m.touch.u = share * touch * m.touch.value;
+    m.seat.u = share * seat * m.seat.value;
+    m.bounce.u = share * bounce * m.bounce.value;
+    m.settled.u = share * settled * (m.touch.value + m.bounce.value);
+  }
+  return problem;
+}
+
+/// Where the last search begins: what the others found, and points about each of those.
+std::vector<std::vector<double>> begin_finish(const FitJob& job, const FitFile& names,
+                                              std::span<const FitFold> searches) {
+  constexpr double spread = 0.05;  // of the bounds
+  std::vector<std::vector<double>> points;
+  for (const auto& fold : searches)
+    for (const auto& s : specimens(names, fold)) points.push_back(sim::point_of(s, job.problem.parameters));
+  const std::size_t found = points.size();
+  Random random(job.options.seed);
+  for (std::size_t k = found; k < 4 * found; ++k) {
+    points.push_back(points[k % found]);
+    for (double& u : points.back()) u = std::clamp(u + spread * random.normal(), 0.0, 1.0);
+  }
+  return points;
+}
+
 }  // namespace
 
 std::string problem_hash(const FitJob& job) {
@@ -55,7 +87,10 @@ std::string problem_hash(const FitJob& job) {
   for (const auto& point : job.start)
     for (const double u : point) text += fmt::format("{} ", u);
   const auto& o = job.options;
-  text += fmt::format("{} {} {} {} {}", o.evaluations, o.polished, o.ensemble, o.seed, job.searches);
+  text += fmt::format("{} {} {} {} {} {}", o.evaluations, o.polished, o.ensemble, o.seed, job.searches,
+                      job.finish);
+  if (job.problem.prior_deviation != sim::FitProblem{}.prior_deviation)
+    text += fmt::format(" {}", job.problem.prior_deviation);
   return sha256_hex(text);
 }
 
@@ -73,22 +108,34 @@ FitReport run_fits(const FitJob& job, sim::Team& team, const FitProgress& progre
   for (const auto& p : job.problem.parameters) report.file.names.push_back(p.name());
 
   const auto searches = static_cast<std::size_t>(job.searches);
-  const std::size_t fits = searches * (1 + job.held_out.size());
+  const std::size_t before = searches * (1 + job.held_out.size());
+  const std::size_t fits = before + (job.finish > 0 ? 1 : 0);
   for (std::size_t k = report.state.done.size(); k < fits; ++k) {
     const std::size_t angle = k / searches;
-    const bool full = angle == job.held_out.size();  // the fit to everything is made last
+    const bool full = angle >= job.held_out.size();  // the fit to everything is made last
+    const bool last = k == before;
     sim::FitProblem problem = job.problem;
     if (!full) problem.closings = without(problem.closings, std::span(&job.held_out[angle], 1));
     sim::FitOptions options = job.options;
     options.seed += 7919 * (k % searches);
+    auto start = full ? job.start : std::vector<std::vector<double>>{};
+    if (full && job.finish > 0) problem = describing(problem);
+    if (last) {
+      problem.absolute = true;
+      problem.tolerance = 1e-5;
+      start = begin_finish(job, report.file, std::span(report.state.done).last(searches));
+      options.evaluations = job.finish;
+      options.population = start.size();
+      options.polished = options.ensemble = 0;
+    }
     sim::FitWatch watch;
     watch.save = [&](const sim::Evolution::State& s) { report.state.running = s; };
     watch.go_on = [&](long used, long of, double best) {
       return progress(k, fits, used, of, best, report.state);
     };
     const auto resumed = report.state.running;
-    const auto result = sim::fit(sim::Misfit(problem), options, team, watch, resumed ? &*resumed : nullptr,
-                                 full ? job.start : std::vector<std::vector<double>>{});
+    const auto result =
+        sim::fit(sim::Misfit(problem), options, team, watch, resumed ? &*resumed : nullptr, std::move(start));
     if (result.stopped) {
       report.stopped = true;
       return report;
@@ -96,13 +143,19 @@ FitReport run_fits(const FitJob& job, sim::Team& team, const FitProgress& progre
     report.state.running.reset();
     report.state.done.push_back(fold_of(result, job.problem.parameters,
                                         full ? std::nullopt : std::optional<double>(job.held_out[angle])));
-    if (full && (report.full.best.point.empty() || result.best.misfit < report.full.best.misfit))
+    if (full && (last || report.full.best.point.empty() || result.best.misfit < report.full.best.misfit))
       report.full = result;
   }
-  for (std::size_t k = 0; k < fits; k += searches)
+  for (std::size_t k = 0; k < before; k += searches)
     report.file.folds.push_back(together(std::span(report.state.done).subspan(k, searches)));
+  auto& all = report.file.folds.back();
+  if (job.finish > 0) {
+    const auto& found = report.state.done.back();
+    all.members.insert(all.members.begin(), found.members.front());
+    all.misfit = found.misfit;
+  }
   // after an interruption the best search may have been an earlier run's: its sensitivities are not known then
-  if (report.full.best.misfit > report.file.folds.back().misfit) report.full = {};
+  if (report.full.best.misfit > all.misfit) report.full = {};
   return report;
 }
 

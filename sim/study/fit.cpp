@@ -56,6 +56,7 @@ FitResult fit(const Misfit& misfit, const FitOptions& options, Team& team, const
   settings.evaluations = options.evaluations;
   settings.seed = options.seed;
   settings.smallest = 24;
+  settings.population = options.population;
   Evolution search(
       settings, [&](std::span<const double> p, double give_up) { return misfit.value(p, give_up); },
       std::move(start));

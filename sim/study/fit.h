@@ -13,9 +13,10 @@
 namespace powbench::sim {
 
 struct FitOptions {
-  long evaluations = 20'000;  ///< of the global search
-  int polished = 3;           ///< best points that least squares start from
-  int ensemble = 12;          ///< members; 0: none
+  long evaluations = 20'000;   ///< of the global search
+  std::size_t population = 0;  ///< at its start; 0: 5 for each free number
+  int polished = 1;            ///< best points that least squares start from
+  int ensemble = 12;           ///< members; 0: none
   std::uint64_t seed = 1;
   double tolerance = 1e-7;  ///< of the integrator in least squares
 };

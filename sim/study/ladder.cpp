@@ -210,9 +210,12 @@ std::vector<Coverage> estimator_coverage(std::span<const Rung> rungs, std::span<
   check(rungs, o);
   std::vector<Coverage> result;
   for (std::size_t r = 0; r < rungs.size(); ++r) {
-    std::vector<Coverage> part(o.tolerances.size());
+    std::vector<Coverage> part;
     for (const auto& scene : scenes) {
-      const auto rows = rows_of(rungs, r, scene, o, clock).rows;
+      auto rows = rows_of(rungs, r, scene, o, clock).rows;
+      // the estimate of the last of a rung's own settings is made with the truth itself: it would always cover
+      if (!rungs[r].settings.empty()) rows.pop_back();
+      part.resize(rows.size());
       for (std::size_t k = 0; k < rows.size(); ++k) {
         auto& c = part[k];
         c.rung = r;

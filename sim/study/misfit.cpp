@@ -82,6 +82,22 @@ double Misfit::closing_residuals(const Specimen& s, const MeasuredClosing& m, do
   return out[0] * out[0] + out[1] * out[1] + out[2] * out[2] + out[3] * out[3];
 }
 
+double Misfit::closing_distance(const Specimen& s, const MeasuredClosing& m, double tolerance) const {
+  const auto t = closing_at(s, m.conditions, problem_.duration, tolerance);
+  if (!t.touch || !t.core_seat) return never * never;
+  double sum = 0;
+  const auto add = [&](double measured, double u, double model) {
+    if (std::isfinite(measured)) sum += std::fabs(model - measured) / u;
+  };
+  add(m.touch.value, m.touch.u, *t.touch);
+  add(m.bounce.value, m.bounce.u, *t.settled - *t.touch);
+  add(m.touch.value + m.bounce.value,
+      std::isfinite(m.settled.u) ? m.settled.u : std::hypot(m.touch.u, m.bounce.u), *t.settled);
+  add(m.seat.value, m.seat.u, *t.core_seat);
+  add(m.core_bounce.value, m.core_bounce.u, *t.core_settled - *t.core_seat);
+  return sum;
+}
+
 void Misfit::range_residuals(const Specimen& s, std::vector<double>& out) const {
   const Plausible& p = problem_.plausible;
   const bool any = p.inrush || p.holding || p.overtravel || p.contact_force || p.base_travel;
@@ -101,9 +117,9 @@ double Misfit::checks(const Specimen& s, double sum, double give_up) const {
   const Plausible& p = problem_.plausible;
   const double limit = problem_.tolerance;
   if (p.calm)
-    for (const double degrees : {45.0, 70.0, 80.0}) {
+    for (const double degrees : {0.0, 45.0, 70.0, 80.0, 135.0}) {
       if (sum > give_up) return sum;
-      const auto t = closing_at(s, at_degrees(degrees, p.rated_volts), 0.05, limit);
+      const auto t = closing_at(s, at_degrees(degrees, p.rated_volts), 0.06, limit);
       constexpr Range calm{0, 26e-3, 5e-3};
       const double late = t.settled ? outside(*t.settled, calm) : 10;
       sum += late * late;
@@ -123,7 +139,7 @@ double Misfit::value(std::span<const double> point, double give_up) const {
   for (const double u : point) {
     const double near = std::max({problem_.edge - u, u - (1 - problem_.edge), 0.0});
     if (problem_.edge > 0) sum += std::pow(near / problem_.edge, 2);
-    if (problem_.prior_deviation > 0) sum += std::pow((u - 0.5) / problem_.prior_deviation, 2) / 12;
+    if (problem_.prior_deviation > 0) sum += std::pow((u - 0.5) / problem_.prior_deviation, 2);
   }
   std::vector<double> ranges;
   range_residuals(s, ranges);
@@ -131,7 +147,8 @@ double Misfit::value(std::span<const double> point, double give_up) const {
   for (const auto& m : problem_.closings) {
     if (sum > give_up) return sum;
     double r[per_closing];
-    sum += closing_residuals(s, m, problem_.tolerance, r);
+    sum += problem_.absolute ? closing_distance(s, m, problem_.tolerance)
+                             : closing_residuals(s, m, problem_.tolerance, r);
   }
   return checks(s, sum, give_up);
 }
@@ -149,7 +166,7 @@ std::vector<double> Misfit::residuals(std::span<const double> point, double tole
     const double low = problem_.edge - u;
     const double high = u - (1 - problem_.edge);
     if (problem_.edge > 0) out.push_back(std::max({low, high, 0.0}) / problem_.edge);
-    if (problem_.prior_deviation > 0) out.push_back((u - 0.5) / problem_.prior_deviation / std::sqrt(12.0));
+    if (problem_.prior_deviation > 0) out.push_back((u - 0.5) / problem_.prior_deviation);
   }
   return out;
 }

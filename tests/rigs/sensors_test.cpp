@@ -109,6 +109,31 @@ TEST_CASE("a simulated closing is a record like any other, without noise and rep
   CHECK(a.record.time(n) == Approx(*a.truth.touch).margin(1.1e-5));
 }
 
+TEST_CASE("only the channels asked for are computed, and they are the same to the last bit", "[sensors]") {
+  Conditions c;
+  c.closing_angle = radians(60.0);
+  const auto all = simulate_record({}, c, {});
+  CHECK(all.conversions == static_cast<std::int64_t>(all.record.samples() * channel_count));
+  for (const std::vector<Channel>& wanted : {std::vector{Channel::contact_a, Channel::laser},
+                                             {Channel::pvdf_b},
+                                             {Channel::aux, Channel::coil_current}}) {
+    SimRigConfig rig;
+    rig.sensors.channels = 0;
+    for (const Channel w : wanted) rig.sensors.channels |= 1U << index(w);
+    const auto some = simulate_record({}, c, rig);
+    CHECK(some.conversions == static_cast<std::int64_t>(some.record.samples() * wanted.size()));
+    CHECK(some.evaluations == all.evaluations);  // the motion does not depend on who looks
+    REQUIRE(some.record.channels.size() == wanted.size());
+    for (const Channel w : wanted) {
+      REQUIRE(some.record.find(w) != nullptr);
+      CHECK((some.record.find(w)->raw == all.record.find(w)->raw));
+    }
+  }
+  SimRigConfig nothing;
+  nothing.sensors.channels = 0;
+  CHECK_THROWS_AS(simulate_record({}, c, nothing), std::invalid_argument);
+}
+
 TEST_CASE("another rung of the simulator goes through the same sensors into the same record", "[sensors]") {
   Conditions c;
   c.closing_angle = radians(60.0);

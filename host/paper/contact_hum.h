@@ -1,0 +1,26 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "sim/specimen.h"
+
+/// Where a pulsation of the contact pressure after settling can come from.
+
+namespace powbench::host {
+
+/// The force after settling where the pull's pulsation finds something that gives way.
+struct HumLine {
+  std::string what;
+  double low, high;  ///< N, pull over the last period
+  double swing_um;   ///< of the overtravel there
+  double second,
+      expected;       ///< N at twice the mains frequency, found and k_c / 2 times that of the overtravel
+  std::size_t lifts;  ///< releases of the core in the last 100 ms
+};
+
+/// What gives way: the pole faces as they are and softer ones; then a ring too weak to hold the core through the pull's minimum.
+/// Each closing at 0 deg under the paper's conditions is held for 0.4 s.
+std::vector<HumLine> hum_lines(const sim::Specimen&);
+
+}  // namespace powbench::host
