@@ -3,12 +3,15 @@
 #include <algorithm>
 #include <ctime>
 #include <nlohmann/json.hpp>
+#include <set>
 #include <thread>
 
+#include "core/units.h"
 #include "host/cli/percent.h"
 #include "host/cli/scene.h"
 #include "host/cli/verbs.h"
 #include "host/run/stop.h"
+#include "host/study/bounce_text.h"
 #include "host/study/scene_fields.h"
 #include "sim/study/scene_choice.h"
 
@@ -151,6 +154,23 @@ sim::SceneChoice choose(const Wish& wish, const Scene& scene, const FieldCache& 
   }
 }
 
+/// Touches and bounces of the first shot at each angle, ideal mains, and how far they can be believed.
+std::vector<BounceRow> bounces_of_scene(const sim::Rung& rung, const Scene& scene,
+                                        const sim::BounceStudyOptions& options) {
+  std::vector<BounceRow> rows;
+  std::set<double> seen;
+  for (const auto& shot : scene.shots) {
+    if (!rung.settings.empty() || rung.costly) break;
+    if (!seen.insert(shot.conditions.closing_angle).second) continue;
+    const auto name = fmt::format("{:g} degrees", shot.conditions.closing_angle * 180 / pi);
+    rows.push_back(bounce_row(rung, name, {scene.specimen, shot.conditions}, options));
+  }
+  std::sort(rows.begin(), rows.end(), [](const BounceRow& a, const BounceRow& b) {
+    return std::strtod(a.name.c_str(), nullptr) < std::strtod(b.name.c_str(), nullptr);
+  });
+  return rows;
+}
+
 }  // namespace
 
 Exit simulate_plan(const SimArgs& args) {
@@ -172,6 +192,9 @@ Exit simulate_plan(const SimArgs& args) {
         fmt::format("simulation by {}, {} {:g}", choice->rung.name(), choice->rung.setting, choice->setting);
     maker = maker_of(*choice, identity);
   }
+  const sim::Rung rung = choice ? choice->rung : sim::closing_rungs().front();
+  const sim::BounceStudyOptions believed;
+  const auto bounces = bounces_of_scene(rung, scene, believed);
   Store store(args.database);
   const std::int64_t campaign = choice ? campaign_for(store, scene, identity) : plain_campaign(store, scene);
   const int threads =
@@ -183,8 +206,15 @@ Exit simulate_plan(const SimArgs& args) {
   if (args.json) {
     Json j{{"campaign", campaign}, {"simulated", n}};
     if (choice) j["models"] = choice_json(*choice);
+    j["bounces"] = Json::parse(bounce_json(bounces));
     fmt::print("{}\n", j.dump(2));
   }
+  fmt::print(stderr, "{}",
+             bounces.empty()
+                 ? fmt::format("how far the bounces of {} can be believed is not judged: it takes steps or "
+                               "cells, no tolerance; circuit+rigid is\n",
+                               rung.name())
+                 : "on ideal mains, break A:\n" + bounce_text(bounces, believed));
   fmt::print(stderr, "campaign {}: {} closings simulated\n", campaign, n);
   if (StopOnSignal::asked()) return Exit::interrupted;
   return choice && wish.accuracy && !choice->met ? Exit::outside_limits : Exit::pass;

@@ -26,32 +26,57 @@ std::string line(const BounceRow& row) {
                                           : fmt::format("leaves at {:.2f} ms", e.diverged_at * 1e3));
 }
 
+std::string times_text(const std::vector<BounceRow>& rows) {
+  std::string out;
+  for (const auto& row : rows) {
+    if (!row.times) continue;
+    if (out.empty())
+      out = fmt::format("{:<14} {:>10} {:>8} {:>10} {:>16}\n", "closing", "touch ms", "bounces", "open ms",
+                        "last closing ms");
+    out += fmt::format("{:<14} {:>10.4f} {:>8} {:>10.4f} {:>16.4f}\n", row.name, row.times->touch * 1e3,
+                       row.times->bounces, row.times->open * 1e3, row.times->last * 1e3);
+  }
+  return out;
+}
+
 Json spread_json(const sim::Spread& s) {
   return {{"mean_s", s.mean}, {"q05_s", s.low}, {"q50_s", s.median}, {"q95_s", s.high}};
 }
 
 }  // namespace
 
+BounceRow bounce_row(const sim::Rung& rung, const std::string& name, const sim::Case& c,
+                     const sim::BounceStudyOptions& options) {
+  const auto run = [&](double tolerance, const sim::Factor& factor) {
+    const sim::Case changed{sim::varied(c.specimen, factor), c.conditions};
+    return sim::contact_events(rung.run(changed, options.end, tolerance, 0).events);
+  };
+  const auto events = run(options.tolerance, [] { return 1.0; });
+  const auto seen = sim::bounce_summary(events, 0);
+  BounceTimes times{seen.first_touch, seen.open_time, seen.last_closing, 0};
+  for (const auto& e : events) times.bounces += e.contact == 0 && !e.closes;
+  return {name, sim::study_bounces(run, options), times};
+}
+
 std::vector<BounceRow> bounces_of(std::span<const sim::Rung> rungs, const sim::Case& c,
                                   const sim::BounceStudyOptions& options) {
   std::vector<BounceRow> rows;
   for (const auto& rung : rungs) {
     if (rung.costly || !rung.settings.empty()) continue;
-    const auto run = [&](double tolerance, const sim::Factor& factor) {
-      const sim::Case changed{sim::varied(c.specimen, factor), c.conditions};
-      return sim::contact_events(rung.run(changed, options.end, tolerance, 0).events);
-    };
-    rows.push_back({rung.name(), sim::study_bounces(run, options)});
+    rows.push_back(bounce_row(rung, rung.name(), c, options));
+    rows.back().times.reset();  // the ladder's own table has them
   }
   return rows;
 }
 
 std::string bounce_text(const std::vector<BounceRow>& rows, const sim::BounceStudyOptions& o) {
-  std::string out = fmt::format(
-      "how far the bounces can be believed: tolerance {:.0e} against {:.0e}; twin with masses and gaps "
-      "changed "
-      "by {:.0e}\n{:<14} {:>13} {:>10} {:>13}  {:>11}\n",
-      o.tolerance, o.truth, o.change, "closing", "events agree", "dt us", "states us", "condition s");
+  std::string out =
+      times_text(rows) +
+      fmt::format(
+          "how far the bounces can be believed: tolerance {:.0e} against {:.0e}; twin with masses and gaps "
+          "changed "
+          "by {:.0e}\n{:<14} {:>13} {:>10} {:>13}  {:>11}\n",
+          o.tolerance, o.truth, o.change, "closing", "events agree", "dt us", "states us", "condition s");
   bool ensembles = false;
   for (const auto& row : rows) {
     out += line(row);
@@ -85,6 +110,12 @@ std::string bounce_json(const std::vector<BounceRow>& rows) {
            {"state_distance_s", e.distance},
            {"condition_s", c.per_input},
            {"computable", row.study.computable}};
+    if (row.times) {
+      j["touch_s"] = row.times->touch;
+      j["bounces"] = row.times->bounces;
+      j["open_s"] = row.times->open;
+      j["last_closing_s"] = row.times->last;
+    }
     if (!row.study.computable) {
       const auto& s = row.study.ensemble;
       j["twin_horizon_s"] = c.horizon;

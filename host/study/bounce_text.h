@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -11,10 +12,21 @@
 
 namespace powbench::host {
 
+/// What break A of the measured pole does in a closing, s.
+struct BounceTimes {
+  double touch = 0, open = 0, last = 0;  ///< first touch, time open after it, last closing
+  int bounces = 0;
+};
+
 struct BounceRow {
   std::string name;  ///< of the closing
   sim::BounceStudy study;
+  std::optional<BounceTimes> times = {};  ///< where the table of them is not printed elsewhere
 };
+
+/// One case on one rung that takes tolerances, with its times.
+BounceRow bounce_row(const sim::Rung&, const std::string& name, const sim::Case&,
+                     const sim::BounceStudyOptions&);
 
 /// The bounces of one case on every rung that takes tolerances and no seconds: a table of its times says little without
 /// them.
@@ -22,7 +34,8 @@ std::vector<BounceRow> bounces_of(std::span<const sim::Rung>, const sim::Case&,
                                   const sim::BounceStudyOptions&);
 
 /// One line a closing: events that agree with the truth's, largest time difference among them, for how long contact
-/// states differ, and the condition; below a line that is not computable its ensemble.
+/// states differ, and the condition; below a line that is not computable its ensemble. Above them the times of the closings
+/// that have any.
 std::string bounce_text(const std::vector<BounceRow>&, const sim::BounceStudyOptions&);
 std::string bounce_json(const std::vector<BounceRow>&);
 

@@ -166,7 +166,10 @@ class Closing {
     if (closed && result_.first_touch < 0) result_.first_touch = solid_.time();
     if (closed && solid_.time() - closed_at_ > chatter) {  // nodes come and go within a touch
       result_.last_touch = solid_.time();
-      if (closed_at_ > 0) ++result_.openings;
+      if (closed_at_ > 0) {
+        ++result_.openings;
+        result_.open.push_back({closed_at_, solid_.time()});
+      }
     }
     if (closed) closed_at_ = solid_.time();
     result_.peak_force = std::max(result_.peak_force, pad.force_sum);

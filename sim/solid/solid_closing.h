@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <functional>
 
 #include "core/conditions.h"
@@ -49,6 +50,7 @@ struct CoilEnergies {
 struct SolidClosingResult {
   double first_touch = -1, core_seat = -1, last_touch = -1;  ///< s, of the first bridge and the mover
   int openings = 0;                                          ///< of the first bridge
+  std::vector<std::array<double, 2>> open;                   ///< s, each of them: from, to
   double peak_force = 0;                                     ///< N, on the first bridge's pads
   double residual = 0;  ///< largest energy residual over the largest energy
   SolidEnergies energies;

@@ -5,6 +5,8 @@
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
 
+#include "sim/mechanics/rigid_closing.h"
+
 using namespace powbench;
 using namespace powbench::host;
 
@@ -38,6 +40,29 @@ TEST_CASE("bounce lines: a computable closing has no ensemble, one that is not h
   CHECK_FALSE(json[0].contains("ensemble"));
   CHECK(json[1]["ensemble"]["open_time"]["q95_s"] == 6e-3);
   CHECK(json[1]["condition_s"] == 36.8);
+}
+
+TEST_CASE("a closing with its times: they stand above the lines, and agree with the simulation", "[host]") {
+  sim::BounceStudyOptions o;
+  o.end = 0.03;
+  const auto rung = sim::closing_rungs().front();
+  const BounceRow row = bounce_row(rung, "0 degrees", {}, o);
+  REQUIRE(row.times.has_value());
+  const auto closing = rung.run({}, o.end, 1e-10, 0);
+  int opened = 0;
+  double first = 0;
+  for (const auto& e : sim::contact_events(closing.events)) {
+    if (e.contact != 0) continue;
+    if (first == 0) first = e.time;
+    opened += !e.closes;
+  }
+  CHECK(row.times->touch == Approx(first).margin(1e-9));
+  CHECK(row.times->bounces == opened);
+  CHECK(row.times->last >= row.times->touch + row.times->open);
+  const std::string text = bounce_text({row}, o);
+  INFO(text);
+  CHECK(text.find("touch ms") < text.find("events agree"));
+  CHECK(nlohmann::json::parse(bounce_json({row}))[0]["bounces"] == opened);
 }
 
 TEST_CASE("bounces of every rung of a case", "[host]") {

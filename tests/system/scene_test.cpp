@@ -30,7 +30,10 @@ double touch_of(const host::Store& store, const std::string& identity) {
 TEST_CASE("a scene by name and by accuracy: said, run through the sensors, stored apart", "[system]") {
   Folder folder;
   const std::string plan = folder.write("p.plan.toml", plan_text), db = folder.file("a.db");
-  REQUIRE(run(folder, {"sim", plan, "--db", db, "--progress", "none"}).status == 0);
+  const auto told = run(folder, {"sim", plan, "--db", db, "--progress", "none"});
+  REQUIRE(told.status == 0);
+  CHECK_THAT(told.err, Contains("touch ms") && Contains("60 degrees") && Contains("events agree") &&
+                           Contains("computable") && Contains("condition"));
   const auto modal =
       run(folder, {"sim", plan, "--db", db, "--mechanics", "modal", "--json", "--progress", "none"});
   REQUIRE(modal.status == 0);
@@ -38,10 +41,12 @@ TEST_CASE("a scene by name and by accuracy: said, run through the sensors, store
   CHECK(j["models"]["rung"] == "circuit+modal");
   CHECK(j["models"]["met"] == true);
   CHECK(j["simulated"] == 1);
+  CHECK(j["bounces"].empty());  // it takes steps: said so
+  CHECK_THAT(modal.err, Contains("circuit+modal can be believed is not judged"));
   CHECK_THAT(modal.err, Contains("taken: circuit+modal"));
   const auto by_accuracy = run(folder, {"sim", plan, "--db", db, "--accuracy", "1%", "--progress", "none"});
   CHECK(by_accuracy.status == 0);
-  CHECK_THAT(by_accuracy.err, Contains("taken: circuit+plant"));
+  CHECK_THAT(by_accuracy.err, Contains("taken: circuit+plant") && Contains("60 degrees"));
 
   const host::Store store(db, host::Store::Mode::read_only);
   CHECK(store.campaigns().size() == 3);
