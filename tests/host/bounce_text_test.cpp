@@ -5,6 +5,8 @@
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
 
+#include "sim/mechanics/rigid_closing.h"
+
 using namespace powbench;
 using namespace powbench::host;
 
