@@ -13,6 +13,17 @@ namespace {
 constexpr double vacuum = 4e-7 * pi;  // V s/(A m)
 constexpr double half_cylinder = 0.26;
 
+/// Fluxes F and -F through the shares a and 1 - a of a leg's width w become none along the leg, each wave of their difference
+/// as exp(-n pi y / w). The energy is that of this length, over w, in which they stay as they are; 0.271 for equal halves.
+double mixing_length(double a) {
+  double sum = 0;
+  for (int n = 1; n <= 50; ++n) {
+    const double wave = std::sin(n * pi * a) / n;
+    sum += wave * wave / n;
+  }
+  return 2 * sum / (a * (1 - a) * pi * pi * pi);
+}
+
 }  // namespace
 
 CircuitPotential::CircuitPotential(const MagnetShape& s, const Steel& steel, double turns,
@@ -34,13 +45,15 @@ CircuitPotential::CircuitPotential(const MagnetShape& s, const Steel& steel, dou
   const double outer = sides * s.outer_width * s.stack;
   const double yoke = sides * s.yoke * s.stack;
   const double across = s.window_width + 0.5 * s.centre_width / sides + 0.5 * s.outer_width;
-  path_ = {{s.fixed_window + 0.5 * s.yoke, centre},
-           {across, yoke},
-           {s.fixed_window + 0.5 * s.yoke - tip, outer},
-           {across, yoke}};
+  const double fixed_leg = s.fixed_window + 0.5 * s.yoke, moving_leg = s.moving_window + 0.5 * s.yoke;
+  // below the slot and beyond the gap the fluxes inside and outside of the ring become one
+  const double inside = (s.ring_share * (s.outer_width - s.ring_slot) + 0.5 * s.ring_slot) / s.outer_width;
+  const double mixing =
+      ring ? std::min({mixing_length(inside) * s.outer_width, 0.5 * (fixed_leg - tip), moving_leg}) : 0;
+  path_ = {{fixed_leg, centre}, {across, yoke}, {fixed_leg - tip - mixing, outer}, {across, yoke}};
   if (s.moving_window > 0) {
-    path_.push_back({s.moving_window + 0.5 * s.yoke, centre});
-    path_.push_back({s.moving_window + 0.5 * s.yoke, outer});
+    path_.push_back({moving_leg, centre});
+    path_.push_back({moving_leg - mixing, outer});
   }
 
   // gaps; the slot of the ring takes its width from the pole face, in equal parts from both sides
@@ -60,10 +73,15 @@ CircuitPotential::CircuitPotential(const MagnetShape& s, const Steel& steel, dou
     bare_.edges.push_back({2 * sides * (1 - share) * s.outer_width, 0.5 * s.outer_width});
     if (ring) shaded_.edges.push_back({2 * sides * share * s.outer_width, 0.5 * s.outer_width});
   }
+  if (ring)
+    for (Face* beside : {&shaded_, &bare_}) {
+      beside->slot_length = sides * s.stack;
+      beside->slot = slot;
+    }
   if (closed) column_ = {{1, outer}};
   if (ring) {
-    shaded_tips_ = {{tip, std::max(shaded_.area, 1e-3 * outer)}};
-    bare_tips_ = {{tip, bare_.area}};
+    shaded_tips_ = {{tip, std::max(shaded_.area, 1e-3 * outer)}, {2 * mixing, inside * outer}};
+    bare_tips_ = {{tip, bare_.area}, {2 * mixing, (1 - inside) * outer}};
   }
 
   // leakage across the windows of the fixed half: a third of the winding's height counts, all of what is above it
@@ -121,6 +139,14 @@ CircuitPotential::Reluctance CircuitPotential::reluctance(const Face& face, doub
     p += e.length * (half_cylinder + std::log(1 + a / g) / pi);
     p1 -= e.length / pi * a / (g * (g + a));
     p2 += e.length / pi * a * (2 * g + a) / (g * g * (g + a) * (g + a));
+  }
+  if (face.slot > 0) {
+    const double x = face.slot / (2 * g), slope = 4 / pi * std::atan(x);
+    const double gamma = x * slope - 2 / pi * std::log1p(x * x), bend = 4 / pi / (1 + x * x);
+    const double half = 0.5 * face.slot_length;
+    p += half * (2 * x - gamma);
+    p1 -= half * (2 - slope) * x / g;
+    p2 += half * ((2 - slope) * 2 * x - bend * x * x) / (g * g);
   }
   p *= vacuum;
   p1 *= vacuum;

@@ -17,6 +17,11 @@
 ///
 ///   P = mu0 (A / g + sum over edges of length (0.26 + ln(1 + 2 flank / g) / pi))
 ///
+/// The ring's slot of width s adds half of what Carter found for a slot opposite to a smooth face to the face at either side
+/// of it:
+///
+///   P_slot = mu0 length (s / g - gamma) / 2,   gamma = (4 / pi) (x atan x - ln(1 + x^2) / 2),   x = s / (2 g)
+///
 /// With three legs the outer ones and both halves of the yokes are parallel; with two there is one of each. A closed leg has no
 /// gap, and its iron gets longer with that of the other leg: A (gap + residual gap) w(phi / A).
 ///
@@ -69,6 +74,7 @@ class CircuitPotential final : public MagneticPotential {
       double length, flank;
     };
     std::vector<Edge> edges;
+    double slot_length = 0, slot = 0;  ///< of the slot beside the face, and its width
   };
   struct Derivatives {
     double energy = 0, first = 0, second = 0;
