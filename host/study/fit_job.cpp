@@ -119,12 +119,14 @@ FitReport run_fits(const FitJob& job, sim::Team& team, const FitProgress& progre
     sim::FitOptions options = job.options;
     options.seed += 7919 * (k % searches);
     auto start = full ? job.start : std::vector<std::vector<double>>{};
-    if (full && job.finish > 0) problem = describing(problem);
+    if (full && job.finish > 0) {
+      problem = describing(problem);
+      options.evaluations = job.finish;
+    }
     if (last) {
       problem.absolute = true;
       problem.tolerance = 1e-5;
       start = begin_finish(job, report.file, std::span(report.state.done).last(searches));
-      options.evaluations = job.finish;
       options.population = start.size();
       options.polished = options.ensemble = 0;
     }
