@@ -202,7 +202,7 @@ Exit fit_specimen(const FitArgs& args) {
     return Exit::interrupted;
   }
   predict_unseen(args, report.file);
-  const auto cells = fit_cells(report.file, source.closings);
+  const auto cells = fit_cells(report.file, source.closings, args.leave_one_out && args.hold_out.empty());
   fmt::print("{}", args.json ? fit_json(source.job, report, cells) : fit_text(source.job, report, cells));
   if (!args.picture.empty())
     write_picture(args.picture,
