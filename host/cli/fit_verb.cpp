@@ -174,14 +174,16 @@ Exit fit_specimen(const FitArgs& args) {
   sim::Team team(threads);
   const StopOnSignal stop;
   const auto per_fit = static_cast<std::size_t>(args.evaluations);
-  Progress progress("fit",
-                    per_fit * static_cast<std::size_t>(args.searches) * (1 + source.job.held_out.size()) +
-                        static_cast<std::size_t>(args.finish),
+  const std::size_t searches = static_cast<std::size_t>(args.searches),
+                    blind = searches * source.job.held_out.size();
+  const std::size_t per_full = args.finish > 0 ? static_cast<std::size_t>(args.finish) : per_fit;
+  Progress progress("fit", per_fit * blind + per_full * (searches + (args.finish > 0 ? 1 : 0)),
                     progress_style(args.progress));
   auto saved = std::chrono::steady_clock::now();
   const auto watch = [&](std::size_t fit, std::size_t fits, long used, long, double best,
                          const FitState& now) {
-    progress.update(fit * per_fit + static_cast<std::size_t>(used),
+    const std::size_t before = std::min(fit, blind) * per_fit + (fit - std::min(fit, blind)) * per_full;
+    progress.update(before + static_cast<std::size_t>(used),
                     fmt::format("search {} of {}, misfit {:.2f}", fit + 1, fits, best));
     const bool asked = StopOnSignal::asked();
     const auto t = std::chrono::steady_clock::now();
@@ -200,7 +202,7 @@ Exit fit_specimen(const FitArgs& args) {
     return Exit::interrupted;
   }
   predict_unseen(args, report.file);
-  const auto cells = fit_cells(report.file, source.closings);
+  const auto cells = fit_cells(report.file, source.closings, args.leave_one_out && args.hold_out.empty());
   fmt::print("{}", args.json ? fit_json(source.job, report, cells) : fit_text(source.job, report, cells));
   if (!args.picture.empty())
     write_picture(args.picture,

@@ -43,6 +43,9 @@ FitFold together(std::span<const FitFold> searches) {
   return all;
 }
 
+/// Added to the seed of a fit that is to describe: it draws from a stream of its own.
+constexpr std::uint64_t describing_stream = 1;
+
 /// A fit that is to describe, not to predict: relative errors in units of what is wanted of their means. Bounds rule out; beyond
 /// that the middle of a range is no better than its ends.
 sim::FitProblem describing(sim::FitProblem problem) {
@@ -66,7 +69,7 @@ std::vector<std::vector<double>> begin_finish(const FitJob& job, const FitFile& 
   for (const auto& fold : searches)
     for (const auto& s : specimens(names, fold)) points.push_back(sim::point_of(s, job.problem.parameters));
   const std::size_t found = points.size();
-  Random random(job.options.seed);
+  Random random(job.options.seed + describing_stream);
   for (std::size_t k = found; k < 4 * found; ++k) {
     points.push_back(points[k % found]);
     for (double& u : points.back()) u = std::clamp(u + spread * random.normal(), 0.0, 1.0);
@@ -119,12 +122,15 @@ FitReport run_fits(const FitJob& job, sim::Team& team, const FitProgress& progre
     sim::FitOptions options = job.options;
     options.seed += 7919 * (k % searches);
     auto start = full ? job.start : std::vector<std::vector<double>>{};
-    if (full && job.finish > 0) problem = describing(problem);
+    if (full && job.finish > 0) {
+      problem = describing(problem);
+      options.evaluations = job.finish;
+      options.seed += describing_stream;
+    }
     if (last) {
       problem.absolute = true;
       problem.tolerance = 1e-5;
       start = begin_finish(job, report.file, std::span(report.state.done).last(searches));
-      options.evaluations = job.finish;
       options.population = start.size();
       options.polished = options.ensemble = 0;
     }

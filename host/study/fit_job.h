@@ -17,7 +17,7 @@ struct FitJob {
   sim::FitOptions options;       ///< of every search; `evaluations` each
   int searches = 3;              ///< independent ones for every fit: their members together are its ensemble
   /// Above 0 the fit to everything describes: no prior, deviations half of what is wanted on average (2 % of touch and seat, 8 % of
-  /// bounce, 3 % of settled), and so many evaluations of a last search, from what the others found, on the sum of absolute
+  /// bounce, 3 % of settled), so many evaluations of each of its searches, and as many of a last one, from what the others found, on the sum of absolute
   /// deviations. The fits that hold an angle out are made to predict and have none of this.
   long finish = 0;
   std::vector<std::vector<double>>

@@ -5,6 +5,9 @@
 #include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
+#include <span>
+
+#include "host/study/problem.h"
 
 namespace powbench::host {
 namespace {
@@ -143,7 +146,8 @@ Json number(double v) {
 
 }  // namespace
 
-std::vector<FitCell> fit_cells(const FitFile& file, const std::vector<sim::MeasuredClosing>& closings) {
+std::vector<FitCell> fit_cells(const FitFile& file, const std::vector<sim::MeasuredClosing>& closings,
+                               bool pool) {
   std::vector<FitCell> cells;
   std::vector<sim::Specimen> best;
   for (const auto& fold : file.folds)
@@ -156,6 +160,7 @@ std::vector<FitCell> fit_cells(const FitFile& file, const std::vector<sim::Measu
     for (const auto& fold : file.folds)
       if (fold.held_out && std::fabs(std::remainder(*fold.held_out - theta, 360)) < 1e-3)
         blind = predict(specimens(file, fold), m.conditions);
+    if (pool) blind = pooled(blind, without(closings, std::span(&m.conditions.closing_angle, 1)));
     for (int q = 0; q < 4; ++q) {
       FitCell c;
       c.theta_deg = theta;

@@ -62,7 +62,8 @@ FitResult fit(const Misfit& misfit, const FitOptions& options, Team& team, const
       std::move(start));
   if (resume != nullptr) search.resume(*resume);
   FitResult result;
-  for (bool more = true; more && !result.stopped;) {
+  // stopped right after its last generation, a search has nothing left to do
+  for (bool more = resume == nullptr || resume->used < options.evaluations; more && !result.stopped;) {
     more = search.step(team);
     if (watch.save) watch.save(search.state());
     if (watch.go_on && !watch.go_on(search.state().used, options.evaluations, search.best().value))

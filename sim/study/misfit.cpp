@@ -82,20 +82,33 @@ double Misfit::closing_residuals(const Specimen& s, const MeasuredClosing& m, do
   return out[0] * out[0] + out[1] * out[1] + out[2] * out[2] + out[3] * out[3];
 }
 
-double Misfit::closing_distance(const Specimen& s, const MeasuredClosing& m, double tolerance) const {
+double Misfit::closing_distance(const Specimen& s, const MeasuredClosing& m, double tolerance,
+                                Means& means) const {
   const auto t = closing_at(s, m.conditions, problem_.duration, tolerance);
   if (!t.touch || !t.core_seat) return never * never;
   double sum = 0;
-  const auto add = [&](double measured, double u, double model) {
-    if (std::isfinite(measured)) sum += std::fabs(model - measured) / u;
+  const auto add = [&](std::size_t q, double measured, double u, double model) {
+    if (!std::isfinite(measured)) return;
+    const double d = std::fabs(model - measured) / u;
+    sum += d;
+    means.sum[q] += d;
+    ++means.count[q];
   };
-  add(m.touch.value, m.touch.u, *t.touch);
-  add(m.bounce.value, m.bounce.u, *t.settled - *t.touch);
-  add(m.touch.value + m.bounce.value,
-      std::isfinite(m.settled.u) ? m.settled.u : std::hypot(m.touch.u, m.bounce.u), *t.settled);
-  add(m.seat.value, m.seat.u, *t.core_seat);
-  add(m.core_bounce.value, m.core_bounce.u, *t.core_settled - *t.core_seat);
+  const double u_settled = std::isfinite(m.settled.u) ? m.settled.u : std::hypot(m.touch.u, m.bounce.u);
+  add(0, m.touch.value, m.touch.u, *t.touch);
+  add(1, m.bounce.value, m.bounce.u, *t.settled - *t.touch);
+  add(2, m.touch.value + m.bounce.value, u_settled, *t.settled);
+  add(3, m.seat.value, m.seat.u, *t.core_seat);
+  add(4, m.core_bounce.value, m.core_bounce.u, *t.core_settled - *t.core_seat);
   return sum;
+}
+
+double Misfit::Means::excess() const {
+  constexpr double wanted = 2, weight = 100;
+  double total = 0;
+  for (std::size_t q = 0; q < sum.size(); ++q)
+    if (count[q] > 0) total += weight * std::max(0.0, sum[q] / (wanted * count[q]) - 1);
+  return total;
 }
 
 void Misfit::range_residuals(const Specimen& s, std::vector<double>& out) const {
@@ -144,13 +157,14 @@ double Misfit::value(std::span<const double> point, double give_up) const {
   std::vector<double> ranges;
   range_residuals(s, ranges);
   for (const double r : ranges) sum += r * r;
+  Means means;
   for (const auto& m : problem_.closings) {
     if (sum > give_up) return sum;
     double r[per_closing];
-    sum += problem_.absolute ? closing_distance(s, m, problem_.tolerance)
+    sum += problem_.absolute ? closing_distance(s, m, problem_.tolerance, means)
                              : closing_residuals(s, m, problem_.tolerance, r);
   }
-  return checks(s, sum, give_up);
+  return checks(s, sum + means.excess(), give_up);
 }
 
 std::vector<double> Misfit::residuals(std::span<const double> point, double tolerance) const {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <limits>
 #include <optional>
 #include <span>
@@ -56,7 +57,8 @@ struct FitProblem {
   double duration =
       0.06;  ///< s simulated for each closing: a late release, when the offset flux dies out, is seen
   bool robust = true;  ///< bounce times beyond two deviations count linearly
-  /// Sum of absolute deviations, the settled time's among them, in place of squares: what a table of mean errors judges by.
+  /// Sum of absolute deviations, the settled time's among them, in place of squares, and a steep cost of every quantity whose mean
+  /// is above two: what a table of mean errors judges by.
   bool absolute = false;
 };
 
@@ -85,7 +87,13 @@ class Misfit {
 
  private:
   double closing_residuals(const Specimen&, const MeasuredClosing&, double tolerance, double* out) const;
-  double closing_distance(const Specimen&, const MeasuredClosing&, double tolerance) const;
+  /// Deviations by quantity, for their means.
+  struct Means {
+    std::array<double, 5> sum{};
+    std::array<int, 5> count{};
+    double excess() const;  ///< steep cost of every mean above two deviations
+  };
+  double closing_distance(const Specimen&, const MeasuredClosing&, double tolerance, Means&) const;
   void range_residuals(const Specimen&, std::vector<double>& out) const;
   double checks(const Specimen&, double sum, double give_up) const;
 

@@ -211,6 +211,28 @@ TEST_CASE("predictions: the median of the specimens that close, nothing where mo
   CHECK(std::isnan(predict(mostly_dead, {}).touch.median));
 }
 
+TEST_CASE("a pooled prediction leans on the other angles as far as they agree, and on nothing else",
+          "[study]") {
+  std::vector<sim::MeasuredClosing> others(4);
+  const double touches[] = {10e-3, 12e-3, 14e-3, 20e-3}, bounces[] = {5e-3, 5e-3, 5e-3, 5e-3};
+  for (std::size_t k = 0; k < 4; ++k) {
+    others[k].touch = {touches[k], 0.03 * touches[k]};
+    others[k].bounce = {bounces[k], 0.15 * bounces[k]};
+  }
+  Prediction p;
+  p.touch = {11.5e-3, 12e-3, 12.5e-3};
+  p.bounce = {2e-3, 3e-3, 4e-3};
+  const Prediction q = pooled(p, others);
+  // variance among the touches: 56 / 3 ms2; of the model: 0.5^2 + 0.36^2 ms2; median of the others: 13 ms
+  const double w = 56.0 / 3 / (56.0 / 3 + 0.25 + 0.1296);
+  CHECK(q.touch.median == Approx((12 * w + 13 * (1 - w)) * 1e-3));
+  CHECK(q.touch.high - q.touch.low == Approx(w * 1e-3));
+  CHECK(q.bounce.median == Approx(5e-3));  // the others agree to the last digit: nothing is left to the model
+  CHECK(std::isnan(q.seat.median));
+  others.resize(2);
+  CHECK(pooled(p, others).touch.median == p.touch.median);  // two are too few to say how far they agree
+}
+
 TEST_CASE("texts of a fit name every number, mark what lies at a bound, and never print nan", "[study]") {
   sim::Team team(1);
   FitJob job = small_job();
