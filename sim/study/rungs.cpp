@@ -137,11 +137,8 @@ Trajectory run_explicit(const FieldRung& field, const Case& c, double duration, 
   o.cell = cell_mm * 1e-3;
   o.end = std::min(duration, explicit_duration);
   o.solid.energy_bound = 0.5;  // the residual is handed on with the result
-  Conditions conditions = c.conditions;
-  conditions.closing_angle = closing_mains(c.conditions).phase;
-  Specimen warm = c.specimen;
-  warm.coil.resistance *= 1 + warm.coil.temperature_coefficient * (c.conditions.ambient - 293.15);
-  return trajectory(solid_closing(warm, conditions, *field.potential(c), o), c, duration, sample_dt);
+  o.pressed_gap = field.pressed_gap;
+  return trajectory(solid_closing(c.specimen, c.conditions, *field.potential(c), o), c, duration, sample_dt);
 }
 
 }  // namespace
