@@ -107,7 +107,7 @@ TEST_CASE("undeformed, a closing of the bodies is that of the lumped model, open
   CHECK(std::fabs(r.electric.residual()) < 1e-6 * r.electric.supplied);
 }
 
-TEST_CASE("as a rung, a closing of the bodies sees ambient and polarity once") {
+TEST_CASE("as a rung, a closing of the bodies sees ambient and polarity once", "[.slow]") {
   Case c;
   c.conditions.closing_angle = radians(90);
   c.conditions.ambient = 313.15;
