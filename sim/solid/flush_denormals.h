@@ -1,9 +1,5 @@
 #pragma once
 
-#ifdef __SSE2__
-#include <xmmintrin.h>
-#endif
-
 /// While it lives, this thread takes denormal numbers for zero, read or written; then what held before holds again. For
 /// the loops over cells alone: on some processors each denormal operand costs a hundred cycles, and behind the front of a
 /// wave there are many. No call out of this folder while it lives.
@@ -13,11 +9,11 @@ namespace powbench::sim {
 class FlushDenormals {
  public:
 #ifdef __SSE2__
-  FlushDenormals() : before_(_mm_getcsr() & both) {
-    _mm_setcsr(_mm_getcsr() | both);
+  FlushDenormals() : before_(__builtin_ia32_stmxcsr() & both) {
+    __builtin_ia32_ldmxcsr(__builtin_ia32_stmxcsr() | both);
   }
   ~FlushDenormals() {
-    _mm_setcsr((_mm_getcsr() & ~both) | before_);
+    __builtin_ia32_ldmxcsr((__builtin_ia32_stmxcsr() & ~both) | before_);
   }  // flags raised meanwhile stay
 #else
   FlushDenormals() = default;

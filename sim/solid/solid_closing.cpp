@@ -10,8 +10,8 @@
 namespace powbench::sim {
 namespace {
 
-constexpr double chatter = 20e-6;  ///< s, shorter gaps between touches are not openings
-constexpr double slip = 0.1e-6;    ///< m, that the mover's guide gives way before it slides
+constexpr double chatter = 20e-6;  ///< s, of deforming parts: shorter gaps between touches are not openings
+constexpr double slip = 1e-11;     ///< m, that the mover's guide gives way before it slides
 
 /// The bodies with their springs, and the coil beside them.
 class Closing {
@@ -114,15 +114,24 @@ class Closing {
     return solid_.mean_displacement(part).z - (part == contactor_.mover ? start_ : 0);
   }
 
+  /// The rung's answer; one that ends at gap zero goes on along its tangent where the faces are pressed together.
+  MagneticResponse field(const MagneticState& s) const {
+    if (options_.pressed_gap || s.gap >= 0) return field_.at(s);
+    auto m = field_.at({s.psi, s.ring, 0});
+    m.energy += s.gap * m.pull;
+    m.current += s.gap * m.current_gap;
+    m.ring_current += s.gap * m.ring_gap;
+    return m;
+  }
+
   /// Field and coil over the time since the latest look, by the midpoint rule; then the new pull.
   void couple(double dt) {
-    const double gap =
-        std::max(0.0, specimen_.core.travel - height(contactor_.mover) + height(contactor_.base));
+    const double gap = specimen_.core.travel - height(contactor_.mover) + height(contactor_.base);
     const double voltage = mains_voltage(mains_, MainsPiece{}, solid_.time() - 0.5 * dt);
     const auto at = [&](double share, const MagneticResponse& r) {
       const double ring = field_.has_ring() ? specimen_.magnet.ring_resistance * r.ring_current : 0;
-      return field_.at({psi_ + share * dt * (voltage - resistance_ * r.current), ring_ - share * dt * ring,
-                        gap_ + share * (gap - gap_)});
+      return field({psi_ + share * dt * (voltage - resistance_ * r.current), ring_ - share * dt * ring,
+                    gap_ + share * (gap - gap_)});
     };
     const MagneticResponse middle = at(0.5, response_);
     const double lost = resistance_ * middle.current * middle.current,
@@ -133,24 +142,29 @@ class Closing {
     psi_ += dt * (voltage - resistance_ * middle.current);
     ring_ -= dt * ring;
     gap_ = gap;
-    response_ = field_.at({psi_, ring_, gap});
+    const double before = response_.pull;
+    response_ = field({psi_, ring_, gap});
     result_.electric.field = response_.energy;
-    push(dt);
+    // held over the next interval: what it will be in its middle
+    push(dt,
+         dt > 0 ? response_.pull + 0.5 * (response_.pull - before) * options_.coupling / dt : response_.pull);
   }
 
-  /// Return map: a spring that slides at the Coulomb limit, with a dashpot of half the critical damping beside it.
+  /// Return map: a spring that slides at the Coulomb limit, with a dashpot of half the critical damping beside it; softer
+  /// where the coupling interval is too long for so stiff a spring.
   double friction(double dt) {
-    const double limit = specimen_.core.friction, rate = limit / slip;
+    const double limit = specimen_.core.friction, fastest = 0.3 / options_.coupling;
+    const double rate = std::min(limit / slip, specimen_.core.mass * fastest * fastest);
     const double speed = solid_.mean_velocity(contactor_.mover).z;
     stuck_ = std::clamp(stuck_ + rate * speed * dt, -limit, limit);
     return std::clamp(stuck_ + std::sqrt(rate * specimen_.core.mass) * speed, -limit, limit);
   }
 
   /// Pull, friction and drag as body loads.
-  void push(double dt) {
-    solid_.set_force(pull_, {0, 0, response_.pull - friction(dt)});
+  void push(double dt, double pull) {
+    solid_.set_force(pull_, {0, 0, pull - friction(dt)});
     const double drag = 4 * pi * specimen_.base.hertz * specimen_.base.damping * specimen_.base.mass;
-    solid_.set_force(reaction_, {0, 0, -response_.pull - drag * solid_.mean_velocity(contactor_.base).z});
+    solid_.set_force(reaction_, {0, 0, -pull - drag * solid_.mean_velocity(contactor_.base).z});
   }
 
   bool close_to_touch() const {
@@ -161,9 +175,10 @@ class Closing {
 
   void follow_contacts() {
     const ContactReport& pad = solid_.contact()->report(0);
-    const bool closed = pad.touching > 0;
+    const bool closed = pad.force_sum > 0;  // a dent that is left behind presses no more
     if (closed && result_.first_touch < 0) result_.first_touch = solid_.time();
-    if (closed && solid_.time() - closed_at_ > chatter) {  // nodes come and go within a touch
+    const double shortest = options_.deform ? chatter : 4 * solid_.dt();  // nodes come and go within a touch
+    if (closed && solid_.time() - closed_at_ > shortest) {
       result_.last_touch = solid_.time();
       if (closed_at_ > 0) {
         ++result_.openings;

@@ -18,13 +18,14 @@
 namespace powbench::sim {
 
 struct SolidClosingOptions {
-  double cell = 2e-3;         ///< m
-  double end = 30e-3;         ///< s
-  double coupling = 2e-6;     ///< s, between two looks at the field
-  double window = 0.2e-3;     ///< s, deformable so long before the first touch
-  double flight_step = 5e-7;  ///< s, while everything is rigid
-  double sample = 5e-6;       ///< s, between samples while parts deform; 50 us in flight
-  bool deform = true;         ///< false: rigid throughout
+  double cell = 2e-3;           ///< m
+  double end = 30e-3;           ///< s
+  double coupling = 5e-7;       ///< s, between two looks at the field
+  double window = 0.2e-3;       ///< s, deformable so long before the first touch
+  double flight_step = 2.5e-7;  ///< s, while everything is rigid
+  double sample = 5e-6;         ///< s, between samples while parts deform; 50 us in flight
+  bool deform = true;           ///< false: rigid throughout
+  bool pressed_gap = true;      ///< the potential is also defined for gap < 0, faces pressed together
   int workers = 1;
   SolidOptions solid;
 };

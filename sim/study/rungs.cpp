@@ -142,6 +142,7 @@ Trajectory run_explicit(const FieldRung& field, const Case& c, double duration, 
   o.cell = cell_mm * 1e-3;
   o.end = std::min(duration, explicit_duration);
   o.solid.energy_bound = 0.5;  // the residual is handed on with the result
+  o.pressed_gap = field.pressed_gap;
   return trajectory(solid_closing(c.specimen, c.conditions, *field.potential(c), o), c, duration, sample_dt);
 }
 

@@ -5,6 +5,7 @@
 #include "sim/closing.h"
 #include "sim/solid/solid_closing.h"
 #include "sim/specimen_potential.h"
+#include "sim/study/rungs.h"
 
 using namespace powbench;
 using namespace powbench::sim;
@@ -79,14 +80,48 @@ TEST_CASE("at switch-on every part of the contactor is in balance with springs, 
   }
 }
 
-TEST_CASE("undeformed, a closing of the bodies is that of the lumped model and balances to 1e-5", "[.slow]") {
-  const SolidClosingResult r = closing(6e-3, 18e-3, false);
+TEST_CASE("undeformed, a closing of the bodies is that of the lumped model, opening by opening, and balances",
+          "[.slow]") {
+  Conditions conditions;
+  conditions.closing_angle = radians(90);
+  const auto lumped = simulate(Specimen{}, conditions, 0.04, 0).truth;
+  const SolidClosingResult r = closing(10e-3, 24e-3, false);
   std::cout << "closing, undeformed: first touch " << 1e3 * r.first_touch << " ms, lumped "
-            << 1e3 * lumped_touch() << " ms, residual " << r.residual << ", of the coil "
+            << 1e3 * *lumped.touch << " ms, residual " << r.residual << ", of the coil "
             << r.electric.residual() / r.electric.supplied << "\n";
-  CHECK(r.first_touch == Approx(lumped_touch()).epsilon(3e-4));
-  CHECK(r.residual < 1e-5);
+  const SolidClosingResult first = closing(6e-3, 18e-3, false);
+  CHECK(first.first_touch == Approx(lumped_touch()).epsilon(3e-4));
+  CHECK(first.residual < 1e-5);
+  CHECK(std::fabs(first.electric.residual()) < 1e-6 * first.electric.supplied);
+  CHECK(r.first_touch == Approx(*lumped.touch).margin(5e-6));
+  CHECK(r.core_seat == Approx(*lumped.core_seat).margin(5e-6));
+  CHECK(r.last_touch == Approx(*lumped.settled).margin(10e-6));
+  REQUIRE(r.open.size() == lumped.openings.size());
+  for (std::size_t k = 0; k < r.open.size(); ++k) {
+    std::cout << "  opening " << 1e3 * r.open[k][0] << " .. " << 1e3 * r.open[k][1] << " ms, lumped "
+              << 1e3 * lumped.openings[k].release << " .. " << 1e3 * lumped.openings[k].touch << "\n";
+    CHECK(r.open[k][0] == Approx(lumped.openings[k].release).margin(10e-6));
+    CHECK(r.open[k][1] == Approx(lumped.openings[k].touch).margin(10e-6));
+  }
+  CHECK(r.residual < 2e-5);
   CHECK(std::fabs(r.electric.residual()) < 1e-6 * r.electric.supplied);
+}
+
+TEST_CASE("as a rung, a closing of the bodies sees ambient and polarity once", "[.slow]") {
+  Case c;
+  c.conditions.closing_angle = radians(90);
+  c.conditions.ambient = 313.15;
+  c.conditions.polarity = -1;
+  const auto rung = scene_rung(circuit_field(), "explicit");
+  const double bodies = *rung.run(c, 20e-3, 10, 0).truth.touch,
+               lumped = *simulate(c.specimen, c.conditions, 0.03, 0).truth.touch;
+  Case cold = c;
+  cold.conditions.ambient = 293.15;
+  const double at_20 = *simulate(cold.specimen, cold.conditions, 0.03, 0).truth.touch;
+  std::cout << "ambient 40 degC: touch " << 1e3 * bodies << " ms, lumped " << 1e3 * lumped
+            << " ms, at 20 degC " << 1e3 * at_20 << " ms\n";
+  CHECK(std::fabs(lumped - at_20) > 50e-6);
+  CHECK(bodies == Approx(lumped).margin(15e-6));
 }
 
 TEST_CASE("a closing with deforming parts: first touch, bounce and energy do not depend on the cells",
