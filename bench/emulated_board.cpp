@@ -3,12 +3,12 @@
 #include <algorithm>
 #include <chrono>
 #include <cstring>
-#include <ctime>
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <string>
 
 #include "bench/firmware_cost.h"
+#include "core/cpu_time.h"
 #include "core/units.h"
 #include "rigs/qemu_board.h"
 #include "rigs/registry.h"
@@ -25,11 +25,6 @@ using namespace powbench;
 
 double wall() {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
-}
-
-/// Of this process, s.
-double processor() {
-  return static_cast<double>(std::clock()) / CLOCKS_PER_SEC;
 }
 
 struct Row {
@@ -80,7 +75,7 @@ Row exchange_cost(bool count_instructions) {
   std::int64_t sample = 0;
   return row(fmt::format("lock-step, a second of processor time{}", count_instructions ? ", -icount" : ""),
              "kS/s", 5, [&](int) {
-               const double start = processor() + board.processor_seconds();
+               const double start = process_cpu_seconds() + board.processor_seconds();
                const std::int64_t first = sample;
                do {
                  for (int i = 0; i < 1000; ++i) {
@@ -88,9 +83,9 @@ Row exchange_cost(bool count_instructions) {
                    sample += 10;
                    board.step({&block, 1}, edges);
                  }
-               } while (processor() + board.processor_seconds() - start < 0.5);
+               } while (process_cpu_seconds() + board.processor_seconds() - start < 0.5);
                return 1e-3 * static_cast<double>(sample - first) /
-                      (processor() + board.processor_seconds() - start);
+                      (process_cpu_seconds() + board.processor_seconds() - start);
              });
 }
 

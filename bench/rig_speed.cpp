@@ -4,12 +4,12 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <ctime>
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
+#include "core/cpu_time.h"
 #include "core/phase.h"
 #include "dsp/extract.h"
 #include "rigs/iiod_server.h"
@@ -27,12 +27,6 @@ using namespace powbench;
 double wall() {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
 }
-double cpu() {
-  timespec t{};
-  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
-  return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
-}
-
 struct Row {
   std::string what, unit, goal;
   double median, low, high;
@@ -119,15 +113,15 @@ int main(int argc, char** argv) {
 
   // the simulator alone, as the goal states it: 60 ms of closing
   rows.push_back(row("simulated closing of 60 ms, plant alone, CPU", "ms", "<= 10", repeat(35, [&](int i) {
-                       const double start = cpu();
+                       const double start = process_cpu_seconds();
                        sim::simulate(specimen, conditions(i), 0.060, 0.0);
-                       return 1e3 * (cpu() - start);
+                       return 1e3 * (process_cpu_seconds() - start);
                      })));
   // record of 140 ms through the virtual sensors
   rows.push_back(row("record of 140 ms with sensors, real-time factor", "x", "", repeat(35, [&](int i) {
-                       const double start = cpu();
+                       const double start = process_cpu_seconds();
                        rigs::simulate_record(specimen, conditions(i), config);
-                       return 0.140 / (cpu() - start);
+                       return 0.140 / (process_cpu_seconds() - start);
                      })));
 
   rigs::LocalRig server(config, specimen);
@@ -145,9 +139,9 @@ int main(int argc, char** argv) {
                        return 1.0 / (wall() - start);
                      })));
   rows.push_back(row("events of one record, CPU", "ms", "<= 50", repeat(35, [&](int) {
-                       const double start = cpu();
+                       const double start = process_cpu_seconds();
                        dsp::extract_events(record);
-                       return 1e3 * (cpu() - start);
+                       return 1e3 * (process_cpu_seconds() - start);
                      })));
   rows.push_back(row("attribute round trip", "us", "", attribute_round_trips(uri)));
   for (const std::size_t scans : {64U, 256U, 1000U, 3500U, 14000U})

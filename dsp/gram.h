@@ -18,6 +18,16 @@ struct ColumnSet {
 void cross_products(const ColumnSet& a, const ColumnSet& b, std::size_t rows, double* c,
                     std::size_t c_stride);
 
+/// A^T B of column-major matrices, or vectors, that know data(), outerStride(), rows() and cols(); both of the same rows.
+template <class Matrix, class A, class B>
+Matrix cross(const A& a, const B& b) {
+  const auto size = [](auto n) { return static_cast<std::size_t>(n); };
+  Matrix c(a.cols(), b.cols());
+  cross_products({a.data(), size(a.outerStride()), size(a.cols())},
+                 {b.data(), size(b.outerStride()), size(b.cols())}, size(a.rows()), c.data(), size(c.rows()));
+  return c;
+}
+
 /// One version: the products of a_i, i < na, with b_k, k < nb; with `upper` only those with i <= k.
 struct GramKernel {
   const char* name;

@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "core/units.h"
-#include "dsp/gram_eigen.h"
+#include "dsp/gram.h"
 #include "dsp/joint_columns.h"
 
 namespace powbench::dsp {
@@ -46,14 +46,14 @@ Normal normal_of(const JointSystem& s, const JointRows& r) {
     const JointBlock& x = s.blocks[a];
     if (x.last > x.first)
       n.gradient.segment(signed_of(x.column), signed_of(x.count)) =
-          cross(columns(s, r, x, x.first, x.last), part(s.residual, x.first, x.last));
+          cross<Matrix>(columns(s, r, x, x.first, x.last), part(s.residual, x.first, x.last));
     for (std::size_t b = a; b < s.blocks.size(); ++b) {
       const JointBlock& y = s.blocks[b];
       const std::size_t first = std::max(x.first, y.first), last = std::min(x.last, y.last);
       if (last <= first) continue;
       auto block =
           n.gram.block(signed_of(x.column), signed_of(y.column), signed_of(x.count), signed_of(y.count));
-      block = cross(columns(s, r, x, first, last), columns(s, r, y, first, last));
+      block = cross<Matrix>(columns(s, r, x, first, last), columns(s, r, y, first, last));
       if (a != b)
         n.gram.block(signed_of(y.column), signed_of(x.column), signed_of(y.count), signed_of(x.count)) =
             block.transpose();
@@ -103,7 +103,7 @@ std::vector<Subspace> contact_subspaces(const JointSystem& s, const JointRows& r
       continue;
     Subspace u{b.first, b.last, {}, {}};
     const Matrix A = columns(s, r, b, b.first, b.last);
-    Matrix G = cross(A, A);
+    Matrix G = cross<Matrix>(A, A);
     G.diagonal() += part(s.prior, b.column, b.column + b.count);
     const Vector scale = G.diagonal().cwiseMax(1e-30).cwiseSqrt().cwiseInverse();
     G = scale.asDiagonal() * G * scale.asDiagonal();
@@ -136,7 +136,7 @@ double best_onset(const JointInput& in, const JointModel& m, const JointRows& r,
   }
   auto spaces = contact_subspaces(s, r);
   double raw = 0;
-  for (Subspace& u : spaces) u.inside = cross(u.q, part(left, u.first, u.last));
+  for (Subspace& u : spaces) u.inside = cross<Matrix>(u.q, part(left, u.first, u.last));
   const auto inside = [&] {
     double sum = 0;
     for (const Subspace& u : spaces) sum += u.inside.squaredNorm();

@@ -6,7 +6,7 @@
 #include <limits>
 #include <utility>
 
-#include "dsp/gram_eigen.h"
+#include "dsp/gram.h"
 
 namespace powbench::dsp {
 
@@ -82,8 +82,8 @@ LeastSquares levenberg_marquardt(const Residuals& f, std::size_t rows, std::span
   LeastSquares out;
   for (; out.iterations < max_iterations && !out.converged; ++out.iterations) {
     differentiate();
-    normal = cross(J, J);
-    const Vector gradient = cross(J, r);
+    normal = cross<Matrix>(J, J);
+    const Vector gradient = cross<Matrix>(J, r);
     bool accepted = false;
     for (int tries = 0; tries < 12 && !accepted; ++tries) {
       Matrix damped = normal;
@@ -110,7 +110,7 @@ LeastSquares levenberg_marquardt(const Residuals& f, std::size_t rows, std::span
     if (!accepted) out.converged = true;  // no descent left along any damped direction
   }
   differentiate();
-  normal = cross(J, J);
+  normal = cross<Matrix>(J, J);
   out.covariance = inverse_of(normal);
   out.x.assign(x.data(), x.data() + n);
   out.chi2 = cost;
@@ -130,7 +130,7 @@ LeastSquares linear_least_squares(std::span<const std::vector<double>> columns, 
   out.x.assign(c.data(), c.data() + n);
   out.chi2 = (b - A * c).squaredNorm();
   if (out.converged) {
-    out.covariance = inverse_of(cross(A, A));
+    out.covariance = inverse_of(cross<Matrix>(A, A));
   } else {
     out.covariance.assign(static_cast<std::size_t>(n * n), std::numeric_limits<double>::infinity());
   }

@@ -8,7 +8,7 @@
 
 #include "core/units.h"
 #include "dsp/fft.h"
-#include "dsp/gram_eigen.h"
+#include "dsp/gram.h"
 #include "dsp/statistics.h"
 
 namespace powbench::dsp {
@@ -114,7 +114,7 @@ Vector gram_solve(const Matrix& G, const Vector& q, Vector* variance) {
 }
 
 Vector normal_solve(const Matrix& A, const Vector& y, Vector* variance) {
-  return gram_solve(cross(A, A), cross(A, y), variance);
+  return gram_solve(cross<Matrix>(A, A), cross<Matrix>(A, y), variance);
 }
 
 /// The smooth columns with their share of the normal equations, which no pole changes.
@@ -145,12 +145,12 @@ Solution solve(const Rows& r, const std::vector<Pole>& poles, double reference, 
   }
   const Eigen::Map<const Vector> y(r.y.data(), n);
   s.gram.resize(2 * k + m, 2 * k + m);
-  s.gram.topLeftCorner(2 * k, 2 * k) = cross(s.modes, s.modes);
-  s.gram.topRightCorner(2 * k, m) = cross(s.modes, smooth.columns);
+  s.gram.topLeftCorner(2 * k, 2 * k) = cross<Matrix>(s.modes, s.modes);
+  s.gram.topRightCorner(2 * k, m) = cross<Matrix>(s.modes, smooth.columns);
   s.gram.bottomLeftCorner(m, 2 * k) = s.gram.topRightCorner(2 * k, m).transpose();
   s.gram.bottomRightCorner(m, m) = smooth.gram;
   s.rhs.resize(2 * k + m);
-  s.rhs << cross(s.modes, y), smooth.rhs;
+  s.rhs << cross<Matrix>(s.modes, y), smooth.rhs;
   s.linear = gram_solve(s.gram, s.rhs, &s.variance);
   s.chi2 = (y - s.modes * s.linear.head(2 * k) - smooth.columns * s.linear.tail(m)).squaredNorm();
   return s;
@@ -172,12 +172,12 @@ Vector pole_step(const Rows& r, const Solution& s, double reference, const Smoot
   const Eigen::Map<const Vector> y(r.y.data(), n);
   Matrix G(old + k2, old + k2);
   G.topLeftCorner(old, old) = s.gram;
-  G.block(0, old, k2, k2) = cross(s.modes, D);
-  G.block(k2, old, m, k2) = cross(smooth.columns, D);
+  G.block(0, old, k2, k2) = cross<Matrix>(s.modes, D);
+  G.block(k2, old, m, k2) = cross<Matrix>(smooth.columns, D);
   G.bottomLeftCorner(k2, old) = G.topRightCorner(old, k2).transpose();
-  G.bottomRightCorner(k2, k2) = cross(D, D);
+  G.bottomRightCorner(k2, k2) = cross<Matrix>(D, D);
   Vector q(old + k2);
-  q << s.rhs, cross(D, y);
+  q << s.rhs, cross<Matrix>(D, y);
   return gram_solve(G, q, nullptr).tail(k2);
 }
 
@@ -260,8 +260,8 @@ Ring fit_ring(const RingInput& in, std::vector<Pole> poles, const ExtractOptions
   const double noise = in.noise / std::sqrt(r.block);
   Smooth smooth{.columns = smooth_columns(r, in.closed_from, in.to), .gram = {}, .rhs = {}};
   const Eigen::Map<const Vector> y(r.y.data(), static_cast<Index>(r.y.size()));
-  smooth.gram = cross(smooth.columns, smooth.columns);
-  smooth.rhs = cross(smooth.columns, y);
+  smooth.gram = cross<Matrix>(smooth.columns, smooth.columns);
+  smooth.rhs = cross<Matrix>(smooth.columns, y);
   poles = distinct(std::move(poles));
   while (!poles.empty() &&
          static_cast<Index>(r.t.size()) > 6 * static_cast<Index>(poles.size()) + smooth.columns.cols()) {

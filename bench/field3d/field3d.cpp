@@ -5,7 +5,6 @@
 #include <cmath>
 #include <cstdio>
 #include <cstring>
-#include <ctime>
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <numbers>
@@ -16,6 +15,7 @@
 #include "bench/field3d/picture3.h"
 #include "bench/field3d/team13.h"
 #include "bench/field3d/team20.h"
+#include "core/cpu_time.h"
 #include "sim/field3d/force3.h"
 #include "sim/field3d/ladder3.h"
 #include "sim/field3d/magnet_field3.h"
@@ -29,10 +29,6 @@ namespace bench = powbench::bench;
 using sim::Vec3;
 
 constexpr double mu0 = 4e-7 * std::numbers::pi;
-
-double cpu_s() {
-  return static_cast<double>(std::clock()) / CLOCKS_PER_SEC;
-}
 
 struct Row {
   std::string name, unit;
@@ -72,7 +68,7 @@ class Table {
 void balls(Table& table) {
   const auto one = [&](const std::string& name, const std::vector<double>& radius,
                        std::vector<sim::Medium> media, double b0, double dipole, double exact) {
-    const double start = cpu_s();
+    const double start = powbench::process_cpu_seconds();
     sim::Problem3 p;
     p.mesh = bench::ball_mesh(radius, 3);
     p.media = std::move(media);
@@ -85,7 +81,8 @@ void balls(Table& table) {
     sim::Newton3 newton(w);
     const auto s = newton.solve({});
     const double b = sim::Probe3(w, s.state).at({0.2, 0.15, 0.3}).b[2];
-    table.add({name, "T", b, exact, w.unknowns(), s.iterations, cpu_s() - start, "exact"});
+    table.add(
+        {name, "T", b, exact, w.unknowns(), s.iterations, powbench::process_cpu_seconds() - start, "exact"});
   };
   for (const double mu : {10.0, 1000.0, 1e5})
     one("ball, mu " + nlohmann::json(mu).dump() + ", B inside", {1, 4}, {sim::linear_medium(mu), sim::air()},
@@ -105,13 +102,13 @@ void balls(Table& table) {
 
 void solenoids(Table& table) {
   for (const double length : {40e-3, 20e-3}) {
-    const double start = cpu_s();
+    const double start = powbench::process_cpu_seconds();
     const auto p = bench::solenoid(10e-3, length, 1000, 3);
     const sim::Coenergy3 w(p);
     sim::Newton3 newton(w);
     const auto s = newton.solve({{false, 1}});
     const std::string name = "solenoid " + std::string(length > 0.03 ? "40" : "20") + " mm";
-    const double cost = cpu_s() - start;
+    const double cost = powbench::process_cpu_seconds() - start;
     table.add({name + ", inductance", "H", s.flux[0], bench::solenoid_inductance(10e-3, length, 1000),
                w.unknowns(), s.iterations, cost, "exact"});
     const double centre = mu0 * 1000 / length * (length / 2) / std::hypot(10e-3, length / 2);
@@ -125,12 +122,12 @@ void team20(Table& table, double size) {
   const sim::Coenergy3 w(t.problem);
   sim::Newton3 newton(w);
   for (const auto& row : bench::team20_measured) {
-    const double start = cpu_s();
+    const double start = powbench::process_cpu_seconds();
     const auto s = newton.solve({{false, row.ampere_turns}});
     const double pull = -sim::stress_force(w, s.state, t.virtual_work)[2];
     const double thin = -sim::stress_force(w, s.state, t.thin)[2];
     const std::string name = "TEAM 20, " + std::to_string(static_cast<int>(row.ampere_turns)) + " A";
-    const double cost = cpu_s() - start;
+    const double cost = powbench::process_cpu_seconds() - start;
     table.add({name + ", pull", "N", pull, row.pull, w.unknowns(), s.iterations, cost, "measured"});
     table.add({name + ", by thin layer", "N", thin, pull, w.unknowns(), s.iterations, cost, "virtual work"});
   }
@@ -140,16 +137,16 @@ void team13(Table& table, double size) {
   const auto p = bench::team13(size);
   const sim::Coenergy3 w(p);
   sim::Newton3 newton(w);
-  const double start = cpu_s();
+  const double start = powbench::process_cpu_seconds();
   const auto s = newton.solve({{false, 1000}});
-  const double cost = cpu_s() - start;
+  const double cost = powbench::process_cpu_seconds() - start;
   for (const auto& row : bench::team13_plate)
     table.add({"TEAM 13, 1000 A, plate z " + std::to_string(static_cast<int>(row.z_mm)) + " mm", "T",
                bench::team13_plate_average(w, s.state, row.z_mm * 1e-3), row.b, w.unknowns(), s.iterations,
                cost, "measured"});
-  const double again = cpu_s();
+  const double again = powbench::process_cpu_seconds();
   const auto strong = newton.solve({{false, 3000}});
-  const double strong_cost = cpu_s() - again;
+  const double strong_cost = powbench::process_cpu_seconds() - again;
   const sim::Probe3 probe(w, strong.state);
   for (const auto& row : bench::team13_air) {
     const auto b = probe.at({row.x_mm * 1e-3, 20e-3, 55e-3}).b;
@@ -187,17 +184,17 @@ nlohmann::ordered_json team13_bounds(const std::vector<double>& sizes) {
                     {"plate_error_percent", errors}});
   };
   for (const double size : sizes) {
-    double start = cpu_s();
+    double start = powbench::process_cpu_seconds();
     const auto p = bench::team13(size);
     const sim::Coenergy3 w(p);
     sim::Newton3 newton(w);
     const auto above = newton.solve({{false, 1000}});
     std::vector<double> plate_above, plate_below;
-    const double above_cost = cpu_s() - start;
-    start = cpu_s();
+    const double above_cost = powbench::process_cpu_seconds() - start;
+    start = powbench::process_cpu_seconds();
     const auto edges = bench::team13_edges(size);
     const auto below = bench::solve_edges(edges, 1000);
-    const double below_cost = cpu_s() - start;
+    const double below_cost = powbench::process_cpu_seconds() - start;
     for (const auto& row : bench::team13_plate) {
       plate_above.push_back(bench::team13_plate_average(w, above.state, row.z_mm * 1e-3));
       plate_below.push_back(bench::team13_plate_average(edges, below, row.z_mm * 1e-3));
@@ -225,11 +222,11 @@ void core(Table& table, bool fine) {
     sim::MagnetField3 field({}, sim::CoreMeshSizes3{}.scaled(size));
     auto& results = all.emplace_back();
     for (const auto& state : states) {
-      const double start = cpu_s();
+      const double start = powbench::process_cpu_seconds();
       field.set_gap(state.gap);
       const auto p = field.at_current(state.current);
-      results.push_back(
-          {field.unknowns(), p.solution.iterations, cpu_s() - start, p.psi, p.response.pull, p.stress_pull});
+      results.push_back({field.unknowns(), p.solution.iterations, powbench::process_cpu_seconds() - start,
+                         p.psi, p.response.pull, p.stress_pull});
     }
   }
   char name[64];
@@ -253,10 +250,10 @@ void plane(Table& table) {
     sizes.ends = false;
     sim::MagnetField3 field({}, sizes);
     for (const double gap : {2e-3, 0.5e-3, 0.0}) {
-      const double start = cpu_s();
+      const double start = powbench::process_cpu_seconds();
       field.set_gap(gap);
       const auto p = field.at_current(0.3);
-      const double cost = cpu_s() - start;
+      const double cost = powbench::process_cpu_seconds() - start;
       reference.set_gap(gap);
       const auto r = reference.at_current(0.3, 0);
       char name[64];
@@ -288,13 +285,13 @@ void three_dimensional_table() {
   sim::TableOptions options;
   options.psi_nodes = options.gap_nodes = 12;
   sim::TableReport report;
-  const double start = cpu_s();
+  const double start = powbench::process_cpu_seconds();
   const sim::TablePotential table(sim::build_table3({}, sim::CoreMeshSizes3{}.scaled(2.8), options, &report));
   std::printf(
       "\ntable W(psi, gap) 12 x 12: %d unknowns, %d solutions, %d factorisations (most %d), %.1f s CPU, "
       "least d2W/dpsi2 %.4g\n",
-      report.unknowns, report.solutions, report.iterations, report.most_iterations, cpu_s() - start,
-      table.least_stiffness());
+      report.unknowns, report.solutions, report.iterations, report.most_iterations,
+      powbench::process_cpu_seconds() - start, table.least_stiffness());
 }
 
 bool write(const std::string& path, const std::string& text) {

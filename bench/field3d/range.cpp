@@ -6,13 +6,13 @@
 #include <cmath>
 #include <cstdio>
 #include <cstring>
-#include <ctime>
 #include <fstream>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
+#include "core/cpu_time.h"
 #include "sim/field3d/end_table.h"
 #include "sim/fields/circuit.h"
 
@@ -20,10 +20,6 @@ namespace {
 
 namespace sim = powbench::sim;
 using Json = nlohmann::ordered_json;
-
-double cpu_s() {
-  return static_cast<double>(std::clock()) / CLOCKS_PER_SEC;
-}
 
 /// One state of one rung: flux linkage of the coil and pull at a given current, the ring without current.
 struct State {
@@ -88,10 +84,10 @@ int main(int argc, char** argv) {
   }
   const sim::MagnetDesign design;
   std::map<std::string, double> cost;
-  double start = cpu_s();
+  double start = powbench::process_cpu_seconds();
   const auto stop = [&](const char* name) {
-    cost[name] += cpu_s() - start;
-    start = cpu_s();
+    cost[name] += powbench::process_cpu_seconds() - start;
+    start = powbench::process_cpu_seconds();
   };
   sim::TableOptions options;
   options.largest_field = 3.5;  // T: the closed core at 2 A
@@ -117,11 +113,11 @@ int main(int argc, char** argv) {
   Json rows = Json::array();
   Worst worst[rungs];
   for (const double gap : {6e-3, 4e-3, 2e-3, 0.5e-3, 0.1e-3, 0.0}) {
-    start = cpu_s();
+    start = powbench::process_cpu_seconds();
     plane.set_gap(gap);
     whole.set_gap(gap);
     for (const double current : {0.03, 0.3, 0.7, 1.2, 2.0}) {
-      start = cpu_s();
+      start = powbench::process_cpu_seconds();
       const auto p3 = whole.at_current(current);
       stop("field3d");
       const auto p2 = plane.at_current(current, 0);

@@ -4,7 +4,6 @@
 
 #include <cmath>
 #include <cstdio>
-#include <ctime>
 #include <filesystem>
 #include <limits>
 #include <nlohmann/json.hpp>
@@ -12,15 +11,12 @@
 
 #include "bench/fields/json_out.h"
 #include "bench/fields/solenoid_peer.h"
+#include "core/cpu_time.h"
 
 namespace {
 
 using namespace powbench;
 using Json = nlohmann::ordered_json;
-
-double cpu_seconds() {
-  return static_cast<double>(std::clock()) / CLOCKS_PER_SEC;
-}
 
 constexpr double table_accuracy = 0.005;
 constexpr double none = std::numeric_limits<double>::quiet_NaN();
@@ -101,9 +97,9 @@ Json dynamics() {
   o.accuracy = table_accuracy;
   o.psi_nodes = o.gap_nodes = 24;
   sim::TableReport report;
-  double start = cpu_seconds();
+  double start = process_cpu_seconds();
   const sim::TablePotential table(build_table(design, o, team, &report));
-  const double building = cpu_seconds() - start;
+  const double building = process_cpu_seconds() - start;
   std::printf(
       "\nPull-in at 24 V, 9 ohm, 70 g, 10 mm: table 24 x 24 (%d unknowns, %.2f s CPU, least d2W/dpsi2 %.3g) "
       "beside the field in the loop\n%-32s %9s %12s %9s %12s %12s %10s\n",
@@ -117,9 +113,9 @@ Json dynamics() {
   };
   std::vector<Line> lines;
   const auto add = [&](const std::string& name, double step, const auto& run) {
-    start = cpu_seconds();
+    start = process_cpu_seconds();
     auto result = run(pull_in(step));
-    lines.push_back({name, step, std::move(result), cpu_seconds() - start});
+    lines.push_back({name, step, std::move(result), process_cpu_seconds() - start});
   };
   const auto in_loop = [&](double accuracy) {
     return [&design, accuracy](const sim::TransientSetup& s) {

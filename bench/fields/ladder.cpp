@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <ctime>
 #include <fstream>
 #include <functional>
 #include <limits>
@@ -17,6 +16,7 @@
 #include "bench/fields/json_out.h"
 #include "bench/fields/ladder_picture.h"
 #include "bench/fields/ladder_states.h"
+#include "core/cpu_time.h"
 #include "core/units.h"
 #include "sim/field3d/ladder3.h"
 #include "sim/fields/circuit.h"
@@ -27,13 +27,6 @@ namespace {
 using namespace powbench;
 using bench::FieldStates;
 using Json = nlohmann::ordered_json;
-
-/// Of this thread: settings run beside each other.
-double cpu_seconds() {
-  timespec t{};
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
-  return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
-}
 
 /// One setting of one rung. Costs in s CPU: of one state, and of everything up to a touch time.
 struct Row {
@@ -98,14 +91,14 @@ using Make = std::function<std::unique_ptr<sim::MagneticPotential>()>;
 /// A rung that is a potential; `make` builds it, the search for each current starts from the fluxes of `guess`.
 Row potential(const std::string& rung, const std::string& setting, const Make& make,
               const FieldStates& guess) {
-  double start = cpu_seconds();
+  double start = thread_cpu_seconds();
   const auto p = make();
   Row r{rung, setting, false, {}, touch_of(run_transient(*p, closing())), 0, 0};
-  r.touch_cost = cpu_seconds() - start;
+  r.touch_cost = thread_cpu_seconds() - start;
   constexpr int repeats = 200;
-  start = cpu_seconds();
+  start = thread_cpu_seconds();
   for (int k = 0; k < repeats; ++k) r.states = bench::states_of(*p, guess);
-  r.state_cost = (cpu_seconds() - start) / repeats / static_cast<double>(guess.size());
+  r.state_cost = (thread_cpu_seconds() - start) / repeats / static_cast<double>(guess.size());
   return r;
 }
 
@@ -133,29 +126,29 @@ Row table(double accuracy, const FieldStates& guess) {
 /// States solved one by one on a mesh of the plane; the touch time from a table of 24 x 24 of the same mesh.
 Row plane(double accuracy) {
   Row r{"field2d", percent(accuracy), false, {}, 0, 0, 0};
-  double start = cpu_seconds();
+  double start = thread_cpu_seconds();
   sim::FieldOptions o;
   o.sizes = sim::sizes_for(accuracy);
   r.states = bench::states_of(plane_design(), o);
-  r.state_cost = (cpu_seconds() - start) / static_cast<double>(r.states.size());
-  start = cpu_seconds();
+  r.state_cost = (thread_cpu_seconds() - start) / static_cast<double>(r.states.size());
+  start = thread_cpu_seconds();
   auto options = table_options(accuracy / mesh_share);
   options.psi_nodes = options.gap_nodes = 24;
   sim::Team team(1);
   const sim::TablePotential table(build_table(plane_design(), options, team));
   r.touch = touch_of(run_transient(table, closing()));
-  r.touch_cost = cpu_seconds() - start;
+  r.touch_cost = thread_cpu_seconds() - start;
   return r;
 }
 
 /// The same without a table: the field in every step.
 Row in_loop(double accuracy) {
   Row r{"field2d loop", percent(accuracy), false, {}, 0, 0, 0};
-  const double start = cpu_seconds();
+  const double start = thread_cpu_seconds();
   sim::FieldOptions o;
   o.sizes = sim::sizes_for(accuracy);
   r.touch = touch_of(run_transient(plane_design(), o, closing()));
-  r.touch_cost = cpu_seconds() - start;
+  r.touch_cost = thread_cpu_seconds() - start;
   return r;
 }
 
@@ -163,15 +156,15 @@ Row in_loop(double accuracy) {
 Row space(double scale) {
   Row r{"field3d", "x " + std::to_string(scale).substr(0, 3), true, {}, 0, 0, 0};
   const auto sizes = sim::CoreMeshSizes3{}.scaled(scale);
-  double start = cpu_seconds();
+  double start = thread_cpu_seconds();
   r.states = bench::states_of(sim::MagnetDesign{}, sizes);
-  r.state_cost = (cpu_seconds() - start) / static_cast<double>(r.states.size());
-  start = cpu_seconds();
+  r.state_cost = (thread_cpu_seconds() - start) / static_cast<double>(r.states.size());
+  start = thread_cpu_seconds();
   auto options = table_options(0.01);
   options.psi_nodes = options.gap_nodes = 10;
   const sim::TablePotential table(build_table3(sim::MagnetDesign{}, sizes, options));
   r.touch = touch_of(run_transient(table, closing()));
-  r.touch_cost = cpu_seconds() - start;
+  r.touch_cost = thread_cpu_seconds() - start;
   return r;
 }
 

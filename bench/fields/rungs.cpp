@@ -4,7 +4,6 @@
 
 #include <cmath>
 #include <cstdio>
-#include <ctime>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <string>
@@ -13,6 +12,7 @@
 #include "bench/fields/contactor.h"
 #include "bench/fields/json_out.h"
 #include "bench/fields/shaded_pole.h"
+#include "core/cpu_time.h"
 #include "core/random.h"
 #include "core/units.h"
 #include "sim/fields/blend.h"
@@ -23,10 +23,6 @@ namespace {
 
 using namespace powbench;
 using Json = nlohmann::ordered_json;
-
-double cpu_seconds() {
-  return static_cast<double>(std::clock()) / CLOCKS_PER_SEC;
-}
 
 /// 230 V, 50 Hz at an angle onto the E-E contactor with 2000 turns.
 sim::TransientSetup switch_on(double angle, double step) {
@@ -89,14 +85,14 @@ Json tables() {
   sim::Team team(1);
   for (const int n : {12, 24, 32})
     for (const bool bilinear : {true, false}) {
-      const double start = cpu_seconds();
+      const double start = process_cpu_seconds();
       std::unique_ptr<sim::MagneticPotential> p;
       o.psi_nodes = o.gap_nodes = n;
       if (bilinear)
         p = std::make_unique<bench::BilinearTables>(field, n, largest_current, largest_gap);
       else
         p = std::make_unique<sim::TablePotential>(build_table(design, o, team));
-      const double cpu = cpu_seconds() - start;
+      const double cpu = process_cpu_seconds() - start;
       Worst w;
       for (const auto& t : states) {
         const auto r = p->at({t.flux, 0, t.gap});
@@ -208,9 +204,9 @@ Json shaded() {
   Json list = Json::array();
   const auto row = [&](const char* name, double step, const auto& run) {
     const auto s = bench::shaded_setup(c, step, 10);
-    const double start = cpu_seconds();
+    const double start = process_cpu_seconds();
     const auto r = bench::by_time(c.hertz, c.design.turns, s, run(s));
-    const double cpu = cpu_seconds() - start;
+    const double cpu = process_cpu_seconds() - start;
     const auto error = [](double a, double b) { return 100 * (a / b - 1); };
     std::printf("%-34s %9.3f %+9.3f %11.3f %+9.3f %11.3f %+9.3f %8.3f\n", name, r.lag,
                 error(r.lag, truth.lag), r.least_pull, error(r.least_pull, truth.least_pull), r.mean_pull,

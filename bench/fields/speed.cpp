@@ -6,7 +6,6 @@
 #include <cmath>
 #include <cstdio>
 #include <cstring>
-#include <ctime>
 #include <filesystem>
 #include <functional>
 #include <nlohmann/json.hpp>
@@ -15,6 +14,7 @@
 #include "bench/fields/contactor.h"
 #include "bench/fields/json_out.h"
 #include "bench/fields/peers.h"
+#include "core/cpu_time.h"
 #include "core/random.h"
 #include "sim/fields/table_build.h"
 
@@ -22,10 +22,6 @@ namespace {
 
 using namespace powbench;
 using Json = nlohmann::ordered_json;
-
-double cpu_seconds() {
-  return static_cast<double>(std::clock()) / CLOCKS_PER_SEC;
-}
 
 struct Own {
   int unknowns = 0, iterations = 0;
@@ -47,9 +43,9 @@ Own own_on(const sim::Mesh& mesh, double ampere_turns, int order) {
   own.unknowns = problem.size();
   for (int repeat = 0; repeat < 5; ++repeat) {
     std::vector<double> a(static_cast<std::size_t>(problem.size()) + 1, 0), current;
-    const double start = cpu_seconds();
+    const double start = process_cpu_seconds();
     const auto report = newton.solve({{false, ampere_turns, 0}}, a, current, {1e-13, 60, true});
-    own.cpu_iteration = std::min(own.cpu_iteration, (cpu_seconds() - start) / report.iterations);
+    own.cpu_iteration = std::min(own.cpu_iteration, (process_cpu_seconds() - start) / report.iterations);
     own.iterations = report.iterations;
     own.flux = 0;
     for (std::size_t k = 0; k < a.size(); ++k) own.flux += problem.winding(0)[k] * a[k];
@@ -113,9 +109,9 @@ Json own_grid() {
       int iterations = 0, most = 0;
       for (const auto& row : bench::reference_rows) {
         field.set_gap(row.gap - design.residual_gap);
-        const double start = cpu_seconds();
+        const double start = process_cpu_seconds();
         const auto p = field.at_current(row.ampere_turns, 0);
-        cpu += cpu_seconds() - start;
+        cpu += process_cpu_seconds() - start;
         iterations += p.newton.iterations;
         most = std::max(most, p.newton.iterations);
         psi = std::max(psi, std::fabs(field.fluxes(p).first / row.flux - 1));
@@ -145,13 +141,13 @@ double evaluation_ns(const sim::TablePotential& t) {
                       t.table().gap.back() * random.uniform()});
   double best = 1e300, sum = 0;
   for (int r = 0; r < rounds; ++r) {
-    const double start = cpu_seconds();
+    const double start = process_cpu_seconds();
     for (int inner = 0; inner < 10; ++inner)
       for (const auto& s : states) {
         const auto m = t.at(s);
         sum += m.current + m.pull;
       }
-    best = std::min(best, cpu_seconds() - start);
+    best = std::min(best, process_cpu_seconds() - start);
   }
   return std::isfinite(sum) ? best / (10 * points) * 1e9 : 0;
 }
@@ -159,11 +155,11 @@ double evaluation_ns(const sim::TablePotential& t) {
 Json table(const char* name, const sim::MagnetDesign& design, const sim::TableOptions& o) {
   sim::Team team(2);
   sim::TableReport report;
-  const double start = cpu_seconds();
+  const double start = process_cpu_seconds();
   const auto wall = std::chrono::steady_clock::now();
   sim::TablePotential t(build_table(design, o, team, &report));
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - wall).count();
-  const double cpu = cpu_seconds() - start;
+  const double cpu = process_cpu_seconds() - start;
   const double ns = evaluation_ns(t);
   std::printf("%-28s %3zu x %2zu x %2zu %8d %8.2f %8.2f %10d %8.1f\n", name, t.table().psi.size(),
               std::max<std::size_t>(1, t.table().ring.size()), t.table().gap.size(), report.unknowns, cpu,

@@ -5,11 +5,11 @@
 #include <chrono>
 #include <cmath>
 #include <cstdio>
-#include <ctime>
 #include <nlohmann/json.hpp>
 #include <vector>
 
 #include "bench/fields/json_out.h"
+#include "core/cpu_time.h"
 #include "core/units.h"
 #include "sim/fields/field_transient.h"
 #include "sim/fields/table_build.h"
@@ -18,10 +18,6 @@ namespace {
 
 using namespace powbench;
 using Json = nlohmann::ordered_json;
-
-double cpu_seconds() {
-  return static_cast<double>(std::clock()) / CLOCKS_PER_SEC;
-}
 
 /// A closing on a table, 4000 steps of 10 us: implicit midpoint rule, mechanics included. The cheapest of a few, and every
 /// step by itself, as a rig in the loop would see it.
@@ -50,9 +46,9 @@ Json transient(const char* name, const sim::MagneticPotential& p) {
   double best = 1e300;
   for (int round = 0; round < rounds; ++round) {
     taken.clear();
-    const double start = cpu_seconds();
+    const double start = process_cpu_seconds();
     run_transient(p, s);
-    best = std::min(best, cpu_seconds() - start);
+    best = std::min(best, process_cpu_seconds() - start);
     for (std::size_t k = 1; k < taken.size(); ++k) least[k] = std::min(least[k], taken[k]);
   }
   const double worst = *std::max_element(least.begin() + 1, least.end());

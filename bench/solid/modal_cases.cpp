@@ -2,19 +2,15 @@
 
 #include <algorithm>
 #include <cmath>
-#include <ctime>
 
 #include "bench/solid/impact_cases.h"
+#include "core/cpu_time.h"
 #include "sim/solid/modal_body.h"
 
 namespace powbench::bench {
 namespace {
 
 using namespace sim;
-
-double cpu_now() {
-  return static_cast<double>(std::clock()) / CLOCKS_PER_SEC;
-}
 
 /// Linear interpolation of a force sampled at the ends of steps dt.
 double at(const std::vector<double>& force, double dt, double time) {
@@ -52,12 +48,12 @@ std::vector<BridgeOnPads> bridge_on_pads(const std::vector<int>& counts, bool at
   for (const auto& p : pads) full.add_plane(p);
   full.set_velocity(0, {0, 0, -speed});
   std::vector<double> force;
-  double start = cpu_now();
+  double start = process_cpu_seconds();
   while (full.time() < end) {
     full.step();
     force.push_back(full.plane_force());
   }
-  const double full_cpu = cpu_now() - start, peak = *std::max_element(force.begin(), force.end());
+  const double full_cpu = process_cpu_seconds() - start, peak = *std::max_element(force.begin(), force.end());
   std::vector<BridgeOnPads> all;
   for (const int count : counts) {
     const ModalBody body = reduce(mesh, copper, count, attached ? attachments : std::vector<Attachment>{});
@@ -66,12 +62,12 @@ std::vector<BridgeOnPads> bridge_on_pads(const std::vector<int>& counts, bool at
     BridgeOnPads r;
     r.modes = body.modes() - 6;
     std::vector<double> reduced;
-    start = cpu_now();
+    start = process_cpu_seconds();
     while (motion.time() < end) {
       motion.step();
       reduced.push_back(motion.plane_force());
     }
-    r.cpu_ratio = full_cpu / (cpu_now() - start);
+    r.cpu_ratio = full_cpu / (process_cpu_seconds() - start);
     double squares = 0, impulse = 0, whole = 0;
     for (std::size_t k = 0; k < force.size(); ++k) {
       const double difference = at(reduced, motion.dt(), static_cast<double>(k) * full.dt()) - force[k];

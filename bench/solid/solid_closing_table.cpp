@@ -6,10 +6,10 @@
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
-#include <ctime>
 #include <fstream>
 #include <nlohmann/json.hpp>
 
+#include "core/cpu_time.h"
 #include "core/units.h"
 #include "sim/closing.h"
 #include "sim/solid/solid_closing.h"
@@ -19,10 +19,6 @@ namespace {
 
 using namespace powbench;
 using namespace powbench::sim;
-
-double cpu_now() {
-  return static_cast<double>(std::clock()) / CLOCKS_PER_SEC;
-}
 
 /// Keeps the most stressed state for the picture.
 struct MostStressed {
@@ -138,11 +134,11 @@ int main(int argc, char** argv) {
     options.solid.energy_bound = 1e-3;
     MostStressed watch;
     const bool watched = cell == 3e-3 && !svg.empty();
-    const double start = cpu_now();
+    const double start = process_cpu_seconds();
     const auto r = solid_closing(
         specimen, conditions, field, options,
         watched ? std::function<void(const ExplicitSolid&, const ContactorMesh&)>(std::ref(watch)) : nullptr);
-    const double cpu = cpu_now() - start, of_coil = r.electric.residual() / r.electric.supplied;
+    const double cpu = process_cpu_seconds() - start, of_coil = r.electric.residual() / r.electric.supplied;
     std::printf("%-10s %7ld %10ld %10ld %9.4f %9.4f %9.4f %9d %9.2f %9.1e %9.1e %8.1f\n",
                 cell > 0 ? "deforming" : "rigid", r.cells, r.rigid_steps, r.deformed_steps,
                 1e3 * r.first_touch, 1e3 * r.core_seat, 1e3 * r.last_touch, r.openings, r.peak_force,

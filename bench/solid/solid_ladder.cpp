@@ -7,10 +7,10 @@
 #include <cmath>
 #include <cstdio>
 #include <cstring>
-#include <ctime>
 #include <fstream>
 #include <nlohmann/json.hpp>
 
+#include "core/cpu_time.h"
 #include "sim/solid/explicit_solid.h"
 #include "sim/solid/modal_body.h"
 
@@ -20,10 +20,6 @@ using namespace powbench::sim;
 
 constexpr double length = 24e-3, wide = 6e-3, high = 1.5e-3, pad = 2e-3;
 constexpr double pad_rate = 3e6, drop = 30e-6, speed = 0.6, until = 400e-6;
-
-double cpu_now() {
-  return static_cast<double>(std::clock()) / CLOCKS_PER_SEC;
-}
 
 struct Impact {
   std::string rung, setting;
@@ -69,7 +65,7 @@ template <class Body>
 Impact run(Body& body, std::string rung, std::string setting) {
   Impact r{std::move(rung), std::move(setting)};
   double released = 0, before = 0;
-  const double start = cpu_now();
+  const double start = powbench::process_cpu_seconds();
   while (body.time() < until) {
     body.step();
     const double force = body.plane_force();
@@ -78,7 +74,7 @@ Impact run(Body& body, std::string rung, std::string setting) {
     r.peak = std::max(r.peak, force);
     before = force;
   }
-  r.cpu = cpu_now() - start;
+  r.cpu = powbench::process_cpu_seconds() - start;
   r.down = released - r.touch;
   return r;
 }

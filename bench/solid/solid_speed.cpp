@@ -4,29 +4,25 @@
 #include <algorithm>
 #include <cstdio>
 #include <cstring>
-#include <ctime>
 #include <fstream>
 #include <nlohmann/json.hpp>
 
 #include "bench/solid/ccx_peer.h"
+#include "core/cpu_time.h"
 
 namespace {
 
 using namespace powbench;
 using namespace powbench::sim;
 
-double cpu_now() {
-  return static_cast<double>(std::clock()) / CLOCKS_PER_SEC;
-}
-
 /// Million cell-steps a second: the best of several runs of `steps`, because others use the machine too.
 double rate(ExplicitSolid& s, long cells, long steps) {
   s.step();
   double best = 0;
   for (int k = 0; k < 5; ++k) {
-    const double start = cpu_now();
+    const double start = process_cpu_seconds();
     for (long n = 0; n < steps; ++n) s.step();
-    best = std::max(best, static_cast<double>(cells * steps) / (cpu_now() - start) / 1e6);
+    best = std::max(best, static_cast<double>(cells * steps) / (process_cpu_seconds() - start) / 1e6);
   }
   return best;
 }

@@ -8,12 +8,12 @@
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
-#include <ctime>
 #include <fstream>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <string>
 
+#include "core/cpu_time.h"
 #include "core/units.h"
 #include "host/export/ladder_svg.h"
 #include "sim/fields/table_build.h"
@@ -24,12 +24,6 @@ namespace {
 
 namespace sim = powbench::sim;
 using Json = nlohmann::ordered_json;
-
-double cpu_seconds() {
-  timespec t{};
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
-  return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
-}
 
 /// Plane finite elements from the same specimen, as a table of three variables.
 sim::Rung table_rung(const sim::Specimen& s) {
@@ -123,7 +117,7 @@ Json choice_table(const std::vector<sim::Rung>& rungs, const std::vector<sim::Ca
     int met = 0;
     double run = 0, run_worst = 0, spent = 0, spent_worst = 0;
     for (const auto& scene : scenes) {
-      const auto c = sim::choose_rung(rungs, scene, accuracy, duration, cpu_seconds);
+      const auto c = sim::choose_rung(rungs, scene, accuracy, duration, powbench::thread_cpu_seconds);
       met += c.met;
       run += c.run.cpu * 1e3 / static_cast<double>(scenes.size());
       spent += c.spent * 1e3 / static_cast<double>(scenes.size());
@@ -163,7 +157,7 @@ int main(int argc, char** argv) {
   options.repeats = 7;
   sim::Case one;
   one.conditions.closing_angle = powbench::radians(60);
-  const auto ladder = sim::run_ladder(rungs, one, options, cpu_seconds);
+  const auto ladder = sim::run_ladder(rungs, one, options, powbench::thread_cpu_seconds);
   const Json rows = ladder_table(ladder, rungs);
 
   const std::string picture =
@@ -172,13 +166,14 @@ int main(int argc, char** argv) {
   options.repeats = 1;
   options.tolerances = {1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8};
   const auto cases = sim::random_scenes({}, scenes, 23);
-  const Json covered =
-      coverage_table(sim::estimator_coverage(rungs, cases, options, cpu_seconds), rungs, scenes);
+  const Json covered = coverage_table(
+      sim::estimator_coverage(rungs, cases, options, powbench::thread_cpu_seconds), rungs, scenes);
   const auto slow = dear_rungs(dear);
   const auto few = sim::random_scenes({}, dear, 29);
   Json covered_dear = Json::array();
   if (dear > 0)
-    covered_dear = coverage_table(sim::estimator_coverage(slow, few, options, cpu_seconds), slow, dear);
+    covered_dear =
+        coverage_table(sim::estimator_coverage(slow, few, options, powbench::thread_cpu_seconds), slow, dear);
   // the estimate speaks of one physics: it cannot choose between fields
   rungs.resize(same_physics);
   const Json chosen = choice_table(rungs, cases, options.duration);

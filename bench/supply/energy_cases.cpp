@@ -1,9 +1,9 @@
 #include "bench/supply/energy_cases.h"
+#include "core/cpu_time.h"
 
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <ctime>
 #include <functional>
 
 #include "core/units.h"
@@ -17,10 +17,6 @@ namespace {
 
 constexpr double closing_end = 0.06;  // s
 constexpr double circuit_limit = 1e-6, field_limit = 1e-3;
-
-double cpu_seconds() {
-  return static_cast<double>(std::clock()) / CLOCKS_PER_SEC;
-}
 
 std::string setting_of(double tolerance) {
   char text[32];
@@ -42,7 +38,7 @@ struct One {
 EnergyRow row(std::string method, std::string setting, double step, double limit,
               const std::function<One(const Conditions&)>& run) {
   EnergyRow r{std::move(method), std::move(setting), 0, HUGE_VAL, 0, limit, 0, 0};
-  const double start = cpu_seconds();
+  const double start = process_cpu_seconds();
   for (double degrees = 0; degrees < 180; degrees += step) {
     const One one = run(at_angle(degrees));
     ++r.closings;
@@ -50,7 +46,7 @@ EnergyRow row(std::string method, std::string setting, double step, double limit
     r.residual = std::max(r.residual, std::fabs(one.residual));
     r.supplied = std::min(r.supplied, one.supplied);
   }
-  r.cpu_ms = 1e3 * (cpu_seconds() - start) / r.closings;
+  r.cpu_ms = 1e3 * (process_cpu_seconds() - start) / r.closings;
   return r;
 }
 
