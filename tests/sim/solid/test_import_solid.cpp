@@ -6,7 +6,7 @@
 
 #include "sim/solid/explicit_solid.h"
 #include "sim/solid/import_solid.h"
-#include "solid_cases.h"
+#include "tests/sim/solid/solid_cases.h"
 
 using namespace powbench::sim;
 
