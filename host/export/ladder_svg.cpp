@@ -9,7 +9,7 @@ std::string ladder_svg(const sim::Ladder& ladder, std::span<const sim::Rung> run
   LogPlot plot{title, "CPU time of a closing, ms", "worst of touch, seat, settled, us", {}, {}};
   plot.notes = {"full: error against the", "rung's finest setting", "dashed: its estimate"};
   for (std::size_t r = 0; r < rungs.size(); ++r) {
-    LogLine error{rungs[r].name() + ": error, dashed its estimate", {}, static_cast<int>(r)};
+    LogLine error{rungs[r].name(), {}, static_cast<int>(r)};
     LogLine estimate{"", {}, static_cast<int>(r), true};
     for (const auto& row : ladder.rows) {
       if (row.run.rung != r) continue;
