@@ -92,6 +92,19 @@ TEST_CASE("all mistakes of a plan are told at once, by line", "[config]") {
                   });
 }
 
+TEST_CASE("wanted channels are named one by one, and a wrong name is told with the right ones", "[config]") {
+  const Plan plan = parse_plan(good + "[wanted]\nchannels = \"contact_a laser\"\n", "p.toml");
+  const ChannelSet set = wanted_channels(plan);
+  CHECK(contains(set, Channel::contact_a));
+  CHECK(contains(set, Channel::laser));
+  CHECK_FALSE(contains(set, Channel::pvdf_a));
+  CHECK(wanted_channels(parse_plan(good, "p.toml")) == all_channels);
+  CHECK(
+      plan_errors(good + "[wanted]\nchannels = \"contact_a lasr\"\n") ==
+      Errors{"p.toml:4: [wanted] channels = \"contact_a lasr\": names 'lasr'; allowed pvdf_a, pvdf_b, laser, "
+             "coil_current, coil_voltage, mains_voltage, contact_a, aux"});
+}
+
 TEST_CASE("wrong types and odd values each have their sentence", "[config]") {
   CHECK(plan_errors(good + "seed = 1.5\n") ==
         Errors{"p.toml:3: seed = 1.5: is a number, must be a whole number; allowed 0..2^53"});
