@@ -44,6 +44,24 @@ inline bool all_positive(const Bernstein<Real>& b) {
   return b[1] >= 0 && b[2] >= 0 && b[3] >= 0 && b[4] >= 0 && b[5] >= 0;
 }
 
+/// Where the cubic with these values and slopes at 0 and 1 is lowest, if that is inside and below a twentieth of the larger value,
+/// else 2: a function known by its slopes only may be negative there.
+template <class Real>
+inline Real lowest_share(Real g0, Real v0, Real g1, Real v1) {
+  const Real enough = std::max(g0, g1) / 20;
+  if (std::min(g0 + v0 / 3, g1 - v1 / 3) >= enough) return 2;  // the hull of its coefficients is above
+  const Real a = 3 * (v0 + v1 + 2 * (g0 - g1)),
+             b = 2 * (3 * (g1 - g0) - 2 * v0 - v1);  // slope: a x^2 + b x + v0
+  const Real root = b * b - 4 * a * v0;
+  if (!(root > 0)) return 2;
+  // the zero at which the slope rises; without cancellation
+  const Real q = b > 0 ? b + std::sqrt(root) : b - std::sqrt(root);
+  const Real x = b > 0 ? -2 * v0 / q : -q / (2 * a);
+  if (!(x > 0 && x < 1)) return 2;
+  const Real y = g0 + x * (v0 + x * (b / 2 + x * a / 3));
+  return y < enough ? x : Real(2);
+}
+
 /// Bracket of a first crossing: the guard is positive at `low` and negative at `high`.
 template <class Real>
 struct Crossing {

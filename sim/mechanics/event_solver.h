@@ -354,8 +354,10 @@ class EventSolver {
         if (k != m_.root) look(k);
     }
     for (int k = smooth; k < all; ++k) {
-      if (g1.value[k] >= 0 || locked(k)) continue;
-      brackets_[k] = {true, 0, 1};
+      if (locked(k)) continue;
+      const Real at = g1.value[k] < 0 ? Real(1) : system_->dip(k, sets_[now_], g1, ends_);
+      if (at > 1) continue;
+      brackets_[k] = {true, 0, at};
       found |= std::uint64_t{1} << k;
     }
     return found;

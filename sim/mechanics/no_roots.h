@@ -14,6 +14,10 @@ struct NoRoots {
   void set_root(Real) {}
   Real depth_rate(const Real*) const { return 0; }
   Real root_step(int, const Real*) const { return 0; }
+  template <class AnyGuards, class Ends>
+  Real dip(int, const AnyGuards&, const AnyGuards&, const Ends&) const {
+    return 2;
+  }
 };
 
 }  // namespace powbench::sim

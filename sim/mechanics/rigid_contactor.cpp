@@ -329,6 +329,33 @@ void RigidContactor<R>::plain_guards(Real t, const Real* y, GuardSet& g) const {
 }
 
 template <class R>
+R RigidContactor<R>::dip(int k, const GuardSet& begin, const GuardSet& end,
+                         const StepEnds<Real>& ends) const {
+  if (k != release_guard) return 2;
+  Real first = 2;
+  for (std::uint64_t bits = pressing_; bits != 0; bits &= bits - 1) {
+    const int at = __builtin_ctzll(bits);
+    const int g = at / rigid_lanes;
+    const int i = at % rigid_lanes;
+    const auto& law = laws_[g + (g == core_group && i >= 2)];
+    if (law.form != DampingForm::linear) continue;
+    const Real c = lanes_.c[g][i];
+    const auto force = [&](const GuardSet& s, Real per_share, Real& slope) {
+      const Real d = std::max(s.value[at], Real(0));
+      const Real stiff = law.exponent == 1 ? static_cast<Real>(law.stiffness)
+                         : d > 0           ? static_cast<Real>(law.exponent) * elastic_force(law, d) / d
+                                           : Real(0);
+      slope = per_share * (stiff * s.rate[at] + c * s.curve[at]);
+      return elastic_force(law, d) + c * s.rate[at];
+    };
+    Real v0 = 0, v1 = 0;
+    const Real f0 = force(begin, ends.first, v0), f1 = force(end, ends.last, v1);
+    first = std::min(first, lowest_share(f0, v0, f1, v1));
+  }
+  return first;
+}
+
+template <class R>
 R RigidContactor<R>::guard(int k, Real t, const Real* y, Real& rate) const {
   if (k < rigid_contacts) {
     const Real sign = sign_[k / rigid_lanes][k % rigid_lanes];

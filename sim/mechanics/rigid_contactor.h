@@ -95,6 +95,9 @@ class RigidContactor {
   void guards(Real t, const Real* y, const Real* dy, GuardSet&) const;
   void flip(Real& t, Real* y, std::uint64_t which);
   Real guard(int k, Real t, const Real* y, Real& rate) const;
+  /// Share of a step with these guards at its ends where a plain guard may be negative though it is not at the ends, 2 if
+  /// nowhere: a contact that pulls F = k d^n + c d' to zero and presses again within the step.
+  Real dip(int k, const GuardSet& begin, const GuardSet& end, const StepEnds<Real>&) const;
   int choose_root(const GuardSet&, const Real* y, Real step, Real& root) const;
   void follow_root(int guard) { lanes_.followed = guard; }
   void set_root(Real root) { lanes_.root = root; }

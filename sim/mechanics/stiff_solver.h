@@ -141,9 +141,10 @@ class StiffSolver {
   bool event_ahead(Real end, Real h) {
     slope(end, next_, moved_);
     system_->guards(end, next_, moved_, end_);
+    const StepEnds<Real> ends{h, 0, h, 0};
     for (int k = system_->smooth_guards(); k < system_->guard_count(); ++k)
-      if (end_.value[k] < 0) return true;
-    return may_cross(dop853::padded(system_->smooth_guards()), StepEnds<Real>{h, 0, h, 0}, begin_, end_);
+      if (end_.value[k] < 0 || system_->dip(k, begin_, end_, ends) <= 1) return true;
+    return may_cross(dop853::padded(system_->smooth_guards()), ends, begin_, end_);
   }
 
   System* system_;

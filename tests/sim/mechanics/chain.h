@@ -86,6 +86,9 @@ class Chain {
         lambda[at(c)] = static_cast<Real>(law.hysteresis(static_cast<double>(depth(c, y + Bodies))));
     }
   }
+  Real dip(int, const GuardSet&, const GuardSet&, const StepEnds<Real>&) const {
+    return 2;
+  }  // no plain guard
   int choose_root(const GuardSet& g, const Real*, Real step, Real& root) const {
     if (law.exponent != 1.5) return -1;
     Real soonest = 3 * step;

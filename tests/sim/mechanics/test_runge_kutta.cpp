@@ -112,6 +112,24 @@ TEST_CASE("a grazing double root inside a step is found", "[mechanics]") {
   }
 }
 
+TEST_CASE("the lowest place of a function known by its slopes is found, where it matters", "[mechanics]") {
+  using powbench::sim::lowest_share;
+  for (const double at : {0.03, 0.4, 0.5, 0.97})
+    for (const double bend : {0.0, 0.6, -0.6}) {  // cubic with its minimum at `at`
+      const auto low = [&](double depth) {
+        const auto value = [&](double t) { return (t - at) * (t - at) * (1 + bend * (t - at)) - depth; };
+        const auto rate = [&](double t) { return 2 * (t - at) + 3 * bend * (t - at) * (t - at); };
+        return lowest_share(value(0), rate(0), value(1), rate(1));
+      };
+      CHECK(low(1e-9) == Approx(at).epsilon(1e-9));
+      CHECK(low(0.0) == Approx(at).epsilon(1e-9));
+      CHECK(low(-0.5) == 2);  // far above zero
+    }
+  CHECK(lowest_share(1.0, -0.5, 0.5, -0.5) == 2);  // falls all the way: the ends say it
+  CHECK(lowest_share(1.0, 0.0, 1.0, 0.0) == 2);
+  CHECK(lowest_share(0.0, 1.0, 1.0, 1.0) == 2);
+}
+
 TEST_CASE("the first of several crossings is found, and a start on the event does not count", "[mechanics]") {
   using powbench::sim::first_crossing;
   using powbench::sim::quintic;
