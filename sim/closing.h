@@ -5,6 +5,7 @@
 
 #include "core/conditions.h"
 #include "sim/plant.h"
+#include "sim/stages.h"
 
 /// One closing of the plant alone: no rig, no sensors, no firmware. The coil is switched on at t = 0 exactly.
 
@@ -38,7 +39,8 @@ struct Trajectory {
   std::vector<PlantSample> samples;
   std::vector<PlantEvent> events;
   ClosingTruth truth;
-  std::int64_t evaluations = 0;  ///< of the right-hand side
+  std::vector<StageTime> stages;  ///< those reached; by the rigid rung only
+  std::int64_t evaluations = 0;   ///< of the right-hand side
   double energy_residual = 0;
   double supplied = 0;  ///< J, by the mains; 0 without a ledger
 };

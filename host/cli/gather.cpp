@@ -6,8 +6,10 @@
 
 #include "core/version.h"
 #include "dsp/prepare.h"
+#include "dsp/signal.h"
 #include "host/cli/scene.h"
 #include "host/cli/vibration.h"
+#include "host/report/view.h"
 
 namespace powbench::host {
 
@@ -82,6 +84,32 @@ std::vector<AngleGroup> gather_angles(const Store& store, std::int64_t campaign)
 Comparison compare_stored(const Store& store, const CampaignInfo& c) {
   const Plan plan = parse_plan(c.plan, "stored plan");
   return compare(gather_angles(store, c.id), published_rows(), plan_limits(plan));
+}
+
+std::vector<CurveRow> gather_curves(const Store& store, const CampaignInfo& c) {
+  ReportInput input;
+  for (const StoredShot& s : store.shots(c.id)) {
+    const auto events = store.load_events(s.id);
+    if (!events || s.record_hash.empty()) continue;
+    const Record record = store.load_record(s.id);
+    std::vector<Waveform> waves;
+    for (const Channel channel : {Channel::coil_current, Channel::laser})
+      if (const dsp::Signal signal = dsp::to_signal(record, channel); !signal.empty())
+        waves.push_back(waveform(signal, channel));
+    if (s.kind == ShotKind::measured) {
+      ReportShot shot;
+      shot.conditions = s.conditions;
+      shot.events = events;
+      shot.waveforms = std::move(waves);
+      input.shots.push_back(std::move(shot));
+    } else {
+      input.simulated.push_back({radians(s.angle_deg), *events, std::move(waves)});
+    }
+  }
+  std::vector<CurveRow> rows;
+  for (const AngleView& view : angles_of(input))
+    for (CurveRow& row : curve_rows(view)) rows.push_back(std::move(row));
+  return rows;
 }
 
 ReportInput gather_report(const Store& store, const CampaignInfo& c, const std::string& database) {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "host/compare/compare.h"
+#include "host/compare/curves.h"
 #include "host/report/report.h"
 #include "host/store/store.h"
 
@@ -13,6 +14,9 @@ std::vector<AngleGroup> gather_angles(const Store&, std::int64_t campaign);
 
 /// Measured beside simulated beside published, judged by the plan's limits.
 Comparison compare_stored(const Store&, const CampaignInfo&);
+
+/// How far the simulated curves of a campaign are from the measured ones, by closing angle.
+std::vector<CurveRow> gather_curves(const Store&, const CampaignInfo&);
 
 /// Everything the report shows, waveforms included.
 ReportInput gather_report(const Store&, const CampaignInfo&, const std::string& database);

@@ -52,6 +52,39 @@ Json row_json(const ComparisonRow& r) {
           {"outcome", name(r.outcome)}};
 }
 
+Json curve_json(const CurveRow& r) {
+  const CurveDeviation& d = r.median;
+  return {{"quantity", r.quantity},
+          {"unit", r.unit},
+          {"closing_angle_deg", degrees(r.closing_angle)},
+          {"repeats", r.repeats},
+          {"measured", number(d.measured)},
+          {"simulated", number(d.simulated)},
+          {"largest_difference", number(d.largest)},
+          {"at_s", number(d.at)},
+          {"relative_percent", number(d.share() * 100)},
+          {"rms_percent_of_span", number(d.rms_share * 100)},
+          {"late_s", number(d.late)}};
+}
+
+void print_curves(const std::vector<CurveRow>& rows) {
+  if (rows.empty()) return;
+  fmt::print(
+      "\nlargest difference of the curves, switch-on to 2 ms after the last landing, means over 0.1 ms; "
+      "median shot\n"
+      "{:<9} {:>7}  {:>3} {:>10} {:>8} {:>10} {:>10} {:>8} {:>8} {:>8}\n",
+      "curve", "deg", "n", "largest", "at ms", "measured", "simulated", "%", "rms %", "late ms");
+  for (const CurveRow& r : rows) {
+    const CurveDeviation& d = r.median;
+    fmt::print("{:<9} {:>7.1f}  {:>3} {:>10} {:>8.1f} {:>10} {:>10} {:>8.1f} {:>8.2f} {:>8.3f} {}\n",
+               r.quantity, degrees(r.closing_angle), r.repeats, shown(d.largest, r.unit), d.at * 1e3,
+               shown(d.measured, r.unit), shown(d.simulated, r.unit), d.share() * 100, d.rms_share * 100,
+               d.late * 1e3, shown_unit(r.unit));
+  }
+  fmt::print(
+      "%: of the measured value there; rms %: of the measured span; late: how much the simulated curve is\n");
+}
+
 void write_file(const std::filesystem::path& path, const std::string& text) {
   std::ofstream out(path, std::ios::binary);
   out << text;
@@ -179,7 +212,9 @@ Exit show_events(const EventsArgs& args) {
 
 Exit compare_campaign(const ResultArgs& args) {
   const Store store(args.database, Store::Mode::read_only);
-  const Comparison comparison = compare_stored(store, store.campaign(args.campaign));
+  const CampaignInfo campaign = store.campaign(args.campaign);
+  const Comparison comparison = compare_stored(store, campaign);
+  const std::vector<CurveRow> curves = gather_curves(store, campaign);
   bool failed = false;
   Json list = Json::array();
   if (!args.json)
@@ -197,7 +232,12 @@ Exit compare_campaign(const ResultArgs& args) {
                shown(r.published_measurement, r.unit), shown(r.published_simulation, r.unit),
                shown_unit(r.unit), name(r.outcome));
   }
-  if (args.json) fmt::print("{}\n", list.dump(2));
+  if (args.json) {
+    for (const CurveRow& r : curves) list.push_back(curve_json(r));
+    fmt::print("{}\n", list.dump(2));
+  } else {
+    print_curves(curves);
+  }
   return failed ? Exit::outside_limits : Exit::pass;
 }
 

@@ -68,6 +68,35 @@ Markup event_table(const ReportInput& input, const AngleView& view) {
   return out;
 }
 
+Markup curve_table(const std::vector<CurveRow>& rows) {
+  Markup out;
+  out.open("table", {{"class", "events"}});
+  out.open("thead").open("tr");
+  out.element("th", "Simulated curve against measured", {{"scope", "col"}, {"colspan", "3"}});
+  for (const std::string_view head : {"largest difference", "n", "at / ms", "measured there",
+                                      "simulated there", "share / %", "rms / %", "late / ms"})
+    out.element("th", head, {{"scope", "col"}});
+  out.close().close().open("tbody");
+  for (const CurveRow& r : rows) {
+    const ReadableUnit unit = readable_unit(r.unit);
+    const CurveDeviation& d = r.median;
+    out.open("tr");
+    out.element("th", r.quantity, {{"scope", "row"}, {"class", "sym"}});
+    out.element("td", r.quantity == "i_m" ? "coil current" : "travel of the core", {{"class", "left"}});
+    out.element("td", unit.name, {{"class", "unit"}});
+    out.element("td", fixed(d.largest * unit.per_si, unit.decimals), {{"class", "key"}});
+    out.element("td", fmt::format("{}", r.repeats));
+    out.element("td", fixed(d.at * 1e3, 1));
+    out.element("td", fixed(d.measured * unit.per_si, unit.decimals));
+    out.element("td", fixed(d.simulated * unit.per_si, unit.decimals), {{"class", "sim"}});
+    out.element("td", fixed(d.share() * 100, 1));
+    out.element("td", fixed(d.rms_share * 100, 2));
+    out.element("td", signed_fixed(d.late * 1e3, 3));
+    out.close();
+  }
+  return out.close().close();
+}
+
 }  // namespace
 
 Markup angle_section(const ReportInput& input, const AngleView& view, const Range& window_ms) {
@@ -88,6 +117,7 @@ Markup angle_section(const ReportInput& input, const AngleView& view, const Rang
       "the first measured shot. Dotted grey: shape of the mains.");
   out.close();
   out.embed(event_table(input, view));
+  if (const auto curves = curve_rows(view); !curves.empty()) out.embed(curve_table(curves));
   return out.close();
 }
 

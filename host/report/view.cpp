@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "core/phase.h"
 #include "core/quantities.h"
@@ -31,6 +32,31 @@ std::vector<AngleView> angles_of(const ReportInput& input) {
   std::sort(views.begin(), views.end(),
             [](const AngleView& a, const AngleView& b) { return a.angle < b.angle; });
   return views;
+}
+
+std::vector<CurveRow> curve_rows(const AngleView& view) {
+  std::vector<CurveRow> rows;
+  if (view.simulated == nullptr) return rows;
+  const auto last = [](const Events& e) {
+    return std::fmax(find_quantity("t_ct2")->of(e).value, find_quantity("t_xt2")->of(e).value);
+  };
+  const auto curve = [](const Waveform& w) { return Curve{w.t0, w.dt, w.values}; };
+  constexpr double after = 2e-3;  // s
+  const std::pair<const char*, const char*> shown[] = {{"i_m", "coil_current"}, {"x_m", "laser"}};
+  for (const auto& [quantity, channel] : shown) {
+    const Waveform* simulated = find_waveform(view.simulated->waveforms, channel);
+    if (simulated == nullptr) continue;
+    std::vector<CurveDeviation> repeats;
+    for (const ReportShot* shot : view.shots) {
+      const Waveform* measured = find_waveform(shot->waveforms, channel);
+      if (measured == nullptr || !shot->events) continue;
+      const double end = std::fmax(last(*shot->events), last(view.simulated->events)) + after;
+      if (std::isfinite(end)) repeats.push_back(curve_deviation(curve(*measured), curve(*simulated), end));
+    }
+    rows.push_back(curve_row(quantity, simulated->unit, view.angle, std::move(repeats)));
+  }
+  std::erase_if(rows, [](const CurveRow& r) { return r.repeats == 0; });
+  return rows;
 }
 
 const ComparisonRow* row_at(const Comparison& comparison, std::string_view quantity, double angle) {

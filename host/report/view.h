@@ -3,6 +3,7 @@
 #include <string_view>
 #include <vector>
 
+#include "host/compare/curves.h"
 #include "host/report/report.h"
 #include "host/report/ticks.h"
 
@@ -18,6 +19,10 @@ struct AngleView {
 
 /// Every angle with a shot or a simulation, ascending.
 std::vector<AngleView> angles_of(const ReportInput&);
+
+/// How far coil current (i_m) and travel (x_m) of the simulation are from the measured ones, from switch-on to 2 ms after the last
+/// landing of either; only curves that were recorded and simulated.
+std::vector<CurveRow> curve_rows(const AngleView&);
 
 /// Row of the comparison, or nullptr.
 const ComparisonRow* row_at(const Comparison&, std::string_view quantity, double angle);

@@ -39,6 +39,27 @@ std::string times_text(const std::vector<BounceRow>& rows) {
   return out;
 }
 
+/// When each stage begins; one that a closing does not reach, or skips, is a dash.
+std::string stages_text(const std::vector<BounceRow>& rows) {
+  std::string out;
+  for (const auto& row : rows) {
+    if (row.stages.empty()) continue;
+    constexpr auto last = static_cast<int>(sim::ClosingStage::closed);
+    std::string line = fmt::format("{:<14}", row.name), head = fmt::format("{:<14}", "stages begin");
+    for (int k = 0; k <= last; ++k) {
+      const auto stage = static_cast<sim::ClosingStage>(k);
+      std::string begin = "-";
+      for (const auto& s : row.stages)
+        if (s.stage == stage) begin = fmt::format("{:.4f}", s.begin * 1e3);
+      line += fmt::format(" {:>10}", begin);
+      head += fmt::format(" {:>10}", sim::stage_name(stage));
+    }
+    if (out.empty()) out = head + "  ms\n";
+    out += line + "\n";
+  }
+  return out;
+}
+
 Json spread_json(const sim::Spread& s) {
   return {{"mean_s", s.mean}, {"q05_s", s.low}, {"q50_s", s.median}, {"q95_s", s.high}};
 }
@@ -51,11 +72,17 @@ BounceRow bounce_row(const sim::Rung& rung, const std::string& name, const sim::
     const sim::Case changed{sim::varied(c.specimen, factor), c.conditions, c.bench};
     return sim::contact_events(rung.run(changed, options.end, tolerance, 0).events);
   };
-  const auto events = run(options.tolerance, [] { return 1.0; });
+  auto closing = rung.run(c, options.end, options.tolerance, 0);
+  if (closing.stages
+          .empty())  // the plant's: the same equations, but it does not note when the core leaves its stop
+    closing.stages =
+        sim::simulate_rigid(c.specimen, c.conditions, options.end, 0, options.tolerance, false, c.bench)
+            .stages;
+  const auto events = sim::contact_events(closing.events);
   const auto seen = sim::bounce_summary(events, 0);
   BounceTimes times{seen.first_touch, seen.open_time, seen.last_closing, 0};
   for (const auto& e : events) times.bounces += e.contact == 0 && !e.closes;
-  return {name, sim::study_bounces(run, options), times};
+  return {name, sim::study_bounces(run, options), times, std::move(closing.stages)};
 }
 
 std::vector<BounceRow> bounces_of(std::span<const sim::Rung> rungs, const sim::Case& c,
@@ -65,13 +92,14 @@ std::vector<BounceRow> bounces_of(std::span<const sim::Rung> rungs, const sim::C
     if (rung.costly || !rung.settings.empty()) continue;
     rows.push_back(bounce_row(rung, rung.name(), c, options));
     rows.back().times.reset();  // the ladder's own table has them
+    rows.back().stages.clear();
   }
   return rows;
 }
 
 std::string bounce_text(const std::vector<BounceRow>& rows, const sim::BounceStudyOptions& o) {
   std::string out =
-      times_text(rows) +
+      times_text(rows) + stages_text(rows) +
       fmt::format(
           "how far the bounces can be believed: tolerance {:.0e} against {:.0e}; twin with masses and gaps "
           "changed "
@@ -116,6 +144,7 @@ std::string bounce_json(const std::vector<BounceRow>& rows) {
       j["open_s"] = row.times->open;
       j["last_closing_s"] = row.times->last;
     }
+    for (const auto& s : row.stages) j["stages_s"][std::string(sim::stage_name(s.stage))] = s.begin;
     if (!row.study.computable) {
       const auto& s = row.study.ensemble;
       j["twin_horizon_s"] = c.horizon;

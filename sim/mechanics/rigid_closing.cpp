@@ -180,6 +180,7 @@ Trajectory run_closing(const MagneticPotential& potential, bool pressed_gap, con
   result.truth = closing_truth(result.events, std::min(conditions.hold_time, duration));
   for (const auto& s : result.samples)
     result.truth.peak_current = std::max(result.truth.peak_current, std::fabs(s.coil_current));
+  result.stages = run.stages;
   result.evaluations = run.evaluations;
   result.energy_residual = run.energy_residual;
   result.supplied = run.energies.supplied;

@@ -3,30 +3,14 @@
 #include <functional>
 #include <span>
 #include <string>
-#include <string_view>
 #include <vector>
 
 #include "sim/mechanics/rigid_contactor.h"
+#include "sim/stages.h"
 
 /// One closing on the rigid rung: stages by name, the energy ledger, and a stop when the ledger does not close.
 
 namespace powbench::sim {
-
-/// The six stages of a closing, in order.
-enum class ClosingStage : std::uint8_t {
-  energising,  ///< the pull rises, the core still rests on its stops
-  travel,      ///< the core moves, all pads are open
-  touching,    ///< from the first touch of a pad until every pad has touched
-  overtravel,  ///< the core moves on while the bridges rest on their pads
-  seating,     ///< from the first touch of a pole face until the last bounce
-  closed       ///< nothing touches or leaves any more
-};
-std::string_view stage_name(ClosingStage);
-
-struct StageTime {
-  ClosingStage stage{};
-  double begin = 0;  ///< s
-};
 
 /// The stages reached, from the events of a closing of `bridges` bridges up to `end` s; `closed` only where the last
 /// bounce is at least `calm` s before the end.
