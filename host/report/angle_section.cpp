@@ -94,7 +94,15 @@ Markup curve_table(const std::vector<CurveRow>& rows) {
     out.element("td", signed_fixed(d.late * 1e3, 3));
     out.close();
   }
-  return out.close().close();
+  out.close().close();
+  out.element("p",
+              "Where the curves, averaged over 0.1 ms, differ most until 2 ms after the last landing; shot "
+              "with the median "
+              "difference. Share: of the measured value there, large near a zero. Rms: of the difference, "
+              "over the span "
+              "of the measured curve. Late: how much later the simulated curve comes.",
+              {{"class", "fine"}});
+  return out;
 }
 
 }  // namespace

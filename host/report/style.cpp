@@ -35,6 +35,7 @@ h3 { margin: 26px 0 8px; font-size: 15px; font-weight: 650; }
 .tile.bad b { color: var(--bad); }
 section.page { margin-top: 46px; border-top: 1px solid var(--line); padding-top: 26px; }
 table { border-collapse: collapse; width: 100%; font-size: 13.5px; line-height: 1.35; }
+table + table { margin-top: 14px; }
 th, td { padding: 5px 8px; text-align: right; vertical-align: baseline; border-bottom: 1px solid var(--line); }
 thead th { color: var(--soft); font-weight: 600; vertical-align: bottom; border-bottom: 1.5px solid var(--ink); }
 tbody th, th:first-child, th.left { text-align: left; font-weight: 400; }

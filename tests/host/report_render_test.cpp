@@ -5,6 +5,7 @@
 
 #include "host/compare/compare.h"
 #include "host/report/report.h"
+#include "host/report/view.h"
 #include "tests/host/report_xml_check.h"
 
 using namespace powbench;
@@ -232,6 +233,30 @@ TEST_CASE("measured, simulated and published stand side by side", "[report]") {
   CHECK(contains(html, "<td class=\"pub\">11.65</td>"));
   CHECK(contains(html, "<td class=\"pub\">16.82 \xE2\x80\xA0</td>"));  // excluded row at 90 deg
   CHECK(contains(html, "0 of 0 shots measured"));
+}
+
+TEST_CASE("curves of both are compared where both were recorded, with the largest difference", "[report]") {
+  ReportInput in;
+  in.planned = 1;
+  in.shots = {some_shot(1)};
+  Waveform late = wave("laser", "m", 6000);
+  for (std::size_t i = 2200; i < 2300; ++i) late.values[i] += 0.5F;  // 12 .. 13 ms
+  in.simulated = {{radians(30), some_events(12.34e-3), {late, wave("pvdf_a", "N", 6000)}}};
+  compare_into(in);
+  check_page(in);
+  const auto rows = curve_rows(angles_of(in).front());
+  REQUIRE(rows.size() == 1);  // no current in either
+  CHECK(rows[0].quantity == "x_m");
+  CHECK(rows[0].repeats == 1);
+  CHECK(rows[0].median.largest == Approx(0.5).epsilon(1e-5));
+  CHECK(rows[0].median.at > 12e-3);
+  CHECK(rows[0].median.at < 13e-3);
+  const std::string html = render_html(in);
+  CHECK(contains(html, "Simulated curve against measured"));
+  CHECK(contains(html, "500.00"));  // mm
+  in.simulated.front().waveforms.clear();
+  CHECK(curve_rows(angles_of(in).front()).empty());
+  CHECK_FALSE(contains(render_html(in), "Simulated curve against measured"));
 }
 
 TEST_CASE("core vibration: bands, refusal and pictures, whatever the numbers are", "[report]") {
