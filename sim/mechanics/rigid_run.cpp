@@ -1,7 +1,6 @@
 #include "sim/mechanics/rigid_run.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstdio>
 #include <memory>
@@ -11,9 +10,6 @@
 
 namespace powbench::sim {
 namespace {
-
-constexpr std::array<std::string_view, 6> stage_names = {"energising", "travel",  "touching",
-                                                         "overtravel", "seating", "closed"};
 
 std::string describe(const RigidContactor<double>& c, const double* y, double t, double residual,
                      const char* why) {
@@ -51,10 +47,6 @@ void check(const RigidOptions& o) {
 }
 
 }  // namespace
-
-std::string_view stage_name(ClosingStage s) {
-  return stage_names[static_cast<std::size_t>(s)];
-}
 
 std::vector<StageTime> closing_stages(std::span<const RigidEvent> events, int bridges, double end,
                                       double calm) {
