@@ -93,6 +93,7 @@ Source published_source(const FitArgs& args) {
   Source s;
   s.closings = published_closings(deviations(args, {}));
   s.job.problem.parameters = sim::catalogue_parameters();
+  s.job.posterior_parameters = sim::posterior_parameters();
   s.job.problem.plausible = sim::catalogue_ranges();
   s.job.problem.base = args.specimen_file.empty() ? sim::Specimen{} : read_specimen(args.specimen_file);
   return s;
@@ -120,7 +121,10 @@ Source campaign_source(const FitArgs& args) {
 }
 
 void take_options(const FitArgs& args, Source& s) {
-  if (!args.free.empty()) s.job.problem.parameters.clear();
+  if (!args.free.empty()) {
+    s.job.problem.parameters.clear();
+    s.job.posterior_parameters.clear();
+  }
   for (const auto& text : args.free) {
     const auto equals = text.find('=');
     const auto colon = text.find(':', equals == std::string::npos ? 0 : equals);
@@ -134,9 +138,8 @@ void take_options(const FitArgs& args, Source& s) {
       throw BadInput({std::string("--free ") + e.what()});
     }
   }
-  std::vector<double> unseen;
-  for (const double a : args.hold_out) unseen.push_back(radians(a));
-  s.job.problem.closings = without(s.closings, unseen);
+  for (const double a : args.hold_out) s.job.unseen.push_back(radians(a));
+  s.job.problem.closings = without(s.closings, s.job.unseen);
   if (s.job.problem.closings.empty()) throw BadInput({"--hold-out leaves no closing to fit to"});
   if (args.leave_one_out)
     for (const auto& m : s.job.problem.closings) s.job.held_out.push_back(m.conditions.closing_angle);
@@ -152,15 +155,6 @@ void take_options(const FitArgs& args, Source& s) {
   s.job.options.seed = args.seed;
 }
 
-/// Angles that no fit has seen are predicted by the fit to all others.
-void predict_unseen(const FitArgs& args, FitFile& file) {
-  for (const double angle : args.hold_out) {
-    FitFold blind = file.folds.back();
-    blind.held_out = angle;
-    file.folds.insert(file.folds.begin(), blind);
-  }
-}
-
 }  // namespace
 
 Exit fit_specimen(const FitArgs& args) {
@@ -174,8 +168,8 @@ Exit fit_specimen(const FitArgs& args) {
   sim::Team team(threads);
   const StopOnSignal stop;
   const auto per_fit = static_cast<std::size_t>(args.evaluations);
-  const std::size_t searches = static_cast<std::size_t>(args.searches),
-                    blind = searches * source.job.held_out.size();
+  const auto searches = static_cast<std::size_t>(args.searches);
+  const std::size_t blind = blind_fits(source.job);
   const std::size_t per_full = args.finish > 0 ? static_cast<std::size_t>(args.finish) : per_fit;
   Progress progress("fit", per_fit * blind + per_full * (searches + (args.finish > 0 ? 1 : 0)),
                     progress_style(args.progress));
@@ -201,7 +195,6 @@ Exit fit_specimen(const FitArgs& args) {
                args.state_file.empty() ? "" : "; the same command goes on from " + args.state_file);
     return Exit::interrupted;
   }
-  predict_unseen(args, report.file);
   const auto cells = fit_cells(report.file, source.closings, args.leave_one_out && args.hold_out.empty());
   fmt::print("{}", args.json ? fit_json(source.job, report, cells) : fit_text(source.job, report, cells));
   if (!args.picture.empty())

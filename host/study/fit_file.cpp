@@ -17,6 +17,7 @@ Json json_of(const FitFold& f) {
   j["held_out_deg"] = f.held_out ? Json(*f.held_out) : Json(nullptr);
   j["misfit"] = rounded(f.misfit);
   j["members"] = f.members;
+  if (!f.weights.empty()) j["weights"] = f.weights;
   return j;
 }
 
@@ -25,6 +26,7 @@ FitFold fold_of(const Json& j) {
   if (!j.at("held_out_deg").is_null()) f.held_out = j.at("held_out_deg").get<double>();
   f.misfit = j.at("misfit").get<double>();
   f.members = j.at("members").get<std::vector<std::vector<double>>>();
+  if (j.contains("weights")) f.weights = j.at("weights").get<std::vector<double>>();
   return f;
 }
 
@@ -52,6 +54,17 @@ sim::Evolution::State evolution_of(const Json& j) {
   for (const auto& c : j.at("population"))
     s.population.push_back({c.at("point").get<std::vector<double>>(), c.at("value").get<double>()});
   return s;
+}
+
+/// A line for each member: short enough to be read, and compared, by eye.
+std::string by_member(const std::string& text) {
+  std::string out;
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    out += text[i];
+    const bool between = text[i] == ',' && i > 0 && (text[i - 1] == ']' || text[i - 1] == '}');
+    if (between) out += '\n';
+  }
+  return out;
 }
 
 /// Reads with `read`; whatever is wrong becomes one sentence.
@@ -95,7 +108,7 @@ std::string to_json(const FitFile& f) {
   j["names"] = f.names;
   j["folds"] = Json::array();
   for (const auto& fold : f.folds) j["folds"].push_back(json_of(fold));
-  return j.dump(1) + "\n";
+  return by_member(j.dump()) + "\n";
 }
 
 FitFile parse_fit_file(const std::string& text, const std::string& file) {
@@ -105,6 +118,9 @@ FitFile parse_fit_file(const std::string& text, const std::string& file) {
     f.names = j.at("names").get<std::vector<std::string>>();
     for (const auto& name : f.names) sim::specimen_field(name);
     for (const auto& fold : j.at("folds")) f.folds.push_back(fold_of(fold));
+    for (const auto& fold : f.folds)
+      if (!fold.weights.empty() && fold.weights.size() != fold.members.size())
+        throw std::invalid_argument("a fold has another number of weights than of members");
     for (const auto& fold : f.folds)
       for (const auto& values : fold.members)
         if (values.size() != f.names.size())

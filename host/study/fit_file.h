@@ -17,6 +17,7 @@ struct FitFold {
   double misfit = 0;
   /// Values of the free numbers in the units of the specimen file, eight digits; the best first, then the ensemble.
   std::vector<std::vector<double>> members;
+  std::vector<double> weights;  ///< of the members, for predictions of bounce; empty: equal
 };
 
 struct FitFile {

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "core/random.h"
 #include "host/config/bad_input.h"
@@ -20,10 +21,8 @@ std::vector<double> values_of(const sim::Specimen& s, const std::vector<sim::Par
   return values;
 }
 
-FitFold fold_of(const sim::FitResult& r, const std::vector<sim::Parameter>& parameters,
-                std::optional<double> held_out) {
+FitFold fold_of(const sim::FitResult& r, const std::vector<sim::Parameter>& parameters) {
   FitFold f;
-  if (held_out) f.held_out = rounded(degrees(*held_out));
   f.misfit = r.best.misfit;
   f.members.push_back(values_of(r.best.specimen, parameters));
   for (const auto& m : r.ensemble) f.members.push_back(values_of(m.specimen, parameters));
@@ -45,6 +44,32 @@ FitFold together(std::span<const FitFold> searches) {
 
 /// Added to the seed of a fit that is to describe: it draws from a stream of its own.
 constexpr std::uint64_t describing_stream = 1;
+
+/// Posterior number `k`: of all closings but one that is held out, or, after those, of all. None when told to stop.
+std::optional<FitFold> blind_fold(const FitJob& job, std::size_t k, sim::Team& team,
+                                  const std::function<bool(long used, long of, double best)>& go_on) {
+  sim::FitProblem problem = job.problem;
+  if (!job.posterior_parameters.empty()) problem.parameters = job.posterior_parameters;
+  FitFold fold;
+  if (k < job.held_out.size()) {
+    problem.closings = without(problem.closings, std::span(&job.held_out[k], 1));
+    fold.held_out = rounded(degrees(job.held_out[k]));
+  }
+  const sim::Misfit misfit(problem);
+  sim::PosteriorOptions options = job.posterior;
+  options.seed = job.options.seed;
+  const auto of = static_cast<double>(job.options.evaluations);
+  const auto posterior = sim::sample_posterior(misfit, options, team, [&](double share, double best) {
+    return go_on(std::lround(share * of), job.options.evaluations, best);
+  });
+  if (posterior.stopped) return {};
+  fold.misfit = posterior.misfit;
+  for (const auto& d : posterior.draws) {
+    fold.members.push_back(values_of(misfit.specimen(d.point), problem.parameters));
+    fold.weights.push_back(rounded(d.weight));
+  }
+  return fold;
+}
 
 /// A fit that is to describe, not to predict: relative errors in units of what is wanted of their means. Bounds rule out; beyond
 /// that the middle of a range is no better than its ends.
@@ -79,6 +104,10 @@ std::vector<std::vector<double>> begin_finish(const FitJob& job, const FitFile& 
 
 }  // namespace
 
+std::size_t blind_fits(const FitJob& job) {
+  return job.held_out.size() + (job.unseen.empty() ? 0 : 1);
+}
+
 std::string problem_hash(const FitJob& job) {
   std::string text = resolved_text(job.problem.base);
   for (const auto& p : job.problem.parameters)
@@ -92,6 +121,11 @@ std::string problem_hash(const FitJob& job) {
   const auto& o = job.options;
   text += fmt::format("{} {} {} {} {} {}", o.evaluations, o.polished, o.ensemble, o.seed, job.searches,
                       job.finish);
+  for (const double angle : job.unseen) text += fmt::format(" {}", angle);
+  const auto& q = job.posterior;
+  text += fmt::format(" posterior {} {} {} {}", q.evaluations, q.starts, q.draws, q.tolerance);
+  for (const auto& p : job.posterior_parameters)
+    text += fmt::format(" {} {} {}", p.low, p.high, p.logarithmic);
   if (job.problem.prior_deviation != sim::FitProblem{}.prior_deviation)
     text += fmt::format(" {}", job.problem.prior_deviation);
   return sha256_hex(text);
@@ -110,19 +144,27 @@ FitReport run_fits(const FitJob& job, sim::Team& team, const FitProgress& progre
   report.file.base = resolved_text(job.problem.base);
   for (const auto& p : job.problem.parameters) report.file.names.push_back(p.name());
 
+  const std::size_t blind = blind_fits(job);
   const auto searches = static_cast<std::size_t>(job.searches);
-  const std::size_t before = searches * (1 + job.held_out.size());
-  const std::size_t fits = before + (job.finish > 0 ? 1 : 0);
-  for (std::size_t k = report.state.done.size(); k < fits; ++k) {
-    const std::size_t angle = k / searches;
-    const bool full = angle >= job.held_out.size();  // the fit to everything is made last
-    const bool last = k == before;
+  const std::size_t fits = blind + searches + (job.finish > 0 ? 1 : 0);
+  auto& done = report.state.done;
+  for (std::size_t k = done.size(); k < fits; ++k) {
+    const auto go_on = [&](long used, long of, double best) {
+      return progress(k, fits, used, of, best, report.state);
+    };
+    if (k < blind) {
+      auto fold = blind_fold(job, k, team, go_on);
+      report.stopped = !fold;
+      if (report.stopped) return report;
+      done.push_back(std::move(*fold));
+      continue;
+    }
+    const bool last = k == blind + searches;
     sim::FitProblem problem = job.problem;
-    if (!full) problem.closings = without(problem.closings, std::span(&job.held_out[angle], 1));
     sim::FitOptions options = job.options;
-    options.seed += 7919 * (k % searches);
-    auto start = full ? job.start : std::vector<std::vector<double>>{};
-    if (full && job.finish > 0) {
+    options.seed += 7919 * ((k - blind) % searches);
+    auto start = job.start;
+    if (job.finish > 0) {
       problem = describing(problem);
       options.evaluations = job.finish;
       options.seed += describing_stream;
@@ -130,15 +172,13 @@ FitReport run_fits(const FitJob& job, sim::Team& team, const FitProgress& progre
     if (last) {
       problem.absolute = true;
       problem.tolerance = 1e-5;
-      start = begin_finish(job, report.file, std::span(report.state.done).last(searches));
+      start = begin_finish(job, report.file, std::span(done).last(searches));
       options.population = start.size();
       options.polished = options.ensemble = 0;
     }
     sim::FitWatch watch;
     watch.save = [&](const sim::Evolution::State& s) { report.state.running = s; };
-    watch.go_on = [&](long used, long of, double best) {
-      return progress(k, fits, used, of, best, report.state);
-    };
+    watch.go_on = go_on;
     const auto resumed = report.state.running;
     const auto result =
         sim::fit(sim::Misfit(problem), options, team, watch, resumed ? &*resumed : nullptr, std::move(start));
@@ -147,18 +187,20 @@ FitReport run_fits(const FitJob& job, sim::Team& team, const FitProgress& progre
       return report;
     }
     report.state.running.reset();
-    report.state.done.push_back(fold_of(result, job.problem.parameters,
-                                        full ? std::nullopt : std::optional<double>(job.held_out[angle])));
-    if (full && (last || report.full.best.point.empty() || result.best.misfit < report.full.best.misfit))
+    done.push_back(fold_of(result, job.problem.parameters));
+    if (last || report.full.best.point.empty() || result.best.misfit < report.full.best.misfit)
       report.full = result;
   }
-  for (std::size_t k = 0; k < before; k += searches)
-    report.file.folds.push_back(together(std::span(report.state.done).subspan(k, searches)));
+  for (std::size_t k = 0; k < job.held_out.size(); ++k) report.file.folds.push_back(done[k]);
+  for (const double angle : job.unseen) {
+    report.file.folds.push_back(done[job.held_out.size()]);
+    report.file.folds.back().held_out = rounded(degrees(angle));
+  }
+  report.file.folds.push_back(together(std::span(done).subspan(blind, searches)));
   auto& all = report.file.folds.back();
   if (job.finish > 0) {
-    const auto& found = report.state.done.back();
-    all.members.insert(all.members.begin(), found.members.front());
-    all.misfit = found.misfit;
+    all.members.insert(all.members.begin(), done.back().members.front());
+    all.misfit = done.back().misfit;
   }
   // after an interruption the best search may have been an earlier run's: its sensitivities are not known then
   if (report.full.best.misfit > all.misfit) report.full = {};

@@ -6,22 +6,27 @@
 
 #include "host/study/fit_file.h"
 #include "sim/study/fit.h"
+#include "sim/study/posterior.h"
 
-/// A whole identification: all closings, then without each one of some angles in turn.
+/// A whole identification. To describe: a fit to all closings (sim/study/fit.h). To predict angles that it must not see: a posterior of the
+/// others (sim/study/posterior.h).
 
 namespace powbench::host {
 
 struct FitJob {
-  sim::FitProblem problem;       ///< with every closing that may be used at all
-  std::vector<double> held_out;  ///< rad; one more fit for each, which does not see it
-  sim::FitOptions options;       ///< of every search; `evaluations` each
-  int searches = 3;              ///< independent ones for every fit: their members together are its ensemble
+  sim::FitProblem problem;          ///< with every closing that may be used at all
+  std::vector<double> held_out;     ///< rad; a posterior for each, which does not see it
+  std::vector<double> unseen;       ///< rad; not among the closings: one posterior of them all predicts these
+  sim::PosteriorOptions posterior;  ///< the seed is that of `options`
+  /// Bounds of the posteriors: the names of `problem`, in the same order. Empty: those of `problem`.
+  std::vector<sim::Parameter> posterior_parameters;
+  sim::FitOptions options;  ///< of every search of the fit to all; `evaluations` each
+  int searches = 3;         ///< independent ones: their members together are its ensemble
   /// Above 0 the fit to everything describes: no prior, deviations half of what is wanted on average (2 % of touch and seat, 8 % of
   /// bounce, 3 % of settled), so many evaluations of each of its searches, and as many of a last one, from what the others found, on the sum of absolute
-  /// deviations. The fits that hold an angle out are made to predict and have none of this.
+  /// deviations.
   long finish = 0;
-  std::vector<std::vector<double>>
-      start;  ///< points that searches begin from; none for the ones that hold out
+  std::vector<std::vector<double>> start;  ///< points that the searches begin from; posteriors have none
 };
 
 struct FitReport {
@@ -34,6 +39,9 @@ struct FitReport {
 /// After each generation: which search of how many, evaluations used of how many, best so far. False: stop.
 using FitProgress =
     std::function<bool(std::size_t fit, std::size_t fits, long used, long of, double best, const FitState&)>;
+
+/// Posteriors, which come first; the searches and, with `finish`, the last one follow.
+std::size_t blind_fits(const FitJob&);
 
 /// Hash of everything that the result depends on.
 std::string problem_hash(const FitJob&);

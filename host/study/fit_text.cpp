@@ -159,7 +159,7 @@ std::vector<FitCell> fit_cells(const FitFile& file, const std::vector<sim::Measu
     Prediction blind;
     for (const auto& fold : file.folds)
       if (fold.held_out && std::fabs(std::remainder(*fold.held_out - theta, 360)) < 1e-3)
-        blind = predict(specimens(file, fold), m.conditions);
+        blind = predict(specimens(file, fold), m.conditions, fold.weights);
     if (pool) blind = pooled(blind, without(closings, std::span(&m.conditions.closing_angle, 1)));
     for (int q = 0; q < 4; ++q) {
       FitCell c;

@@ -18,10 +18,33 @@ double quantile(const std::vector<double>& sorted, double share) {
   return sorted[k] + (at - std::floor(at)) * (sorted[k + 1] - sorted[k]);
 }
 
-Band band(std::vector<double> values, std::size_t asked) {
-  if (values.empty() || 2 * values.size() < asked) return {};
-  std::sort(values.begin(), values.end());
-  return {quantile(values, 0.16), quantile(values, 0.5), quantile(values, 0.84)};
+struct Weighted {
+  double value, weight;
+};
+
+/// The value below which `share` of the weight lies, linear between the middles of the members' weights.
+double quantile(const std::vector<Weighted>& sorted, double total, double share) {
+  double below = 0;
+  for (std::size_t k = 0; k < sorted.size(); ++k) {
+    const double middle = (below + 0.5 * sorted[k].weight) / total;
+    if (middle >= share && k == 0) return sorted[0].value;
+    if (middle >= share) {
+      const double before = (below - 0.5 * sorted[k - 1].weight) / total;
+      const double part = (share - before) / (middle - before);
+      return sorted[k - 1].value + part * (sorted[k].value - sorted[k - 1].value);
+    }
+    below += sorted[k].weight;
+  }
+  return sorted.back().value;
+}
+
+Band band(std::vector<Weighted> values, double asked) {
+  double total = 0;
+  for (const auto& v : values) total += v.weight;
+  if (!(total > 0) || 2 * total < asked) return {};
+  std::sort(values.begin(), values.end(),
+            [](const Weighted& a, const Weighted& b) { return a.value < b.value; });
+  return {quantile(values, total, 0.16), quantile(values, total, 0.5), quantile(values, total, 0.84)};
 }
 
 /// What the other angles say of one quantity: values and relative deviations granted.
@@ -52,29 +75,27 @@ Band with_others(const Band& b, Others o) {
 }  // namespace
 
 Prediction pooled(const Prediction& p, std::span<const sim::MeasuredClosing> others) {
-  Others touch, bounce, settled, seat;
-  for (const auto& c : others) {
-    touch.add(c.touch.value, c.touch.u);
-    bounce.add(c.bounce.value, c.bounce.u);
-    settled.add(c.touch.value + c.bounce.value, std::hypot(c.touch.u, c.bounce.u));
-    seat.add(c.seat.value, c.seat.u);
-  }
-  return {with_others(p.touch, touch), with_others(p.bounce, bounce), with_others(p.settled, settled),
-          with_others(p.seat, seat)};
+  Others bounce;
+  for (const auto& c : others) bounce.add(c.bounce.value, c.bounce.u);
+  return {p.touch, with_others(p.bounce, bounce), p.settled, p.seat};
 }
 
-Prediction predict(std::span<const sim::Specimen> list, const Conditions& conditions) {
-  std::vector<double> touch, bounce, settled, seat;
-  for (const auto& s : list) {
-    const auto t = sim::simulate(s, conditions, duration, 0).truth;
+Prediction predict(std::span<const sim::Specimen> list, const Conditions& conditions,
+                   std::span<const double> weights) {
+  std::vector<Weighted> touch, bounce, settled, seat;
+  double asked = 0;
+  for (std::size_t k = 0; k < list.size(); ++k) {
+    const double weight = weights.empty() ? 1 : weights[k];
+    asked += weight;
+    const auto t = sim::simulate(list[k], conditions, duration, 0).truth;
     if (!t.touch || !t.core_seat) continue;
-    touch.push_back(*t.touch);
-    bounce.push_back(*t.settled - *t.touch);
-    settled.push_back(*t.settled);
-    seat.push_back(*t.core_seat);
+    touch.push_back({*t.touch, 1});
+    bounce.push_back({*t.settled - *t.touch, weight});
+    settled.push_back({*t.settled, weight});
+    seat.push_back({*t.core_seat, 1});
   }
-  return {band(touch, list.size()), band(bounce, list.size()), band(settled, list.size()),
-          band(seat, list.size())};
+  const auto all = static_cast<double>(list.size());
+  return {band(touch, all), band(bounce, asked), band(settled, asked), band(seat, all)};
 }
 
 ClosingProvider held_out_provider(const FitFile& file, const Conditions& conditions) {
@@ -84,7 +105,7 @@ ClosingProvider held_out_provider(const FitFile& file, const Conditions& conditi
       if (!fold.held_out || std::fabs(std::remainder(*fold.held_out - theta_deg, 360)) > 1e-6) continue;
       Conditions c = conditions;
       c.closing_angle = radians(theta_deg);
-      const Prediction p = pooled(predict(specimens(file, fold), c),
+      const Prediction p = pooled(predict(specimens(file, fold), c, fold.weights),
                                   without(published_closings(), std::span(&c.closing_angle, 1)));
       v.t_ct1 = p.touch.median;
       v.t_ct_bon = p.bounce.median;

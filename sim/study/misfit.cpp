@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "sim/study/steady.h"
 #include "sim/validate.h"
@@ -113,7 +114,7 @@ double Misfit::Means::excess() const {
 
 void Misfit::range_residuals(const Specimen& s, std::vector<double>& out) const {
   const Plausible& p = problem_.plausible;
-  const bool any = p.inrush || p.holding || p.overtravel || p.contact_force || p.base_travel;
+  const bool any = p.inrush || p.holding || p.overtravel || p.contact_force || p.base_travel || p.held_load;
   if (!any) return;
   const Derived d = derived(s, p.rated_volts);
   const auto add = [&](const std::optional<Range>& range, double value) {
@@ -124,6 +125,11 @@ void Misfit::range_residuals(const Specimen& s, std::vector<double>& out) const 
   add(p.overtravel, d.overtravel);
   add(p.contact_force, d.contact_force);
   add(p.base_travel, d.base_travel);
+  if (p.held_load) {
+    Mains mains;
+    mains.volts = p.rated_volts;
+    add(p.held_load, closed_load(s) / least_pull(s, mains));
+  }
 }
 
 double Misfit::checks(const Specimen& s, double sum, double give_up) const {
@@ -149,10 +155,11 @@ double Misfit::value(std::span<const double> point, double give_up) const {
   const Specimen s = specimen(point);
   if (!validate(s).empty()) return impossible;
   double sum = 0;
-  for (const double u : point) {
+  for (std::size_t i = 0; i < point.size(); ++i) {
+    const double u = point[i];
     const double near = std::max({problem_.edge - u, u - (1 - problem_.edge), 0.0});
     if (problem_.edge > 0) sum += std::pow(near / problem_.edge, 2);
-    if (problem_.prior_deviation > 0) sum += std::pow((u - 0.5) / problem_.prior_deviation, 2);
+    if (problem_.prior_deviation > 0) sum += std::pow((u - middle(i)) / problem_.prior_deviation, 2);
   }
   std::vector<double> ranges;
   range_residuals(s, ranges);
@@ -167,6 +174,10 @@ double Misfit::value(std::span<const double> point, double give_up) const {
   return checks(s, sum + means.excess(), give_up);
 }
 
+double Misfit::demands(std::span<const double> point) const {
+  return checks(specimen(point), 0, std::numeric_limits<double>::infinity());
+}
+
 std::vector<double> Misfit::residuals(std::span<const double> point, double tolerance) const {
   const Specimen s = specimen(point);
   std::vector<double> out;
@@ -176,16 +187,33 @@ std::vector<double> Misfit::residuals(std::span<const double> point, double tole
     out.insert(out.end(), r, r + per_closing);
   }
   range_residuals(s, out);
-  for (const double u : point) {
+  for (std::size_t i = 0; i < point.size(); ++i) {
+    const double u = point[i];
     const double low = problem_.edge - u;
     const double high = u - (1 - problem_.edge);
     if (problem_.edge > 0) out.push_back(std::max({low, high, 0.0}) / problem_.edge);
-    if (problem_.prior_deviation > 0) out.push_back((u - 0.5) / problem_.prior_deviation);
+    if (problem_.prior_deviation > 0) out.push_back((u - middle(i)) / problem_.prior_deviation);
   }
   return out;
 }
 
-Misfit Misfit::perturbed(std::span<const double> shifts) const {
+Misfit Misfit::motion() const {
+  constexpr double room = 1.35;  // for candidates that are late
+  // 0.72 = 0.85^2: not let go at the lowest closing voltage either
+  FitProblem smooth = problem_;
+  double last = 0;
+  for (auto& m : smooth.closings) {
+    for (const auto* q : {&m.touch, &m.seat})
+      if (q->known()) last = std::max(last, q->value);
+    m.bounce = m.core_bounce = {};
+  }
+  if (smooth.plausible.calm) smooth.plausible.held_load = Range{0, 0.72, 0.05};
+  smooth.plausible.calm = smooth.absolute = false;
+  if (last > 0) smooth.duration = std::min(smooth.duration, room * last);
+  return Misfit(std::move(smooth));
+}
+
+Misfit Misfit::perturbed(std::span<const double> shifts, std::span<const double> prior_shifts) const {
   FitProblem moved = problem_;
   std::size_t k = 0;
   for (auto& m : moved.closings)
@@ -194,6 +222,11 @@ Misfit Misfit::perturbed(std::span<const double> shifts) const {
       q->value += shifts[k % shifts.size()] * q->u;
       ++k;
     }
+  if (!prior_shifts.empty()) {
+    moved.prior_middle.clear();
+    for (std::size_t i = 0; i < prior_shifts.size(); ++i)
+      moved.prior_middle.push_back(middle(i) + problem_.prior_deviation * prior_shifts[i]);
+  }
   return Misfit(std::move(moved));
 }
 

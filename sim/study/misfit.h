@@ -39,6 +39,7 @@ struct Plausible {
   std::optional<Range> overtravel;     ///< of the contact gap
   std::optional<Range> contact_force;  ///< N, one break, closed
   std::optional<Range> base_travel;    ///< m, static deflection under 100 N: softness of the mounting
+  std::optional<Range> held_load;      ///< closed springs' load over the least pull: above 1 the core lets go
   bool pick_up = false;                ///< closes at 0.85 of the rated voltage at 0, 60 and 120 deg
   bool calm = false;  ///< settles within 26 ms at 0, 45, 70, 80 and 135 deg and stays so: no chatter
   double rated_volts = 230;
@@ -51,9 +52,10 @@ struct FitProblem {
   std::vector<Parameter> parameters;
   std::vector<MeasuredClosing> closings;
   Plausible plausible;
-  double prior_deviation = 0.35;  ///< normal, of each coordinate about the middle of its bounds; 0: flat
-  double edge = 0.04;             ///< share of the range next to a bound that costs something
-  double tolerance = 1e-4;        ///< of the integrator
+  double prior_deviation = 0.35;     ///< normal, of each coordinate about the middle of its bounds; 0: flat
+  std::vector<double> prior_middle;  ///< of each coordinate; empty: 0.5
+  double edge = 0.04;                ///< share of the range next to a bound that costs something
+  double tolerance = 1e-4;           ///< of the integrator
   double duration =
       0.06;  ///< s simulated for each closing: a late release, when the offset flux dies out, is seen
   bool robust = true;  ///< bounce times beyond two deviations count linearly
@@ -82,8 +84,15 @@ class Misfit {
   /// not measured), the ranges, the prior. Pick-up and calm are left out: they are steps.
   std::vector<double> residuals(std::span<const double> point, double tolerance) const;
 
-  /// `count` standard normal shifts move the measured values: for an ensemble of fits to data with noise.
-  Misfit perturbed(std::span<const double> shifts) const;
+  /// What the kind demands and is a step: pick-up and calm. 0: all met.
+  double demands(std::span<const double> point) const;
+
+  /// The part without jumps: touch and seat, simulated no longer than those two may take. Calm, which is a step, gives way to
+  /// `held_load`, which is smooth.
+  Misfit motion() const;
+
+  /// Standard normal shifts move the measured values, and the middles of the prior where given: for fits to data with noise.
+  Misfit perturbed(std::span<const double> shifts, std::span<const double> prior_shifts = {}) const;
 
  private:
   double closing_residuals(const Specimen&, const MeasuredClosing&, double tolerance, double* out) const;
@@ -96,6 +105,10 @@ class Misfit {
   double closing_distance(const Specimen&, const MeasuredClosing&, double tolerance, Means&) const;
   void range_residuals(const Specimen&, std::vector<double>& out) const;
   double checks(const Specimen&, double sum, double give_up) const;
+
+  double middle(std::size_t coordinate) const {
+    return problem_.prior_middle.empty() ? 0.5 : problem_.prior_middle[coordinate];
+  }
 
   FitProblem problem_;
 };

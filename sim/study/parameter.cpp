@@ -42,6 +42,11 @@ constexpr Bound catalogue[] = {
     {"base.damping", 0.005, 0.4, true},
 };
 
+constexpr Bound of_motion[] = {
+    {"coil.leakage_H", 0.05, 1.5, true},
+    {"base.mass_g", 30, 300, true},
+};
+
 constexpr Bound buffer[] = {
     {"base.core_mass_g", 80, 320},
     {"base.core_mode_Hz", 60, 800, true},
@@ -101,6 +106,14 @@ std::vector<Parameter> catalogue_parameters(bool buffered) {
   for (const auto& b : catalogue) list.push_back(parameter(b.name, b.low, b.high, b.logarithmic));
   if (!buffered) return list;
   for (const auto& b : buffer) list.push_back(parameter(b.name, b.low, b.high, b.logarithmic));
+  return list;
+}
+
+std::vector<Parameter> posterior_parameters() {
+  auto list = catalogue_parameters();
+  for (const auto& b : of_motion)
+    for (auto& p : list)
+      if (p.field == &specimen_field(b.name)) p = parameter(b.name, b.low, b.high, b.logarithmic);
   return list;
 }
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 #include "sim/magnetic_circuit.h"
@@ -40,23 +41,25 @@ struct HeldCoil {
   }
 };
 
-}  // namespace
+HeldCoil held_at(const Specimen& s, const Mains& mains, double separation) {
+  return {s.coil, MagneticCircuit(s.magnet, s.core.travel), separation, s.coil.resistance + mains.resistance,
+          s.coil.leakage + mains.inductance};
+}
 
-double steady_current(const Specimen& s, const Mains& mains, double separation) {
-  const HeldCoil held{s.coil, MagneticCircuit(s.magnet, s.core.travel), separation,
-                      s.coil.resistance + mains.resistance, s.coil.leakage + mains.inductance};
-  constexpr int periods = 3;
-  // The fastest rate is that of the ring; 800 steps a period resolve the rest.
-  const double ring_rate = held.circuit.ring_resistance() * held.circuit.field(0, 1, separation).ring_current;
+/// Fluxes from rest, `phase` behind the voltage's positive-going zero, with the classical Runge-Kutta method; `visit(t, phi, phi2)`
+/// after every step. At least `steps` a period, more where the ring is faster; returns their number.
+template <class Visit>
+int run(const HeldCoil& held, const Mains& mains, double phase, int periods, double steps, Visit&& visit) {
+  const double ring_rate =
+      held.circuit.ring_resistance() * held.circuit.field(0, 1, held.separation).ring_current;
   const double fastest = held.circuit.has_ring() ? ring_rate : 0.0;
-  const int per_period = static_cast<int>(std::max(800.0, fastest / mains.hertz));
+  const int per_period = static_cast<int>(std::max(steps, fastest / mains.hertz));
   const double h = 1 / (mains.hertz * per_period);
   const auto voltage = [&](double t) {
-    return std::numbers::sqrt2 * mains.volts * std::cos(2 * pi * mains.hertz * t);
+    return std::numbers::sqrt2 * mains.volts * std::sin(2 * pi * mains.hertz * t + phase);
   };
   double phi = 0;
   double phi2 = 0;
-  double squares = 0;
   for (int k = 0; k < periods * per_period; ++k) {
     const double t = k * h;
     const Rates a = held.rates(voltage(t), phi, phi2);
@@ -65,11 +68,41 @@ double steady_current(const Specimen& s, const Mains& mains, double separation) 
     const Rates d = held.rates(voltage(t + h), phi + h * c.phi, phi2 + h * c.phi2);
     phi += h / 6 * (a.phi + 2 * b.phi + 2 * c.phi + d.phi);
     phi2 += h / 6 * (a.phi2 + 2 * b.phi2 + 2 * c.phi2 + d.phi2);
-    if (k < (periods - 1) * per_period) continue;
+    visit(t + h, phi, phi2);
+  }
+  return per_period;
+}
+
+}  // namespace
+
+double steady_current(const Specimen& s, const Mains& mains, double separation) {
+  constexpr int periods = 3;
+  const HeldCoil held = held_at(s, mains, separation);
+  const double from = (periods - 1 + 1e-9) / mains.hertz;
+  double squares = 0;
+  const int steps = run(held, mains, pi / 2, periods, 800, [&](double t, double phi, double phi2) {
+    if (t <= from) return;
     const double i = held.current(phi, phi2);
     squares += i * i;
-  }
-  return std::sqrt(squares / per_period);
+  });
+  return std::sqrt(squares / steps);
+}
+
+double least_pull(const Specimen& s, const Mains& mains) {
+  constexpr int periods = 5;
+  const HeldCoil held = held_at(s, mains, 0);
+  double least = std::numeric_limits<double>::infinity();
+  run(held, mains, 0, periods, 200, [&](double t, double phi, double phi2) {
+    if (t * mains.hertz < 0.5) return;
+    least = std::min(least, held.circuit.field(phi, held.ring_flux(phi, phi2), 0).pull);
+  });
+  return least;
+}
+
+double closed_load(const Specimen& s) {
+  const double overtravel = s.core.travel - s.bridges.gap;
+  return s.core.return_preload + s.core.return_rate * s.core.travel +
+         s.bridges.poles * (s.bridges.preload + s.bridges.rate * overtravel);
 }
 
 }  // namespace powbench::sim

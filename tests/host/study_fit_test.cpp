@@ -39,6 +39,9 @@ FitJob small_job() {
   }
   job.held_out = {radians(110)};
   job.options.evaluations = 120;
+  job.posterior.evaluations = 60;
+  job.posterior.starts = 2;
+  job.posterior.draws = 6;
   job.options.ensemble = 1;
   job.options.polished = 1;
   job.searches = 2;
@@ -119,12 +122,13 @@ TEST_CASE(
   int generations = 0;
   FitReport part = run_fits(job, team, [&](auto...) { return ++generations < 5; });
   REQUIRE(part.stopped);
+  CHECK(part.state.done.empty());  // a posterior is short: it begins anew
+  const auto interrupting = [&](std::size_t fit, auto...) { return fit == 0 || ++generations < 5; };
   int interruptions = 1;
   while (part.stopped) {
     const FitState kept = parse_fit_state(to_json(part.state), "state");
     generations = 0;
-    part = run_fits(
-        job, team, [&](auto...) { return ++generations < 5; }, kept);
+    part = run_fits(job, team, interrupting, kept);
     ++interruptions;
   }
   CHECK(interruptions > 2);
@@ -164,12 +168,12 @@ TEST_CASE("the last search starts from what the others found, ends nearer in abs
   };
   for (const auto& values : all) CHECK(distance(all[0]) <= distance(values) * (1 + 1e-4));
   int generations = 0;
-  FitReport part = run_fits(job, team, [&](auto...) { return ++generations < 9; });
+  const auto interrupting = [&](std::size_t fit, auto...) { return fit == 0 || ++generations < 9; };
+  FitReport part = run_fits(job, team, interrupting);
   while (part.stopped) {
     const FitState kept = parse_fit_state(to_json(part.state), "state");
     generations = 0;
-    part = run_fits(
-        job, team, [&](auto...) { return ++generations < 9; }, kept);
+    part = run_fits(job, team, interrupting, kept);
   }
   for (std::size_t k = 0; k < 2; ++k) CHECK(part.file.folds[k].members == whole.file.folds[k].members);
 }
@@ -179,12 +183,15 @@ TEST_CASE("a fit file is read back as it was written; what is no fit file is tol
   FitFile f;
   f.base = resolved_text(sim::Specimen{});
   f.names = {"core.mass_g", "coil.turns"};
-  f.folds = {{30.0, 1.5, {{180.25, 2100}, {181, 2200}}}, {std::nullopt, 2.5, {{190, 2300}}}};
+  f.folds = {{30.0, 1.5, {{180.25, 2100}, {181, 2200}}, {0.75, 0.25}},
+             {std::nullopt, 2.5, {{190, 2300}}, {}}};
   const FitFile g = parse_fit_file(to_json(f), "f.json");
   CHECK(g.names == f.names);
   CHECK(*g.folds[0].held_out == 30);
   CHECK_FALSE(g.folds[1].held_out);
   CHECK(g.folds[0].members == f.folds[0].members);
+  CHECK(g.folds[0].weights == f.folds[0].weights);
+  CHECK(g.folds[1].weights.empty());
   const auto list = specimens(g, g.folds[0]);
   REQUIRE(list.size() == 2);
   CHECK(list[0].core.mass == Approx(0.18025));
@@ -192,6 +199,9 @@ TEST_CASE("a fit file is read back as it was written; what is no fit file is tol
   CHECK(list[1].core.travel == sim::Specimen{}.core.travel);
   CHECK_THROWS_AS(parse_fit_file("{", "f.json"), BadInput);
   CHECK_THROWS_WITH(parse_fit_file(R"({"kind":"other"})", "f.json"), Contains("f.json"));
+  FitFile light = f;
+  light.folds[0].weights = {1};
+  CHECK_THROWS_WITH(parse_fit_file(to_json(light), "f.json"), Contains("weights"));
   f.names[0] = "core.weight";
   CHECK_THROWS_WITH(parse_fit_file(to_json(f), "f.json"), Contains("core.weight"));
   f.names = {"core.mass_g"};
@@ -211,26 +221,47 @@ TEST_CASE("predictions: the median of the specimens that close, nothing where mo
   CHECK(std::isnan(predict(mostly_dead, {}).touch.median));
 }
 
-TEST_CASE("a pooled prediction leans on the other angles as far as they agree, and on nothing else",
-          "[study]") {
+TEST_CASE("weights of specimens weigh bounce and settled time, not touch and seat", "[study]") {
+  std::vector<sim::Specimen> list(3);
+  list[1].bridges.gap += 0.1e-3;
+  list[2].bridges.gap += 0.2e-3;
+  const auto bounce = [&](std::size_t k) {
+    const auto t = sim::simulate(list[k], {}, 0.06, 0).truth;
+    return *t.settled - *t.touch;
+  };
+  const Prediction equal = predict(list, {});
+  for (std::size_t k = 0; k < 3; ++k) {
+    std::vector<double> weights(3, 1e-9);
+    weights[k] = 1;
+    const Prediction p = predict(list, {}, weights);
+    CHECK(p.bounce.median == Approx(bounce(k)).epsilon(1e-6));
+    CHECK(p.touch.median == equal.touch.median);
+    CHECK(p.touch.median == *sim::simulate(list[1], {}, 0.06, 0).truth.touch);
+    CHECK(p.seat.low == equal.seat.low);
+  }
+}
+
+TEST_CASE("a pooled bounce leans on the other angles as far as they agree; the rest stands", "[study]") {
   std::vector<sim::MeasuredClosing> others(4);
-  const double touches[] = {10e-3, 12e-3, 14e-3, 20e-3}, bounces[] = {5e-3, 5e-3, 5e-3, 5e-3};
+  const double bounces[] = {5e-3, 6e-3, 7e-3, 10e-3};
   for (std::size_t k = 0; k < 4; ++k) {
-    others[k].touch = {touches[k], 0.03 * touches[k]};
+    others[k].touch = {13e-3, 0.4e-3};
     others[k].bounce = {bounces[k], 0.15 * bounces[k]};
   }
   Prediction p;
   p.touch = {11.5e-3, 12e-3, 12.5e-3};
-  p.bounce = {2e-3, 3e-3, 4e-3};
+  p.bounce = {4e-3, 4.5e-3, 5e-3};
   const Prediction q = pooled(p, others);
-  // variance among the touches: 56 / 3 ms2; of the model: 0.5^2 + 0.36^2 ms2; median of the others: 13 ms
-  const double w = 56.0 / 3 / (56.0 / 3 + 0.25 + 0.1296);
-  CHECK(q.touch.median == Approx((12 * w + 13 * (1 - w)) * 1e-3));
-  CHECK(q.touch.high - q.touch.low == Approx(w * 1e-3));
-  CHECK(q.bounce.median == Approx(5e-3));  // the others agree to the last digit: nothing is left to the model
+  // variance among the bounces: 14 / 3 ms2; of the model: 0.5^2 + 0.675^2 ms2; median of the others: 6.5 ms
+  const double w = 14.0 / 3 / (14.0 / 3 + 0.25 + 0.455625);
+  CHECK(q.bounce.median == Approx((4.5 * w + 6.5 * (1 - w)) * 1e-3));
+  CHECK(q.bounce.high - q.bounce.low == Approx(w * 1e-3));
+  CHECK(q.touch.median == p.touch.median);
   CHECK(std::isnan(q.seat.median));
+  for (auto& o : others) o.bounce = {5e-3, 0.75e-3};
+  CHECK(pooled(p, others).bounce.median == Approx(5e-3));  // nothing is left to the model
   others.resize(2);
-  CHECK(pooled(p, others).touch.median == p.touch.median);  // two are too few to say how far they agree
+  CHECK(pooled(p, others).bounce.median == p.bounce.median);  // two are too few to say how far they agree
 }
 
 TEST_CASE("texts of a fit name every number, mark what lies at a bound, and never print nan", "[study]") {

@@ -62,6 +62,9 @@ TEST_CASE("every angle has a fit that has not seen it, and is predicted by it", 
     CHECK(v.t_xt1 > v.t_ct1);
   }
   CHECK(summary_of("t_ct1").held_out_rows == 6);
+  CHECK(summary_of("t_ct1").held_out_mean < 4.0);
+  CHECK(summary_of("t_xt1").held_out_mean < 4.0);
+  CHECK(summary_of("t_ct_bon").held_out_mean < 15.0);
   CHECK(std::isfinite(summary_of("t_ct_bon").held_out_mean));
 }
 

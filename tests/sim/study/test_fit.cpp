@@ -1,11 +1,13 @@
 // Identification: a device that the simulator made is found again, and angles it was not told are predicted.
 
+#include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
 
 #include "core/units.h"
 #include "sim/closing.h"
 #include "sim/study/fit.h"
+#include "sim/study/posterior.h"
 #include "sim/study/steady.h"
 
 using namespace powbench::sim;
@@ -118,4 +120,108 @@ TEST_CASE("the misfit: zero at the device itself, large where nothing closes, ea
   const std::vector<double> off{0.6, 0.4, 0.5};
   for (const double r : misfit.residuals(off, problem.tolerance)) sum += r * r;
   CHECK(sum == Approx(misfit.value(off)).epsilon(1e-9));
+}
+
+TEST_CASE("a posterior: the device by touch and seat alone; demands of its kind only weigh") {
+  Specimen device;
+  device.coil.resistance *= 1.05;
+  device.core.return_preload *= 0.9;
+  device.bridges.gap *= 1.02;
+  FitProblem problem = small_problem(device, {10, 50, 120, 160});
+  PosteriorOptions options;
+  options.evaluations = 200;
+  options.draws = 12;
+  options.tolerance = 1e-8;
+  Team one(1), three(3);
+  const auto always = [](double, double) { return true; };
+  const auto sample = [&](Team& team) { return sample_posterior(Misfit(problem), options, team, always); };
+  const auto same = [](const Posterior& a, const Posterior& b) {
+    for (std::size_t k = 0; k < a.draws.size(); ++k)
+      if (a.draws[k].point != b.draws[k].point || a.draws[k].weight != b.draws[k].weight) return false;
+    return a.draws.size() == b.draws.size();
+  };
+  const Posterior p = sample(one);
+  REQUIRE(p.draws.size() == 12);
+  CHECK(same(p, sample(three)));
+  CHECK(p.misfit < 0.1);
+  REQUIRE(p.ends.size() == 3);
+  CHECK(std::is_sorted(p.ends.begin(), p.ends.end()));
+  double total = 0, mean = 0, square = 0;
+  for (const auto& d : p.draws) {
+    total += d.weight;
+    const double r = Misfit(problem).specimen(d.point).coil.resistance;
+    mean += r / 12;
+    square += r * r / 12;
+  }
+  CHECK(total == Approx(1));
+  // the spread is what deviations of 20 us leave open, about the truth: 8 times, in one direction of three
+  const double spread = std::sqrt(square - mean * mean);
+  CHECK(spread > 1e-5 * mean);
+  CHECK(spread < 1e-2 * mean);
+  CHECK(std::fabs(mean - device.coil.resistance) < 3 * spread / std::sqrt(12.0) + 1e-4 * mean);
+
+  // a wrong bounce changes nothing; a demand changes weights and no point
+  for (auto& m : problem.closings) m.bounce.value *= 1.2;
+  CHECK(same(p, sample(one)));
+  for (const auto& d : p.draws) CHECK(d.weight == Approx(1.0 / 12));
+  for (auto& m : problem.closings) m.touch.u = m.seat.u = 0.5e-3;  // devices that differ
+  const Posterior wide = sample(one);
+  problem.plausible.pick_up = true;
+  problem.plausible.rated_volts = 206;  // near what these close at
+  const Posterior q = sample(one);
+  const auto points = [](const Posterior& of) {
+    std::vector<std::vector<double>> list;
+    for (const auto& d : of.draws) list.push_back(d.point);
+    std::sort(list.begin(), list.end());
+    return list;
+  };
+  const auto a = points(q), b = points(wide);
+  double apart = 0;
+  for (std::size_t k = 0; k < a.size(); ++k)
+    for (std::size_t i = 0; i < 3; ++i) apart = std::max(apart, std::fabs(a[k][i] - b[k][i]));
+  CHECK(apart < 1e-6);  // the coarse search hears of pick-up, least squares do not
+  CHECK(Misfit(problem).demands(q.draws.front().point) < Misfit(problem).demands(q.draws.back().point));
+  CHECK(q.draws.front().weight > 1e9 * q.draws.back().weight);
+
+  int asked = 0;
+  const auto stop = [&](double, double) { return ++asked < 4; };
+  CHECK(sample_posterior(Misfit(problem), options, one, stop).stopped);
+  CHECK(asked == 4);
+}
+
+TEST_CASE("least pull: what the ring leaves at the zeros of the main flux, none of it without a ring") {
+  Specimen s;
+  Mains mains;
+  const double held = least_pull(s, mains);
+  CHECK(held > closed_load(s));  // the reference contactor holds
+  mains.volts *= 0.5;
+  CHECK(least_pull(s, mains) < 0.6 * held);
+  mains.volts *= 2;
+  s.magnet.shaded_share = 0;
+  CHECK(least_pull(s, mains) < 0.02 * held);
+  s.bridges.rate = 0;
+  s.core.return_rate = 0;
+  CHECK(closed_load(s) == Approx(s.core.return_preload + s.bridges.poles * s.bridges.preload));
+}
+
+TEST_CASE(
+    "a device whose springs nearly match its least pull chatters in the whole simulation, one far below does "
+    "not") {
+  const auto late = [](const Specimen& s) {
+    double last = 0;
+    for (const double degrees : {45.0, 70.0, 80.0}) {
+      powbench::Conditions c;
+      c.closing_angle = radians(degrees);
+      const auto t = simulate(s, c, 0.06, 0, 1e-5).truth;
+      last = std::max(last, t.settled ? *t.settled : 1.0);
+    }
+    return last;
+  };
+  Specimen s;
+  Mains mains;
+  CHECK(closed_load(s) < 0.72 * least_pull(s, mains));
+  CHECK(late(s) < 26e-3);
+  s.magnet.ring_resistance *= 8;  // a weak ring
+  CHECK(closed_load(s) > least_pull(s, mains));
+  CHECK(late(s) > 40e-3);
 }

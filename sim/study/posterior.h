@@ -1,0 +1,44 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <vector>
+
+#include "sim/study/misfit.h"
+#include "sim/team.h"
+
+/// What measured closings leave open about a specimen, as a weighted sample: for predictions.
+///
+/// Touch and seat move smoothly with every number of a specimen, bounce jumps. A global search of the whole misfit ends within a few
+/// deviations of the smooth part and stays there, for the jumps hide what is left. So the smooth part (`Misfit::motion`) is taken to its
+/// end, by least squares from several starts; then draws of its posterior are made by least squares too, each with data and prior
+/// shifted at random by their deviations (exact where the model is linear: J. Bardsley et al., SIAM J. Sci. Comput. 36, 2014,
+/// A1895). What the kind of contactor demands beside (pick-up, no chatter) weighs the draws, for what is said of bounce. Bounce that was measured is not heard:
+/// the model has no say about it that would outlast an angle (docs/closing-tables.md).
+
+namespace powbench::sim {
+
+struct PosteriorOptions {
+  long evaluations = 1'000;  ///< of the coarse search that the starts come from
+  int starts = 3;            ///< of least squares, spread over what the coarse search ends with
+  int draws = 96;
+  double tolerance = 1e-5;  ///< of the integrator in least squares
+  std::uint64_t seed = 1;
+};
+
+struct Posterior {
+  struct Draw {
+    std::vector<double> point;
+    double weight = 0;
+  };
+  std::vector<Draw> draws;   ///< by descending weight; the weights sum to 1
+  double misfit = 0;         ///< least sum of squares of the motion
+  std::vector<double> ends;  ///< sums that the starts ended with, ascending: one basin or several
+  bool stopped = false;      ///< `go_on` said so: nothing to use
+};
+
+/// `go_on` is given the share that is done and the best sum of squares so far. Reproducible for any number of threads.
+Posterior sample_posterior(const Misfit&, const PosteriorOptions&, Team&,
+                           const std::function<bool(double done, double best)>& go_on);
+
+}  // namespace powbench::sim
