@@ -199,7 +199,6 @@ std::vector<double> Misfit::residuals(std::span<const double> point, double tole
 
 Misfit Misfit::motion() const {
   constexpr double room = 1.35;  // for candidates that are late
-  // 0.72 = 0.85^2: not let go at the lowest closing voltage either
   FitProblem smooth = problem_;
   double last = 0;
   for (auto& m : smooth.closings) {
@@ -207,6 +206,7 @@ Misfit Misfit::motion() const {
       if (q->known()) last = std::max(last, q->value);
     m.bounce = m.core_bounce = {};
   }
+  // 0.72 = 0.85^2: not let go at the lowest closing voltage either
   if (smooth.plausible.calm) smooth.plausible.held_load = Range{0, 0.72, 0.05};
   smooth.plausible.calm = smooth.absolute = false;
   if (last > 0) smooth.duration = std::min(smooth.duration, room * last);
