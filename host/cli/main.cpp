@@ -277,11 +277,13 @@ void add_fit_verb(CLI::App& app) {
       ->capture_default_str();
   v->add_option("--hold-out", fit->hold_out, "closing angles in degrees that are predicted, never used")
       ->delimiter(',');
-  v->add_flag("--leave-one-out", fit->leave_one_out, "predict every angle from the others, one fit each");
-  v->add_option("--evaluations", fit->evaluations, "specimens tried in each global search")
+  v->add_flag("--leave-one-out", fit->leave_one_out,
+              "predict every angle from the others, one posterior each");
+  v->add_option("--evaluations", fit->evaluations,
+                "specimens tried in each global search of the fit to all closings")
       ->check(CLI::Range(100, 100'000'000))
       ->capture_default_str();
-  v->add_option("--searches", fit->searches, "independent searches for each fit")
+  v->add_option("--searches", fit->searches, "independent global searches of the fit to all closings")
       ->check(CLI::Range(1, 1000))
       ->capture_default_str();
   v->add_option(
@@ -290,7 +292,7 @@ void add_fit_verb(CLI::App& app) {
        "absolute deviations")
       ->check(CLI::Range(0, 100'000'000))
       ->capture_default_str();
-  v->add_option("--ensemble", fit->ensemble, "fits to shifted data for the bands, for each search")
+  v->add_option("--ensemble", fit->ensemble, "fits to shifted data beside each global search")
       ->check(CLI::Range(0, 1000))
       ->capture_default_str();
   v->add_option("--seed", fit->seed, "seed of the search")->capture_default_str();

@@ -15,7 +15,8 @@ namespace powbench::host {
 struct FitFold {
   std::optional<double> held_out;
   double misfit = 0;
-  /// Values of the free numbers in the units of the specimen file, eight digits; the best first, then the ensemble.
+  /// Values of the free numbers in the units of the specimen file, eight digits; the best first, then the ensemble; of a
+  /// posterior, by descending weight.
   std::vector<std::vector<double>> members;
   std::vector<double> weights;  ///< of the members, for predictions of bounce; empty: equal
 };
