@@ -195,7 +195,7 @@ Exit fit_specimen(const FitArgs& args) {
                args.state_file.empty() ? "" : "; the same command goes on from " + args.state_file);
     return Exit::interrupted;
   }
-  const auto cells = fit_cells(report.file, source.closings, args.leave_one_out && args.hold_out.empty());
+  const auto cells = fit_cells(report.file, source.closings);
   fmt::print("{}", args.json ? fit_json(source.job, report, cells) : fit_text(source.job, report, cells));
   if (!args.picture.empty())
     write_picture(args.picture,

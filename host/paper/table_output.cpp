@@ -75,7 +75,7 @@ std::string tables_text(const std::vector<TableRow>& rows) {
   out += " x excluded from the summary\n";
   out +=
       "held out = median of specimens identified without the angle of the row (`powbench fit`); bounce "
-      "pooled with the other angles\n";
+      "calibrated by and pooled with the other angles; t_ct2 = t_ct1 + t_ct_bon\n";
   for (std::size_t i = 0; i < notes.size(); ++i) out += fmt::format("({}) {}\n", i + 1, notes[i]);
   return out;
 }

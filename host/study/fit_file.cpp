@@ -12,12 +12,33 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
+/// What is not known is null.
+Json number_of(double value) {
+  return std::isfinite(value) ? Json(rounded(value)) : Json(nullptr);
+}
+
+double number_from(const Json& j) {
+  return j.is_null() ? sim::BounceCalibration::nan : j.get<double>();
+}
+
+Json json_of(const sim::BounceCalibration& c) {
+  return {{"factors", c.factors},
+          {"deviation", number_of(c.deviation)},
+          {"median_s", number_of(c.median)},
+          {"median_deviation", number_of(c.median_deviation)}};
+}
+
+sim::BounceCalibration calibration_of(const Json& j) {
+  return {j.at("factors").get<std::vector<double>>(), number_from(j.at("deviation")),
+          number_from(j.at("median_s")), number_from(j.at("median_deviation"))};
+}
+
 Json json_of(const FitFold& f) {
   Json j;
   j["held_out_deg"] = f.held_out ? Json(*f.held_out) : Json(nullptr);
   j["misfit"] = rounded(f.misfit);
   j["members"] = f.members;
-  if (!f.weights.empty()) j["weights"] = f.weights;
+  if (f.bounce) j["bounce"] = json_of(*f.bounce);
   return j;
 }
 
@@ -26,7 +47,7 @@ FitFold fold_of(const Json& j) {
   if (!j.at("held_out_deg").is_null()) f.held_out = j.at("held_out_deg").get<double>();
   f.misfit = j.at("misfit").get<double>();
   f.members = j.at("members").get<std::vector<std::vector<double>>>();
-  if (j.contains("weights")) f.weights = j.at("weights").get<std::vector<double>>();
+  if (j.contains("bounce")) f.bounce = calibration_of(j.at("bounce"));
   return f;
 }
 
@@ -119,8 +140,8 @@ FitFile parse_fit_file(const std::string& text, const std::string& file) {
     for (const auto& name : f.names) sim::specimen_field(name);
     for (const auto& fold : j.at("folds")) f.folds.push_back(fold_of(fold));
     for (const auto& fold : f.folds)
-      if (!fold.weights.empty() && fold.weights.size() != fold.members.size())
-        throw std::invalid_argument("a fold has another number of weights than of members");
+      if (fold.bounce && fold.bounce->factors.size() != fold.members.size())
+        throw std::invalid_argument("a fold has another number of bounce factors than of members");
     for (const auto& fold : f.folds)
       for (const auto& values : fold.members)
         if (values.size() != f.names.size())

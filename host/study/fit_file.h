@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "sim/specimen.h"
+#include "sim/study/bounce_calibration.h"
 #include "sim/study/evolution.h"
 
 /// What a fit leaves behind: specimens, and where an interrupted search stood.
@@ -16,9 +17,9 @@ struct FitFold {
   std::optional<double> held_out;
   double misfit = 0;
   /// Values of the free numbers in the units of the specimen file, eight digits; the best first, then the ensemble; of a
-  /// posterior, by descending weight.
+  /// posterior, its draws.
   std::vector<std::vector<double>> members;
-  std::vector<double> weights;  ///< of the members, for predictions of bounce; empty: equal
+  std::optional<sim::BounceCalibration> bounce{};  ///< of a posterior: what the closings it has seen say
 };
 
 struct FitFile {

@@ -64,10 +64,10 @@ std::optional<FitFold> blind_fold(const FitJob& job, std::size_t k, sim::Team& t
   });
   if (posterior.stopped) return {};
   fold.misfit = posterior.misfit;
-  for (const auto& d : posterior.draws) {
-    fold.members.push_back(values_of(misfit.specimen(d.point), problem.parameters));
-    fold.weights.push_back(rounded(d.weight));
-  }
+  for (const auto& point : posterior.draws)
+    fold.members.push_back(values_of(misfit.specimen(point), problem.parameters));
+  fold.bounce = posterior.bounce;
+  for (double& factor : fold.bounce->factors) factor = rounded(factor);
   return fold;
 }
 
@@ -123,7 +123,8 @@ std::string problem_hash(const FitJob& job) {
                       job.finish);
   for (const double angle : job.unseen) text += fmt::format(" {}", angle);
   const auto& q = job.posterior;
-  text += fmt::format(" posterior {} {} {} {}", q.evaluations, q.starts, q.draws, q.tolerance);
+  text += fmt::format(" posterior with bounce factors {} {} {} {}", q.evaluations, q.starts, q.draws,
+                      q.tolerance);
   for (const auto& p : job.posterior_parameters)
     text += fmt::format(" {} {} {}", p.low, p.high, p.logarithmic);
   if (job.problem.prior_deviation != sim::FitProblem{}.prior_deviation)

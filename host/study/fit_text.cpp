@@ -140,14 +140,29 @@ std::string cells_text(const std::vector<FitCell>& cells) {
   return out;
 }
 
+/// How much each posterior's bounce is worth, and so what it was pooled by.
+std::string bounce_text(const FitFile& file) {
+  std::string out;
+  for (const auto& fold : file.folds) {
+    if (!fold.held_out || !fold.bounce || !std::isfinite(fold.bounce->deviation)) continue;
+    const double v = std::pow(fold.bounce->deviation, 2), u = std::pow(fold.bounce->median_deviation, 2);
+    out += fmt::format("{:>6.1f} {:>26.0f} % {:>24.0f} % {:>18.2f}\n", *fold.held_out,
+                       100 * fold.bounce->deviation, 100 * fold.bounce->median_deviation, u / (u + v));
+  }
+  if (out.empty()) return out;
+  return "\nbounce held out: draws of the model and plain median, judged by the closings that were seen\n" +
+         fmt::format("{:>6} {:>28} {:>26} {:>18}\n", "theta", "draws off by (rms of ln)", "median off by",
+                     "weight of draws") +
+         out;
+}
+
 Json number(double v) {
   return std::isfinite(v) ? Json(v) : Json(nullptr);
 }
 
 }  // namespace
 
-std::vector<FitCell> fit_cells(const FitFile& file, const std::vector<sim::MeasuredClosing>& closings,
-                               bool pool) {
+std::vector<FitCell> fit_cells(const FitFile& file, const std::vector<sim::MeasuredClosing>& closings) {
   std::vector<FitCell> cells;
   std::vector<sim::Specimen> best;
   for (const auto& fold : file.folds)
@@ -159,8 +174,7 @@ std::vector<FitCell> fit_cells(const FitFile& file, const std::vector<sim::Measu
     Prediction blind;
     for (const auto& fold : file.folds)
       if (fold.held_out && std::fabs(std::remainder(*fold.held_out - theta, 360)) < 1e-3)
-        blind = predict(specimens(file, fold), m.conditions, fold.weights);
-    if (pool) blind = pooled(blind, without(closings, std::span(&m.conditions.closing_angle, 1)));
+        blind = predict(specimens(file, fold), m.conditions, fold.bounce);
     for (int q = 0; q < 4; ++q) {
       FitCell c;
       c.theta_deg = theta;
@@ -187,7 +201,7 @@ std::string fit_text(const FitJob& job, const FitReport& report, const std::vect
         "break\n",
         d.inrush, d.holding, 100 * d.overtravel, d.contact_force);
   }
-  return out + "\n" + cells_text(cells);
+  return out + "\n" + cells_text(cells) + bounce_text(report.file);
 }
 
 std::string fit_json(const FitJob& job, const FitReport& report, const std::vector<FitCell>& cells) {

@@ -21,10 +21,8 @@ struct FitCell {
       unknown;  ///< the same for the median of the other angles: what no model would reach
 };
 
-/// touch, bounce, settled and seat of every closing in `closings`; simulated anew from the file's members. `pool`: held-out
-/// predictions are pooled with the other closings (held_out.h); only where each fold has seen all but its own.
-std::vector<FitCell> fit_cells(const FitFile&, const std::vector<sim::MeasuredClosing>& closings,
-                               bool pool = false);
+/// touch, bounce, settled and seat of every closing in `closings`; simulated anew from the file's members.
+std::vector<FitCell> fit_cells(const FitFile&, const std::vector<sim::MeasuredClosing>& closings);
 
 std::string fit_text(const FitJob&, const FitReport&, const std::vector<FitCell>&);
 std::string fit_json(const FitJob&, const FitReport&, const std::vector<FitCell>&);

@@ -19,6 +19,21 @@ Eigen::Map<const Matrix> view(const Jacobian& j) {
   return {j.values.data(), static_cast<Eigen::Index>(j.rows), static_cast<Eigen::Index>(j.columns)};
 }
 
+Eigen::Map<const Eigen::VectorXd> view(const std::vector<double>& v) {
+  return {v.data(), static_cast<Eigen::Index>(v.size())};
+}
+
+/// The damped step, cut where it would leave the cube. `damping`: relative to the largest diagonal of `normal`.
+std::vector<double> stepped(const std::vector<double>& point, Eigen::MatrixXd normal,
+                            const Eigen::VectorXd& slope, double damping) {
+  normal.diagonal().array() += damping * normal.diagonal().maxCoeff();
+  const Eigen::VectorXd step = normal.ldlt().solve(-slope);
+  std::vector<double> to = point;
+  for (std::size_t i = 0; i < to.size(); ++i)
+    to[i] = std::clamp(to[i] + step[static_cast<Eigen::Index>(i)], 0.0, 1.0);
+  return to;
+}
+
 }  // namespace
 
 Jacobian jacobian(const Residuals& f, std::span<const double> point, std::span<const double> residuals,
@@ -43,18 +58,11 @@ Refined refine(const Residuals& f, std::vector<double> start, const RefineOption
   for (; best.iterations < options.iterations; ++best.iterations) {
     const Jacobian jac = jacobian(f, best.point, best.residuals, options.step, team);
     const auto j = view(jac);
-    const Eigen::Map<const Eigen::VectorXd> r(best.residuals.data(), static_cast<Eigen::Index>(jac.rows));
     const Eigen::MatrixXd normal = j.transpose() * j;
-    const Eigen::VectorXd slope = j.transpose() * r;
-    const double largest = normal.diagonal().maxCoeff();
+    const Eigen::VectorXd slope = j.transpose() * view(best.residuals);
     const double before = best.sum;
     for (int attempt = 0; attempt < 6; ++attempt, damping *= 6) {
-      Eigen::MatrixXd damped = normal;
-      damped.diagonal().array() += damping * largest;
-      const Eigen::VectorXd step = damped.ldlt().solve(-slope);
-      std::vector<double> trial = best.point;
-      for (std::size_t i = 0; i < trial.size(); ++i)
-        trial[i] = std::clamp(trial[i] + step[static_cast<Eigen::Index>(i)], 0.0, 1.0);
+      auto trial = stepped(best.point, normal, slope, damping);
       auto residuals = f(trial);
       const double sum = sum_of_squares(residuals);
       if (!(sum < best.sum)) continue;
@@ -65,6 +73,41 @@ Refined refine(const Residuals& f, std::vector<double> start, const RefineOption
       break;
     }
     if (!(best.sum < before * (1 - options.enough))) break;
+  }
+  return best;
+}
+
+Refined refine_near(const Residuals& f, std::vector<double> start, const Jacobian& at_start,
+                    int evaluations) {
+  constexpr double smallest = 1e-4;  // of a step
+  constexpr double enough = 1e-3;    // relative decrease of the sum below which it ends
+  constexpr int failures_allowed = 6;
+  Refined best{std::move(start), {}, 0, 1};
+  best.residuals = f(best.point);
+  best.sum = sum_of_squares(best.residuals);
+  Eigen::MatrixXd j = view(at_start);
+  double damping = 1e-3;
+  for (int failures = 0; best.iterations < evaluations && failures < failures_allowed;) {
+    auto trial = stepped(best.point, j.transpose() * j, j.transpose() * view(best.residuals), damping);
+    const Eigen::VectorXd step = view(trial) - view(best.point);
+    if (step.norm() < smallest) break;
+    auto residuals = f(trial);
+    ++best.iterations;
+    const Eigen::VectorXd surprise = view(residuals) - view(best.residuals) - j * step;
+    j += surprise * step.transpose() / step.squaredNorm();  // a step that fails teaches as much
+    const double sum = sum_of_squares(residuals);
+    if (!(sum < best.sum)) {
+      damping *= 4;
+      ++failures;
+      continue;
+    }
+    const bool done = sum > best.sum * (1 - enough);
+    best.point = std::move(trial);
+    best.residuals = std::move(residuals);
+    best.sum = sum;
+    damping = std::max(damping / 4, 1e-9);
+    failures = 0;
+    if (done) break;
   }
   return best;
 }

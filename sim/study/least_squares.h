@@ -34,12 +34,17 @@ struct RefineOptions {
 struct Refined {
   std::vector<double> point;
   std::vector<double> residuals;
-  double sum = 0;  ///< of squares
-  int iterations = 0;
+  double sum = 0;      ///< of squares
+  int iterations = 0;  ///< of `refine_near`: evaluations
 };
 
 /// Levenberg-Marquardt; coordinates are kept in [0, 1]. Never ends higher than it began.
 Refined refine(const Residuals&, std::vector<double> start, const RefineOptions&, Team&);
+
+/// Levenberg-Marquardt from a start whose Jacobian is known, kept up by Broyden's rank-one update (C. G. Broyden, Math. Comp. 19,
+/// 1965, 577) in place of new differences: `evaluations` of the residuals at most, where `refine` needs one for each coordinate
+/// and iteration. For minima near the start: on shifted data. Never ends higher than it began.
+Refined refine_near(const Residuals&, std::vector<double> start, const Jacobian& at_start, int evaluations);
 
 /// What data with unit deviations and a Gaussian prior of `prior_deviation` on each coordinate say (flat prior: 0).
 struct Identifiability {

@@ -174,8 +174,15 @@ double Misfit::value(std::span<const double> point, double give_up) const {
   return checks(s, sum + means.excess(), give_up);
 }
 
-double Misfit::demands(std::span<const double> point) const {
-  return checks(specimen(point), 0, std::numeric_limits<double>::infinity());
+std::vector<double> Misfit::bounces(std::span<const double> point, double tolerance) const {
+  const Specimen s = specimen(point);
+  std::vector<double> list;
+  for (const auto& m : problem_.closings) {
+    const auto t = closing_at(s, m.conditions, problem_.duration, tolerance);
+    const bool closed = t.touch && t.core_seat;
+    list.push_back(closed ? *t.settled - *t.touch : std::numeric_limits<double>::quiet_NaN());
+  }
+  return list;
 }
 
 std::vector<double> Misfit::residuals(std::span<const double> point, double tolerance) const {

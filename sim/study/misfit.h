@@ -84,8 +84,8 @@ class Misfit {
   /// not measured), the ranges, the prior. Pick-up and calm are left out: they are steps.
   std::vector<double> residuals(std::span<const double> point, double tolerance) const;
 
-  /// What the kind demands and is a step: pick-up and calm. 0: all met.
-  double demands(std::span<const double> point) const;
+  /// Simulated bounce of every closing, s; NaN where it does not close.
+  std::vector<double> bounces(std::span<const double> point, double tolerance) const;
 
   /// The part without jumps: touch and seat, simulated no longer than those two may take. Calm, which is a step, gives way to
   /// `held_load`, which is smooth.

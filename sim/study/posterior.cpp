@@ -1,7 +1,6 @@
 #include "sim/study/posterior.h"
 
 #include <algorithm>
-#include <cmath>
 
 #include "core/random.h"
 #include "sim/study/evolution.h"
@@ -10,42 +9,20 @@
 namespace powbench::sim {
 namespace {
 
+using GoOn = std::function<bool(double done, double best)>;
+
 constexpr double step = 1e-3;  // of the differences: far above the integrator's error, far below a posterior
 
-/// Shares of the work, for progress.
-constexpr double coarse_share = 0.15, starts_share = 0.25;
+/// Shares of the work, for progress: the coarse search, and with the starts of least squares.
+constexpr double coarse_share = 0.2, starts_share = 0.7;
 
-Refined refined(const Misfit& motion, const std::vector<double>& start, int iterations, double tolerance,
-                Team& team) {
-  RefineOptions options;
-  options.iterations = iterations;
-  options.step = step;
-  return refine([&](std::span<const double> p) { return motion.residuals(p, tolerance); }, start, options,
-                team);
+Residuals residuals_of(const Misfit& motion, double tolerance) {
+  return [&motion, tolerance](std::span<const double> p) { return motion.residuals(p, tolerance); };
 }
 
-std::vector<double> normals(Random& random, std::size_t count) {
-  std::vector<double> list(count);
-  for (auto& v : list) v = random.normal();
-  return list;
-}
-
-void weigh(std::vector<Posterior::Draw>& draws, const std::vector<double>& sums) {
-  const double least = *std::min_element(sums.begin(), sums.end());
-  double total = 0;
-  for (std::size_t k = 0; k < draws.size(); ++k) total += draws[k].weight = std::exp(0.5 * (least - sums[k]));
-  for (auto& d : draws) d.weight /= total;
-  std::stable_sort(draws.begin(), draws.end(),
-                   [](const Posterior::Draw& a, const Posterior::Draw& b) { return a.weight > b.weight; });
-}
-
-}  // namespace
-
-Posterior sample_posterior(const Misfit& misfit, const PosteriorOptions& options, Team& team,
-                           const std::function<bool(double done, double best)>& go_on) {
-  Posterior result;
-  result.stopped = true;
-  const Misfit motion = misfit.motion();
+/// Where the starts of least squares come from, best first. None when told to stop.
+std::vector<Candidate> coarse_search(const Misfit& motion, const PosteriorOptions& options, Team& team,
+                                     const GoOn& go_on) {
   Evolution::Settings settings;
   settings.dimension = motion.dimension();
   settings.evaluations = options.evaluations;
@@ -56,37 +33,71 @@ Posterior sample_posterior(const Misfit& misfit, const PosteriorOptions& options
   for (bool more = true; more;) {
     more = coarse.step(team);
     const double used = static_cast<double>(coarse.state().used) / static_cast<double>(options.evaluations);
-    if (!go_on(coarse_share * std::min(1.0, used), coarse.best().value)) return result;
+    if (!go_on(coarse_share * std::min(1.0, used), coarse.best().value)) return {};
   }
+  return coarse.state().population;
+}
 
-  const auto& found = coarse.state().population;
+std::vector<double> normals(Random& random, std::size_t count) {
+  std::vector<double> list(count);
+  for (auto& v : list) v = random.normal();
+  return list;
+}
+
+/// `motion` with data and prior shifted by one deviation each: what a draw is the minimum of.
+std::vector<Misfit> shifted(const Misfit& motion, int draws, std::uint64_t seed) {
+  Random random(seed);
+  const std::size_t measured = Misfit::per_closing * motion.problem().closings.size();
+  std::vector<Misfit> list;
+  for (int k = 0; k < draws; ++k) {
+    const auto data = normals(random, measured);
+    list.push_back(motion.perturbed(data, normals(random, motion.dimension())));
+  }
+  return list;
+}
+
+}  // namespace
+
+Posterior sample_posterior(const Misfit& misfit, const PosteriorOptions& options, Team& team,
+                           const GoOn& go_on) {
+  Posterior result;
+  result.stopped = true;
+  const Misfit motion = misfit.motion();
+  const auto residuals = residuals_of(motion, options.tolerance);
+  const auto found = coarse_search(motion, options, team, go_on);
   const auto starts = std::min(static_cast<std::size_t>(std::max(1, options.starts)), found.size());
+  if (starts == 0) return result;
   Refined best;
   for (std::size_t k = 0; k < starts; ++k) {
-    constexpr int iterations = 30;
-    Refined r = refined(motion, found[k * found.size() / starts].point, iterations, options.tolerance, team);
+    Refined r =
+        refine(residuals, found[k * found.size() / starts].point, {.iterations = 30, .step = step}, team);
     result.ends.push_back(r.sum);
     if (k == 0 || r.sum < best.sum) best = std::move(r);
     const double share = static_cast<double>(k + 1) / static_cast<double>(starts);
-    if (!go_on(coarse_share + starts_share * share, best.sum)) return result;
+    if (!go_on(coarse_share + (starts_share - coarse_share) * share, best.sum)) return result;
   }
   std::sort(result.ends.begin(), result.ends.end());
   result.misfit = best.sum;
 
-  Random random(options.seed);
-  const std::size_t measured = Misfit::per_closing * motion.problem().closings.size();
-  std::vector<double> sums;
-  for (int k = 0; k < options.draws; ++k) {
-    constexpr int iterations = 6;  // a shift of one deviation is near
-    const auto shifts = normals(random, measured);
-    const Misfit shifted = motion.perturbed(shifts, normals(random, motion.dimension()));
-    result.draws.push_back({refined(shifted, best.point, iterations, options.tolerance, team).point, 0});
-    sums.push_back(misfit.demands(result.draws.back().point));
-    const double share = static_cast<double>(k + 1) / static_cast<double>(options.draws);
-    if (!go_on(coarse_share + starts_share + (1 - coarse_share - starts_share) * share, best.sum))
-      return result;
+  constexpr int near = 24;  // evaluations: a shift of one deviation is near
+  constexpr int batch = 8;  // draws between two words to the caller
+  const Jacobian at_best = jacobian(residuals, best.point, best.residuals, step, team);
+  const auto problems = shifted(motion, options.draws, options.seed);
+  std::vector<std::vector<double>> bounces(problems.size());
+  result.draws.resize(problems.size());
+  for (int done = 0; done < options.draws; done += batch) {
+    for_each_index(team, std::min(batch, options.draws - done), [&](int place) {
+      const auto k = static_cast<std::size_t>(done + place);
+      result.draws[k] =
+          refine_near(residuals_of(problems[k], options.tolerance), best.point, at_best, near).point;
+      bounces[k] = misfit.bounces(result.draws[k], options.tolerance);
+    });
+    const double share = std::min(1.0, static_cast<double>(done + batch) / options.draws);
+    if (!go_on(starts_share + (1 - starts_share) * share, best.sum)) return result;
   }
-  weigh(result.draws, sums);
+  std::vector<double> measured;
+  for (const auto& m : misfit.problem().closings) measured.push_back(m.bounce.value);
+  result.bounce = calibrate_bounce(bounces, measured);
   result.stopped = false;
   return result;
 }

@@ -4,17 +4,17 @@
 #include <functional>
 #include <vector>
 
+#include "sim/study/bounce_calibration.h"
 #include "sim/study/misfit.h"
 #include "sim/team.h"
 
-/// What measured closings leave open about a specimen, as a weighted sample: for predictions.
+/// What measured closings leave open about a specimen, as a sample: for predictions.
 ///
 /// Touch and seat move smoothly with every number of a specimen, bounce jumps. A global search of the whole misfit ends within a few
 /// deviations of the smooth part and stays there, for the jumps hide what is left. So the smooth part (`Misfit::motion`) is taken to its
 /// end, by least squares from several starts; then draws of its posterior are made by least squares too, each with data and prior
 /// shifted at random by their deviations (exact where the model is linear: J. Bardsley et al., SIAM J. Sci. Comput. 36, 2014,
-/// A1895). What the kind of contactor demands beside (pick-up, no chatter) weighs the draws, for what is said of bounce. Bounce that was measured is not heard:
-/// the model has no say about it that would outlast an angle (docs/closing-tables.md).
+/// A1895). Measured bounce moves no draw; it tells one factor of each, and how far its bounces are worth anything.
 
 namespace powbench::sim {
 
@@ -27,11 +27,8 @@ struct PosteriorOptions {
 };
 
 struct Posterior {
-  struct Draw {
-    std::vector<double> point;
-    double weight = 0;
-  };
-  std::vector<Draw> draws;   ///< by descending weight; the weights sum to 1
+  std::vector<std::vector<double>> draws;  ///< points
+  BounceCalibration bounce;
   double misfit = 0;         ///< least sum of squares of the motion
   std::vector<double> ends;  ///< sums that the starts ended with, ascending: one basin or several
   bool stopped = false;      ///< `go_on` said so: nothing to use

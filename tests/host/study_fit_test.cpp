@@ -103,6 +103,10 @@ TEST_CASE("a fit never uses the angle it holds out: another value there changes 
   REQUIRE(a.file.folds.size() == 2);
   CHECK(*a.file.folds[0].held_out == Approx(110));
   CHECK(a.file.folds[0].members == b.file.folds[0].members);
+  REQUIRE(a.file.folds[0].bounce);
+  CHECK(a.file.folds[0].bounce->factors == b.file.folds[0].bounce->factors);
+  CHECK(a.file.folds[0].bounce->median == b.file.folds[0].bounce->median);
+  CHECK_FALSE(a.file.folds[1].bounce);
   CHECK(a.file.folds[1].members != b.file.folds[1].members);
   // and predicts it: the device is of the model's kind
   const auto cells = fit_cells(a.file, small_job().problem.closings);
@@ -183,15 +187,19 @@ TEST_CASE("a fit file is read back as it was written; what is no fit file is tol
   FitFile f;
   f.base = resolved_text(sim::Specimen{});
   f.names = {"core.mass_g", "coil.turns"};
-  f.folds = {{30.0, 1.5, {{180.25, 2100}, {181, 2200}}, {0.75, 0.25}},
-             {std::nullopt, 2.5, {{190, 2300}}, {}}};
+  f.folds = {{30.0, 1.5, {{180.25, 2100}, {181, 2200}}, sim::BounceCalibration{{1.25, 0.5}, 0.25, 6e-3}},
+             {std::nullopt, 2.5, {{190, 2300}}}};
   const FitFile g = parse_fit_file(to_json(f), "f.json");
   CHECK(g.names == f.names);
   CHECK(*g.folds[0].held_out == 30);
   CHECK_FALSE(g.folds[1].held_out);
   CHECK(g.folds[0].members == f.folds[0].members);
-  CHECK(g.folds[0].weights == f.folds[0].weights);
-  CHECK(g.folds[1].weights.empty());
+  REQUIRE(g.folds[0].bounce);
+  CHECK(g.folds[0].bounce->factors == f.folds[0].bounce->factors);
+  CHECK(g.folds[0].bounce->deviation == 0.25);
+  CHECK(g.folds[0].bounce->median == 6e-3);
+  CHECK(std::isnan(g.folds[0].bounce->median_deviation));
+  CHECK_FALSE(g.folds[1].bounce);
   const auto list = specimens(g, g.folds[0]);
   REQUIRE(list.size() == 2);
   CHECK(list[0].core.mass == Approx(0.18025));
@@ -200,8 +208,8 @@ TEST_CASE("a fit file is read back as it was written; what is no fit file is tol
   CHECK_THROWS_AS(parse_fit_file("{", "f.json"), BadInput);
   CHECK_THROWS_WITH(parse_fit_file(R"({"kind":"other"})", "f.json"), Contains("f.json"));
   FitFile light = f;
-  light.folds[0].weights = {1};
-  CHECK_THROWS_WITH(parse_fit_file(to_json(light), "f.json"), Contains("weights"));
+  light.folds[0].bounce->factors = {1};
+  CHECK_THROWS_WITH(parse_fit_file(to_json(light), "f.json"), Contains("bounce factors"));
   f.names[0] = "core.weight";
   CHECK_THROWS_WITH(parse_fit_file(to_json(f), "f.json"), Contains("core.weight"));
   f.names = {"core.mass_g"};
@@ -221,47 +229,27 @@ TEST_CASE("predictions: the median of the specimens that close, nothing where mo
   CHECK(std::isnan(predict(mostly_dead, {}).touch.median));
 }
 
-TEST_CASE("weights of specimens weigh bounce and settled time, not touch and seat", "[study]") {
+TEST_CASE("a calibrated prediction: bounce by its factors and what the others say, settled time by adding up",
+          "[study]") {
   std::vector<sim::Specimen> list(3);
   list[1].bridges.gap += 0.1e-3;
   list[2].bridges.gap += 0.2e-3;
-  const auto bounce = [&](std::size_t k) {
-    const auto t = sim::simulate(list[k], {}, 0.06, 0).truth;
-    return *t.settled - *t.touch;
-  };
-  const Prediction equal = predict(list, {});
-  for (std::size_t k = 0; k < 3; ++k) {
-    std::vector<double> weights(3, 1e-9);
-    weights[k] = 1;
-    const Prediction p = predict(list, {}, weights);
-    CHECK(p.bounce.median == Approx(bounce(k)).epsilon(1e-6));
-    CHECK(p.touch.median == equal.touch.median);
-    CHECK(p.touch.median == *sim::simulate(list[1], {}, 0.06, 0).truth.touch);
-    CHECK(p.seat.low == equal.seat.low);
-  }
-}
-
-TEST_CASE("a pooled bounce leans on the other angles as far as they agree; the rest stands", "[study]") {
-  std::vector<sim::MeasuredClosing> others(4);
-  const double bounces[] = {5e-3, 6e-3, 7e-3, 10e-3};
-  for (std::size_t k = 0; k < 4; ++k) {
-    others[k].touch = {13e-3, 0.4e-3};
-    others[k].bounce = {bounces[k], 0.15 * bounces[k]};
-  }
-  Prediction p;
-  p.touch = {11.5e-3, 12e-3, 12.5e-3};
-  p.bounce = {4e-3, 4.5e-3, 5e-3};
-  const Prediction q = pooled(p, others);
-  // variance among the bounces: 14 / 3 ms2; of the model: 0.5^2 + 0.675^2 ms2; median of the others: 6.5 ms
-  const double w = 14.0 / 3 / (14.0 / 3 + 0.25 + 0.455625);
-  CHECK(q.bounce.median == Approx((4.5 * w + 6.5 * (1 - w)) * 1e-3));
-  CHECK(q.bounce.high - q.bounce.low == Approx(w * 1e-3));
-  CHECK(q.touch.median == p.touch.median);
-  CHECK(std::isnan(q.seat.median));
-  for (auto& o : others) o.bounce = {5e-3, 0.75e-3};
-  CHECK(pooled(p, others).bounce.median == Approx(5e-3));  // nothing is left to the model
-  others.resize(2);
-  CHECK(pooled(p, others).bounce.median == p.bounce.median);  // two are too few to say how far they agree
+  const Prediction plain = predict(list, {});
+  sim::BounceCalibration c;
+  c.factors = {2, 2, 2};
+  const Prediction alone = predict(list, {}, c);  // no deviations: draws times factors, nothing pooled
+  CHECK(alone.bounce.median == Approx(2 * plain.bounce.median));
+  CHECK(alone.bounce.high == Approx(2 * plain.bounce.high));
+  CHECK(alone.touch.median == plain.touch.median);
+  CHECK(alone.seat.low == plain.seat.low);
+  c.deviation = c.median_deviation = 0.2;
+  c.median = 3e-3;
+  const Prediction p = predict(list, {}, c);
+  CHECK(p.bounce.median == Approx(std::sqrt(2 * plain.bounce.median * 3e-3)));
+  CHECK(p.bounce.high == Approx(p.bounce.median * std::exp(0.2 / std::sqrt(2.0))));
+  CHECK(p.settled.median == Approx(p.touch.median + p.bounce.median));
+  CHECK(p.settled.high - p.settled.median ==
+        Approx(std::hypot(p.touch.high - p.touch.median, p.bounce.high - p.bounce.median)));
 }
 
 TEST_CASE("texts of a fit name every number, mark what lies at a bound, and never print nan", "[study]") {

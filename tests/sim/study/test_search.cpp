@@ -97,6 +97,49 @@ TEST_CASE("least squares: a linear problem in one or two steps, bounds kept, nev
   CHECK(refine(flat, {0.5, 0.5}, options, team).sum == 2);
 }
 
+TEST_CASE(
+    "least squares near a known Jacobian: the same minimum for a fraction of the evaluations, within its "
+    "budget") {
+  Team team(1);
+  int evaluations = 0;
+  // curved, four coordinates, rank-one updates have to follow it; the shift moves the minimum
+  double shift = 0;
+  const auto curved = [&](std::span<const double> u) {
+    ++evaluations;
+    return std::vector<double>{5 * (u[1] - u[0] * u[0]) + shift, 2 * (u[0] - 0.5) - shift,
+                               3 * std::sin(u[2] + u[3]) - 2, u[2] - 0.3 + 0.5 * u[0] * u[3], u[3] - 0.5};
+  };
+  const std::vector<double> middle(4, 0.5);
+  RefineOptions options;
+  options.iterations = 50;
+  options.step = 1e-6;
+  options.enough = 1e-10;
+  const Refined base = refine(curved, middle, options, team);
+  const Jacobian at_base = jacobian(curved, base.point, base.residuals, 1e-6, team);
+  shift = 0.15;
+  evaluations = 0;
+  const Refined whole = refine(curved, base.point, options, team);
+  const int of_whole = evaluations;
+  evaluations = 0;
+  const Refined near = refine_near(curved, base.point, at_base, 24);
+  CHECK(evaluations == near.iterations);
+  CHECK(2 * evaluations < of_whole);
+  CHECK(near.sum < whole.sum * 1.001);
+  for (std::size_t i = 0; i < 4; ++i) CHECK(near.point[i] == Approx(whole.point[i]).margin(5e-3));
+  evaluations = 0;
+  CHECK(refine_near(curved, base.point, at_base, 3).iterations == 3);
+  CHECK(evaluations == 3);
+  // a Jacobian of the wrong sign: nothing is gained, nothing is lost
+  Jacobian wrong = at_base;
+  for (double& v : wrong.values) v = -v;
+  CHECK(refine_near(curved, base.point, wrong, 24).sum <= refine_near(curved, base.point, wrong, 1).sum);
+
+  const auto beyond = [](std::span<const double> u) { return std::vector<double>{u[0] - 3, u[1] + 2}; };
+  CHECK(refine_near(beyond, {0.5, 0.5}, {2, 2, {1, 0, 0, 1}}, 24).point == std::vector<double>{1, 0});
+  const auto flat = [](std::span<const double>) { return std::vector<double>{1, 1}; };
+  CHECK(refine_near(flat, {0.5, 0.5}, {2, 2, {0, 0, 0, 0}}, 24).sum == 2);
+}
+
 TEST_CASE("identifiability: deviations and correlation of a known covariance, and what the data do not see") {
   // J^T J = [[4, 2], [2, 5]]: covariance = inverse = [[5, -2], [-2, 4]] / 16
   const Jacobian j{2, 2, {2, 1, 0, 2}};

@@ -1,0 +1,112 @@
+// What measured bounces tell of draws that were made without them: against values by hand.
+
+#include <algorithm>
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <vector>
+
+#include "core/random.h"
+#include "sim/study/bounce_calibration.h"
+
+using namespace powbench::sim;
+
+namespace {
+
+constexpr double missing = BounceCalibration::nan;
+
+double squared_log(double ratio) {
+  return std::pow(std::log(ratio), 2);
+}
+
+}  // namespace
+
+TEST_CASE("a draw whose bounces are all off by one factor is calibrated by it and has no deviation") {
+  const std::vector<double> measured{5e-3, 6e-3, 7e-3, 10e-3};
+  std::vector<double> simulated;
+  for (const double m : measured) simulated.push_back(m / 1.3);
+  const auto c = calibrate_bounce(std::vector<std::vector<double>>{simulated}, measured);
+  REQUIRE(c.factors.size() == 1);
+  CHECK(c.factors[0] == Approx(1.3));
+  CHECK(c.deviation == Approx(0).margin(1e-12));
+  CHECK(c.median == Approx(std::sqrt(6e-3 * 7e-3)));
+  // each against the median of the other three: 5 and 7, 6 and 7, 7 and 6, 10 and 6
+  const double mean =
+      (squared_log(7.0 / 5) + squared_log(7.0 / 6) + squared_log(6.0 / 7) + squared_log(0.6)) / 4;
+  CHECK(c.median_deviation == Approx(std::sqrt(mean)));
+  CHECK(pooled_bounce(8e-3, c).value == Approx(8e-3));  // a model without a fault stands alone
+  CHECK(pooled_bounce(8e-3, c).deviation == Approx(0).margin(1e-12));
+}
+
+TEST_CASE("draws and plain median are pooled by the inverse of their squared deviations") {
+  BounceCalibration c{{1}, 0.3, 5e-3, 0.1};
+  const auto p = pooled_bounce(8e-3, c);
+  const double w = 0.01 / (0.01 + 0.09);
+  CHECK(std::log(p.value) == Approx(w * std::log(8e-3) + (1 - w) * std::log(5e-3)));
+  CHECK(1 / (p.deviation * p.deviation) == Approx(1 / 0.09 + 1 / 0.01));
+  c.median_deviation = 0;  // the others agree to the last digit
+  CHECK(pooled_bounce(8e-3, c).value == Approx(5e-3));
+  c.deviation = 0;
+  CHECK(pooled_bounce(8e-3, c).value == 8e-3);
+}
+
+TEST_CASE(
+    "what is not measured, does not close or does not bounce takes no part; two closings have no deviation") {
+  const std::vector<double> measured{5e-3, missing, 6e-3, 7e-3, 8e-3};
+  const std::vector<std::vector<double>> simulated{{5e-3, 1e-3, 6e-3, 7e-3, missing},
+                                                   {missing, missing, missing, missing, missing},
+                                                   {2.5e-3, 9e-3, 0, 3.5e-3, 4e-3}};
+  const auto c = calibrate_bounce(simulated, measured);
+  CHECK(c.factors[0] == Approx(1));
+  CHECK(c.factors[1] == 1);
+  CHECK(c.factors[2] == Approx(2));
+  CHECK(c.deviation == Approx(0).margin(1e-12));
+  const std::vector<double> two{5e-3, 6e-3};
+  const auto few = calibrate_bounce(std::vector<std::vector<double>>{{4e-3, 5e-3}}, two);
+  CHECK(std::isnan(few.deviation));
+  CHECK(std::isnan(few.median_deviation));
+  CHECK(pooled_bounce(8e-3, few).value == 8e-3);
+  CHECK(std::isnan(pooled_bounce(8e-3, few).deviation));
+  const std::vector<double> none(3, missing);
+  const auto blind = calibrate_bounce(std::vector<std::vector<double>>{{4e-3, 5e-3, 6e-3}}, none);
+  CHECK(blind.factors[0] == 1);
+  CHECK(std::isnan(blind.median));
+}
+
+TEST_CASE(
+    "a sixth closing, many times: a model that knows the pattern is believed, one that knows nothing is "
+    "not") {
+  powbench::Random random(3);
+  double knowing = 0, ignorant = 0, plain = 0;
+  constexpr int times = 400, angles = 6, draws = 20;
+  for (int t = 0; t < times; ++t) {
+    std::vector<double> truth;
+    for (int i = 0; i < angles; ++i) truth.push_back(6e-3 * std::exp(0.2 * random.normal()));
+    const std::vector<double> seen(truth.begin(), truth.end() - 1);
+    const auto error = [&](double share_known) {
+      std::vector<std::vector<double>> simulated;
+      std::vector<double> unseen;
+      for (int k = 0; k < draws; ++k) {
+        const double scale = std::exp(0.3 * random.normal());  // restitution: every draw has its own
+        std::vector<double> b;
+        for (const double v : truth)
+          b.push_back(scale * std::pow(v / 6e-3, share_known) * 6e-3 * std::exp(0.05 * random.normal()) *
+                      (share_known > 0 ? 1 : std::exp(0.2 * random.normal())));
+        unseen.push_back(b.back());
+        b.pop_back();
+        simulated.push_back(b);
+      }
+      const auto c = calibrate_bounce(simulated, seen);
+      for (int k = 0; k < draws; ++k) unseen[std::size_t(k)] *= c.factors[std::size_t(k)];
+      std::sort(unseen.begin(), unseen.end());
+      return squared_log(pooled_bounce(unseen[draws / 2], c).value / truth.back()) / times;
+    };
+    knowing += error(1);
+    ignorant += error(0);
+    std::vector<double> sorted = seen;
+    std::sort(sorted.begin(), sorted.end());
+    plain += squared_log(sorted[2] / truth.back()) / times;
+  }
+  CHECK(std::sqrt(plain) == Approx(0.22).epsilon(0.15));
+  CHECK(knowing < 0.1 * plain);
+  CHECK(ignorant < 1.1 * plain);
+}
