@@ -4,6 +4,8 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "sim/validate.h"
+
 namespace powbench::sim {
 
 Mains closing_mains(const Conditions& c, const Mains& bench) {
@@ -95,6 +97,16 @@ Trajectory simulate(const Specimen& specimen, const Conditions& conditions, doub
   result.energy_residual = plant.energy_residual();
   result.supplied = plant.supplied_energy();
   return result;
+}
+
+ClosingTruth tried_closing(const Specimen& specimen, const Conditions& conditions, double duration,
+                           double relative_tolerance) {
+  if (!validate(specimen).empty()) return {};
+  try {
+    return simulate(specimen, conditions, duration, 0, relative_tolerance).truth;
+  } catch (const std::runtime_error&) {  // a step became too small
+    return {};
+  }
 }
 
 }  // namespace powbench::sim

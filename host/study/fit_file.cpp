@@ -14,11 +14,15 @@ using Json = nlohmann::ordered_json;
 
 /// What is not known is null.
 Json number_of(double value) {
-  return std::isfinite(value) ? Json(rounded(value)) : Json(nullptr);
+  return std::isfinite(value) ? Json(value) : Json(nullptr);
 }
 
-double number_from(const Json& j) {
-  return j.is_null() ? sim::BounceCalibration::nan : j.get<double>();
+double number_from(const Json& j, const char* key, double least) {
+  if (j.at(key).is_null()) return sim::BounceCalibration::nan;
+  const double value = j.at(key).get<double>();
+  if (!(value >= least))
+    throw std::invalid_argument(std::string(key) + " of a bounce is below what is possible");
+  return value;
 }
 
 Json json_of(const sim::BounceCalibration& c) {
@@ -29,8 +33,12 @@ Json json_of(const sim::BounceCalibration& c) {
 }
 
 sim::BounceCalibration calibration_of(const Json& j) {
-  return {j.at("factors").get<std::vector<double>>(), number_from(j.at("deviation")),
-          number_from(j.at("median_s")), number_from(j.at("median_deviation"))};
+  constexpr double shortest = 1e-6;  // s; a logarithm is taken
+  sim::BounceCalibration c{j.at("factors").get<std::vector<double>>(), number_from(j, "deviation", 0),
+                           number_from(j, "median_s", shortest), number_from(j, "median_deviation", 0)};
+  for (const double f : c.factors)
+    if (!(f > 0)) throw std::invalid_argument("a bounce factor is not above 0");
+  return c;
 }
 
 Json json_of(const FitFold& f) {
@@ -48,6 +56,8 @@ FitFold fold_of(const Json& j) {
   f.misfit = j.at("misfit").get<double>();
   f.members = j.at("members").get<std::vector<std::vector<double>>>();
   if (j.contains("bounce")) f.bounce = calibration_of(j.at("bounce"));
+  if (f.bounce && f.bounce->factors.size() != f.members.size())
+    throw std::invalid_argument("a fold has another number of bounce factors than of members");
   return f;
 }
 
@@ -108,6 +118,11 @@ double rounded(double value) {
   return std::round(value * scale) / scale;
 }
 
+sim::BounceCalibration rounded(sim::BounceCalibration c) {
+  for (double& f : c.factors) f = rounded(f);
+  return {std::move(c.factors), rounded(c.deviation), rounded(c.median), rounded(c.median_deviation)};
+}
+
 std::vector<sim::Specimen> specimens(const FitFile& file, const FitFold& fold) {
   const sim::Specimen base = parse_specimen(file.base, "base of the fit");
   std::vector<sim::Specimen> list;
@@ -139,9 +154,6 @@ FitFile parse_fit_file(const std::string& text, const std::string& file) {
     f.names = j.at("names").get<std::vector<std::string>>();
     for (const auto& name : f.names) sim::specimen_field(name);
     for (const auto& fold : j.at("folds")) f.folds.push_back(fold_of(fold));
-    for (const auto& fold : f.folds)
-      if (fold.bounce && fold.bounce->factors.size() != fold.members.size())
-        throw std::invalid_argument("a fold has another number of bounce factors than of members");
     for (const auto& fold : f.folds)
       for (const auto& values : fold.members)
         if (values.size() != f.names.size())

@@ -46,5 +46,6 @@ FitState parse_fit_state(const std::string& text, const std::string& file);
 
 /// Eight significant digits: what a fit file keeps.
 double rounded(double);
+sim::BounceCalibration rounded(sim::BounceCalibration);
 
 }  // namespace powbench::host

@@ -66,8 +66,7 @@ std::optional<FitFold> blind_fold(const FitJob& job, std::size_t k, sim::Team& t
   fold.misfit = posterior.misfit;
   for (const auto& point : posterior.draws)
     fold.members.push_back(values_of(misfit.specimen(point), problem.parameters));
-  fold.bounce = posterior.bounce;
-  for (double& factor : fold.bounce->factors) factor = rounded(factor);
+  fold.bounce = rounded(posterior.bounce);
   return fold;
 }
 

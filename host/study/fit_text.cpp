@@ -144,14 +144,17 @@ std::string cells_text(const std::vector<FitCell>& cells) {
 std::string bounce_text(const FitFile& file) {
   std::string out;
   for (const auto& fold : file.folds) {
-    if (!fold.held_out || !fold.bounce || !std::isfinite(fold.bounce->deviation)) continue;
+    if (!fold.held_out || !fold.bounce ||
+        !std::isfinite(fold.bounce->deviation + fold.bounce->median_deviation))
+      continue;
     const double v = std::pow(fold.bounce->deviation, 2), u = std::pow(fold.bounce->median_deviation, 2);
-    out += fmt::format("{:>6.1f} {:>26.0f} % {:>24.0f} % {:>18.2f}\n", *fold.held_out,
-                       100 * fold.bounce->deviation, 100 * fold.bounce->median_deviation, u / (u + v));
+    out += fmt::format("{:>6.1f} {:>28.2f} {:>26.2f} {:>18.2f}\n", *fold.held_out, fold.bounce->deviation,
+                       fold.bounce->median_deviation, u / (u + v));
   }
   if (out.empty()) return out;
-  return "\nbounce held out: draws of the model and plain median, judged by the closings that were seen\n" +
-         fmt::format("{:>6} {:>28} {:>26} {:>18}\n", "theta", "draws off by (rms of ln)", "median off by",
+  return "\nbounce held out: single draws and plain median, judged by the closings seen; rms of ln(measured "
+         "/ predicted)\n" +
+         fmt::format("{:>6} {:>28} {:>26} {:>18}\n", "theta", "draws off by", "median off by",
                      "weight of draws") +
          out;
 }
@@ -235,6 +238,13 @@ std::string fit_json(const FitJob& job, const FitReport& report, const std::vect
                           {"held_out_high", number(c.held_out.high)},
                           {"held_out_error_percent", number(c.held_out_percent)},
                           {"median_of_others_error_percent", number(c.others_percent)}});
+  j["bounce_held_out"] = Json::array();
+  for (const auto& fold : report.file.folds)
+    if (fold.held_out && fold.bounce)
+      j["bounce_held_out"].push_back({{"theta_deg", *fold.held_out},
+                                      {"draws_deviation", number(fold.bounce->deviation)},
+                                      {"median_s", number(fold.bounce->median)},
+                                      {"median_deviation", number(fold.bounce->median_deviation)}});
   j["summary"] = Json::array();
   for (const char* q : quantities) {
     const Summary s = summary(cells, q);

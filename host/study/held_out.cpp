@@ -34,7 +34,7 @@ Prediction predict(std::span<const sim::Specimen> list, const Conditions& condit
                    const std::optional<sim::BounceCalibration>& calibration) {
   std::vector<double> touch, bounce, settled, seat;
   for (std::size_t k = 0; k < list.size(); ++k) {
-    const auto t = sim::simulate(list[k], conditions, duration, 0).truth;
+    const auto t = sim::tried_closing(list[k], conditions, duration);
     if (!t.touch || !t.core_seat) continue;
     touch.push_back(*t.touch);
     bounce.push_back((*t.settled - *t.touch) * (calibration ? calibration->factors[k] : 1));

@@ -16,9 +16,9 @@ struct Band {
   double low = unknown, median = unknown, high = unknown;
 };
 
-/// Touch and seat: median over the specimens, 16 % and 84 % quantiles. Bounce and settled time the same, but with a calibration:
-/// the pooled bounce (sim/study/bounce_calibration.h), one deviation to either side; settled time: touch and bounce added up, the
-/// sides as independent ones.
+/// Touch and seat: median over the specimens, 16 % and 84 % quantiles. Bounce and settled time the same; but with a calibration,
+/// of which each specimen has a factor, the bounce is pooled (sim/study/bounce_calibration.h), one deviation to either side, or, where the
+/// calibration has no deviations, quantiles of factor x simulated; settled time is touch and bounce added up, the sides as independent ones.
 struct Prediction {
   Band touch, bounce, settled, seat;
 };

@@ -7,42 +7,30 @@
 namespace powbench::sim {
 namespace {
 
-constexpr std::size_t fewest = 3;  // closings that a deviation is worth something with
+constexpr std::size_t fewest = 3;     // closings that a deviation is worth something with
+constexpr double resolution = 20e-6;  // s: what bounces for less does not bounce
 
-/// Sorts. NaN of none.
+double log_of(double bounce) {
+  return std::log(bounce > resolution ? bounce : resolution);  // NaN too
+}
+
+/// Sorts; not empty.
 double median_of(std::vector<double>& list) {
-  if (list.empty()) return BounceCalibration::nan;
   std::sort(list.begin(), list.end());
   const std::size_t half = list.size() / 2;
   return list.size() % 2 ? list[half] : 0.5 * (list[half - 1] + list[half]);
 }
 
-struct Squares {
+/// Sum of squared distances of each from the median of the others.
+double left_out(const std::vector<double>& logs) {
   double sum = 0;
-  std::size_t count = 0;
-  double root_mean() const {
-    return count > 0 ? std::sqrt(sum / static_cast<double>(count)) : BounceCalibration::nan;
-  }
-};
-
-/// Each entry against the median of the others; NaN takes no part.
-void add_left_out(const std::vector<double>& logs, Squares& squares) {
   std::vector<double> others;
   for (std::size_t i = 0; i < logs.size(); ++i) {
-    others.clear();
-    for (std::size_t k = 0; k < logs.size(); ++k)
-      if (k != i && std::isfinite(logs[k])) others.push_back(logs[k]);
-    if (!std::isfinite(logs[i]) || others.size() + 1 < fewest) continue;
-    squares.sum += std::pow(logs[i] - median_of(others), 2);
-    ++squares.count;
+    others = logs;
+    others.erase(others.begin() + static_cast<std::ptrdiff_t>(i));
+    sum += std::pow(logs[i] - median_of(others), 2);
   }
-}
-
-std::vector<double> finite(const std::vector<double>& list) {
-  std::vector<double> kept;
-  for (const double v : list)
-    if (std::isfinite(v)) kept.push_back(v);
-  return kept;
+  return sum;
 }
 
 }  // namespace
@@ -50,28 +38,33 @@ std::vector<double> finite(const std::vector<double>& list) {
 BounceCalibration calibrate_bounce(std::span<const std::vector<double>> simulated,
                                    std::span<const double> measured) {
   BounceCalibration c;
-  Squares draws, plain;
-  std::vector<double> logs(measured.size());
-  for (const auto& draw : simulated) {
-    for (std::size_t i = 0; i < logs.size(); ++i) logs[i] = std::log(measured[i] / draw[i]);
-    auto known = finite(logs);
-    c.factors.push_back(known.empty() ? 1 : std::exp(median_of(known)));
-    add_left_out(logs, draws);
+  c.factors.assign(simulated.size(), 1.0);
+  std::vector<double> plain, logs;
+  for (const double m : measured)
+    if (std::isfinite(m)) plain.push_back(log_of(m));
+  if (plain.empty()) return c;
+  double sum = 0;
+  for (std::size_t k = 0; k < simulated.size(); ++k) {
+    logs.clear();
+    for (std::size_t i = 0; i < measured.size(); ++i)
+      if (std::isfinite(measured[i])) logs.push_back(log_of(measured[i]) - log_of(simulated[k][i]));
+    if (logs.size() >= fewest) sum += left_out(logs);
+    c.factors[k] = std::exp(median_of(logs));
   }
-  for (std::size_t i = 0; i < logs.size(); ++i) logs[i] = std::log(measured[i]);
-  add_left_out(logs, plain);
-  auto known = finite(logs);
-  if (!known.empty()) c.median = std::exp(median_of(known));
-  c.deviation = draws.root_mean();
-  c.median_deviation = plain.root_mean();
+  if (plain.size() >= fewest) {
+    const auto closings = static_cast<double>(plain.size());
+    c.deviation = std::sqrt(sum / (closings * static_cast<double>(simulated.size())));
+    c.median_deviation = std::sqrt(left_out(plain) / closings);
+  }
+  c.median = std::exp(median_of(plain));
   return c;
 }
 
 PooledBounce pooled_bounce(double own, const BounceCalibration& c) {
   const double v = c.deviation * c.deviation, u = c.median_deviation * c.median_deviation;
-  if (!(u + v > 0)) return {own, c.deviation};
-  const double w = u / (u + v);
-  return {std::exp(w * std::log(own) + (1 - w) * std::log(c.median)), std::sqrt(w * v)};
+  if (!std::isfinite(u + v)) return {own, BounceCalibration::nan};
+  const double w = u + v > 0 ? u / (u + v) : 1;
+  return {std::exp(w * log_of(own) + (1 - w) * std::log(c.median)), std::sqrt(w * v)};
 }
 
 }  // namespace powbench::sim

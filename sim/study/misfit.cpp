@@ -23,14 +23,6 @@ double tempered(double v) {
   return a <= 2 ? v : std::copysign(std::sqrt(4 * a - 4), v);
 }
 
-ClosingTruth closing_at(const Specimen& s, const Conditions& c, double duration, double tolerance) {
-  try {
-    return simulate(s, c, duration, 0, tolerance).truth;
-  } catch (const std::runtime_error&) {  // a step too small: such a specimen is no candidate
-    return {};
-  }
-}
-
 Conditions at_degrees(double degrees, double volts) {
   Conditions c;
   c.closing_angle = radians(degrees);
@@ -66,7 +58,7 @@ Misfit::Misfit(FitProblem problem) : problem_(std::move(problem)) {}
 double Misfit::closing_residuals(const Specimen& s, const MeasuredClosing& m, double tolerance,
                                  double* out) const {
   std::fill_n(out, per_closing, 0.0);
-  const auto t = closing_at(s, m.conditions, problem_.duration, tolerance);
+  const auto t = tried_closing(s, m.conditions, problem_.duration, tolerance);
   const bool closed = t.touch && t.core_seat;
   const auto residual = [](const Measured& measured, double model) {
     return (model - measured.value) / measured.u;
@@ -85,7 +77,7 @@ double Misfit::closing_residuals(const Specimen& s, const MeasuredClosing& m, do
 
 double Misfit::closing_distance(const Specimen& s, const MeasuredClosing& m, double tolerance,
                                 Means& means) const {
-  const auto t = closing_at(s, m.conditions, problem_.duration, tolerance);
+  const auto t = tried_closing(s, m.conditions, problem_.duration, tolerance);
   if (!t.touch || !t.core_seat) return never * never;
   double sum = 0;
   const auto add = [&](std::size_t q, double measured, double u, double model) {
@@ -138,7 +130,7 @@ double Misfit::checks(const Specimen& s, double sum, double give_up) const {
   if (p.calm)
     for (const double degrees : {0.0, 45.0, 70.0, 80.0, 135.0}) {
       if (sum > give_up) return sum;
-      const auto t = closing_at(s, at_degrees(degrees, p.rated_volts), 0.06, limit);
+      const auto t = tried_closing(s, at_degrees(degrees, p.rated_volts), 0.06, limit);
       constexpr Range calm{0, 26e-3, 5e-3};
       const double late = t.settled ? outside(*t.settled, calm) : 10;
       sum += late * late;
@@ -146,7 +138,7 @@ double Misfit::checks(const Specimen& s, double sum, double give_up) const {
   if (p.pick_up)
     for (const double degrees : {0.0, 60.0, 120.0}) {
       if (sum > give_up) return sum;
-      if (!closing_at(s, at_degrees(degrees, 0.85 * p.rated_volts), 0.06, limit).core_seat) sum += 50;
+      if (!tried_closing(s, at_degrees(degrees, 0.85 * p.rated_volts), 0.06, limit).core_seat) sum += 50;
     }
   return sum;
 }
@@ -178,7 +170,7 @@ std::vector<double> Misfit::bounces(std::span<const double> point, double tolera
   const Specimen s = specimen(point);
   std::vector<double> list;
   for (const auto& m : problem_.closings) {
-    const auto t = closing_at(s, m.conditions, problem_.duration, tolerance);
+    const auto t = tried_closing(s, m.conditions, problem_.duration, tolerance);
     const bool closed = t.touch && t.core_seat;
     list.push_back(closed ? *t.settled - *t.touch : std::numeric_limits<double>::quiet_NaN());
   }

@@ -75,9 +75,9 @@ class Misfit {
     return specimen_at(problem_.base, problem_.parameters, point);
   }
 
-  /// Sum of squared residuals; leaves off early, with what it has, once that is above `give_up`.
   static constexpr std::size_t per_closing = 4;  ///< residuals of one
 
+  /// Sum of squared residuals; leaves off early, with what it has, once that is above `give_up`.
   double value(std::span<const double> point, double give_up = std::numeric_limits<double>::infinity()) const;
 
   /// Residuals whose squares sum to the smooth part of the misfit: four for each closing (touch, bounce, seat, core bounce; 0 where

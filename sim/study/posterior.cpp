@@ -13,8 +13,8 @@ using GoOn = std::function<bool(double done, double best)>;
 
 constexpr double step = 1e-3;  // of the differences: far above the integrator's error, far below a posterior
 
-/// Shares of the work, for progress: the coarse search, and with the starts of least squares.
-constexpr double coarse_share = 0.2, starts_share = 0.7;
+/// Share of the work, for progress, at which the coarse search and the starts of least squares end.
+constexpr double coarse_end = 0.2, starts_end = 0.7;
 
 Residuals residuals_of(const Misfit& motion, double tolerance) {
   return [&motion, tolerance](std::span<const double> p) { return motion.residuals(p, tolerance); };
@@ -33,7 +33,7 @@ std::vector<Candidate> coarse_search(const Misfit& motion, const PosteriorOption
   for (bool more = true; more;) {
     more = coarse.step(team);
     const double used = static_cast<double>(coarse.state().used) / static_cast<double>(options.evaluations);
-    if (!go_on(coarse_share * std::min(1.0, used), coarse.best().value)) return {};
+    if (!go_on(coarse_end * std::min(1.0, used), coarse.best().value)) return {};
   }
   return coarse.state().population;
 }
@@ -74,7 +74,7 @@ Posterior sample_posterior(const Misfit& misfit, const PosteriorOptions& options
     result.ends.push_back(r.sum);
     if (k == 0 || r.sum < best.sum) best = std::move(r);
     const double share = static_cast<double>(k + 1) / static_cast<double>(starts);
-    if (!go_on(coarse_share + (starts_share - coarse_share) * share, best.sum)) return result;
+    if (!go_on(coarse_end + (starts_end - coarse_end) * share, best.sum)) return result;
   }
   std::sort(result.ends.begin(), result.ends.end());
   result.misfit = best.sum;
@@ -93,7 +93,7 @@ Posterior sample_posterior(const Misfit& misfit, const PosteriorOptions& options
       bounces[k] = misfit.bounces(result.draws[k], options.tolerance);
     });
     const double share = std::min(1.0, static_cast<double>(done + batch) / options.draws);
-    if (!go_on(starts_share + (1 - starts_share) * share, best.sum)) return result;
+    if (!go_on(starts_end + (1 - starts_end) * share, best.sum)) return result;
   }
   std::vector<double> measured;
   for (const auto& m : misfit.problem().closings) measured.push_back(m.bounce.value);

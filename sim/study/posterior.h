@@ -14,7 +14,8 @@
 /// deviations of the smooth part and stays there, for the jumps hide what is left. So the smooth part (`Misfit::motion`) is taken to its
 /// end, by least squares from several starts; then draws of its posterior are made by least squares too, each with data and prior
 /// shifted at random by their deviations (exact where the model is linear: J. Bardsley et al., SIAM J. Sci. Comput. 36, 2014,
-/// A1895). Measured bounce moves no draw; it tells one factor of each, and how far its bounces are worth anything.
+/// A1895). Measured bounce moves no draw, nor do the steps among what the kind demands, pick-up and absence of chatter: many draws fail
+/// one of them. Bounce tells one factor of each draw, and how far the draws' bounces are off.
 
 namespace powbench::sim {
 
@@ -27,9 +28,9 @@ struct PosteriorOptions {
 };
 
 struct Posterior {
-  std::vector<std::vector<double>> draws;  ///< points
-  BounceCalibration bounce;
-  double misfit = 0;         ///< least sum of squares of the motion
+  std::vector<std::vector<double>> draws;  ///< points, coordinates in [0, 1]
+  BounceCalibration bounce;                ///< by all closings of the misfit
+  double misfit = 0;                       ///< least sum of squares of the motion
   std::vector<double> ends;  ///< sums that the starts ended with, ascending: one basin or several
   bool stopped = false;      ///< `go_on` said so: nothing to use
 };

@@ -28,7 +28,7 @@ FitJob small_job() {
                             sim::parameter("core.return_preload_N", 8, 10.5)};
   job.problem.prior_deviation = 0;
   job.problem.edge = 0;
-  for (const double deg : {20.0, 110.0, 160.0}) {
+  for (const double deg : {20.0, 110.0, 160.0, 60.0}) {
     sim::MeasuredClosing m;
     m.conditions.closing_angle = radians(deg);
     const auto t = sim::simulate(device, m.conditions, 0.05, 0, 1e-6).truth;
@@ -46,6 +46,11 @@ FitJob small_job() {
   job.options.polished = 1;
   job.searches = 2;
   return job;
+}
+
+bool same(const sim::BounceCalibration& a, const sim::BounceCalibration& b) {
+  return a.factors == b.factors && a.deviation == b.deviation && a.median == b.median &&
+         a.median_deviation == b.median_deviation;
 }
 
 bool always(std::size_t, std::size_t, long, long, double, const FitState&) {
@@ -104,13 +109,13 @@ TEST_CASE("a fit never uses the angle it holds out: another value there changes 
   CHECK(*a.file.folds[0].held_out == Approx(110));
   CHECK(a.file.folds[0].members == b.file.folds[0].members);
   REQUIRE(a.file.folds[0].bounce);
-  CHECK(a.file.folds[0].bounce->factors == b.file.folds[0].bounce->factors);
-  CHECK(a.file.folds[0].bounce->median == b.file.folds[0].bounce->median);
+  CHECK(same(*a.file.folds[0].bounce, *b.file.folds[0].bounce));
+  CHECK(a.file.folds[0].bounce->deviation < a.file.folds[0].bounce->median_deviation);
   CHECK_FALSE(a.file.folds[1].bounce);
   CHECK(a.file.folds[1].members != b.file.folds[1].members);
   // and predicts it: the device is of the model's kind
   const auto cells = fit_cells(a.file, small_job().problem.closings);
-  REQUIRE(cells.size() == 12);
+  REQUIRE(cells.size() == 16);
   CHECK(cells[4].held_out_percent < 2);
   CHECK(std::isnan(cells[0].held_out_percent));
   CHECK(cells[0].fitted_percent < 1);
@@ -138,6 +143,7 @@ TEST_CASE(
   CHECK(interruptions > 2);
   REQUIRE(part.file.folds.size() == 2);
   for (std::size_t k = 0; k < 2; ++k) CHECK(part.file.folds[k].members == whole.file.folds[k].members);
+  CHECK(same(*part.file.folds[0].bounce, *whole.file.folds[0].bounce));
   FitJob other = job;
   other.options.seed = 2;
   CHECK_THROWS_WITH(run_fits(other, team, always, part.state), Contains("another problem"));
@@ -210,6 +216,14 @@ TEST_CASE("a fit file is read back as it was written; what is no fit file is tol
   FitFile light = f;
   light.folds[0].bounce->factors = {1};
   CHECK_THROWS_WITH(parse_fit_file(to_json(light), "f.json"), Contains("bounce factors"));
+  FitState state;
+  state.done = light.folds;
+  CHECK_THROWS_WITH(parse_fit_state(to_json(state), "f.state"), Contains("bounce factors"));
+  light.folds[0].bounce->factors = {1, -1};
+  CHECK_THROWS_WITH(parse_fit_file(to_json(light), "f.json"), Contains("above 0"));
+  light.folds[0].bounce->factors = {1, 1};
+  light.folds[0].bounce->median = 0;
+  CHECK_THROWS_WITH(parse_fit_file(to_json(light), "f.json"), Contains("median_s"));
   f.names[0] = "core.weight";
   CHECK_THROWS_WITH(parse_fit_file(to_json(f), "f.json"), Contains("core.weight"));
   f.names = {"core.mass_g"};
@@ -227,6 +241,15 @@ TEST_CASE("predictions: the median of the specimens that close, nothing where mo
   CHECK((p.touch.low == p.touch.high));
   const std::vector<sim::Specimen> mostly_dead{{}, dead, dead};
   CHECK(std::isnan(predict(mostly_dead, {}).touch.median));
+}
+
+TEST_CASE("a specimen that is not usable, as a search may try, is one that does not close", "[study]") {
+  sim::Specimen wide;
+  wide.bridges.gap = 1.1 * wide.core.travel;
+  REQUIRE_THROWS(sim::simulate(wide, {}, 0.05, 0));
+  CHECK_FALSE(sim::tried_closing(wide, {}, 0.05).touch);
+  CHECK(sim::tried_closing({}, {}, 0.05).touch == sim::simulate({}, {}, 0.05, 0).truth.touch);
+  CHECK(predict(std::vector<sim::Specimen>{{}, {}, wide}, {}).touch.median > 0);
 }
 
 TEST_CASE("a calibrated prediction: bounce by its factors and what the others say, settled time by adding up",
@@ -255,15 +278,22 @@ TEST_CASE("a calibrated prediction: bounce by its factors and what the others sa
 TEST_CASE("texts of a fit name every number, mark what lies at a bound, and never print nan", "[study]") {
   sim::Team team(1);
   FitJob job = small_job();
-  job.held_out.clear();
   job.problem.parameters = {sim::parameter("coil.resistance_ohm", 256, 270)};  // the device has 252
-  const FitReport r = run_fits(job, team, always);
-  const auto cells = fit_cells(r.file, job.problem.closings);
-  const std::string text = fit_text(job, r, cells);
+  FitReport r = run_fits(job, team, always);
+  const auto texts = [&] {
+    const auto cells = fit_cells(r.file, job.problem.closings);
+    return std::pair(fit_text(job, r, cells), fit_json(job, r, cells));
+  };
+  const auto [text, json] = texts();
   CHECK_THAT(text, Contains("coil.resistance_ohm") && Contains("at a bound") && Contains("t_ct_bon") &&
-                       Contains("inrush"));
+                       Contains("inrush") && Contains("weight of draws"));
   CHECK(text.find("nan") == std::string::npos);
-  CHECK_THAT(fit_json(job, r, cells), Contains("held_out_error_percent"));
+  CHECK_THAT(json, Contains("held_out_error_percent") && Contains("draws_deviation"));
+  r.file.folds[0].bounce->median_deviation = sim::BounceCalibration::nan;
+  const auto [unknown_text, unknown_json] = texts();
+  CHECK(unknown_text.find("nan") == std::string::npos);
+  CHECK(unknown_text.find("weight of draws") == std::string::npos);
+  CHECK(unknown_json.find("nan") == std::string::npos);
 }
 
 TEST_CASE("pictures of studies are whole SVG files that show every point and angle", "[study]") {

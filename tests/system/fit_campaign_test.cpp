@@ -24,7 +24,7 @@ TEST_CASE("a campaign of the simulated rig is fitted on ten angles, and two othe
   const auto r = run(folder, {"fit", "--db", db, "--hold-out", "40", "--hold-out", "120", "--evaluations",
                               "800", "--searches", "1", "--ensemble", "2", "--json", "--progress", "none"});
   REQUIRE(r.status == 0);
-  double touch = 0, seat = 0, bounce = 0, others = 0, bounce_others = 0;
+  double touch = 0, seat = 0, bounce = 0, others = 0;
   int held_out = 0;
   const auto fit = nlohmann::json::parse(r.out);
   for (const auto& cell : fit["cells"]) {
@@ -35,12 +35,13 @@ TEST_CASE("a campaign of the simulated rig is fitted on ten angles, and two othe
     if (cell["quantity"] == "t_xt1") seat = std::max(seat, error);
     const double by_others = cell["median_of_others_error_percent"];
     if (cell["quantity"] == "t_ct1") others = std::max(others, by_others);
-    if (cell["quantity"] == "t_ct_bon") bounce += error / 2, bounce_others += by_others / 2;
+    if (cell["quantity"] == "t_ct_bon") bounce = std::max(bounce, error);
   }
   std::printf(
-      "held out angles of a campaign: touch within %.2f %%, seat within %.2f %%; median of the others %.1f "
-      "%%; mean of bounce %.1f %%, of its median %.1f %%\n",
-      touch, seat, others, bounce, bounce_others);
+      "held out angles of a campaign: touch within %.2f %%, seat within %.2f %%, bounce within %.2f %%; "
+      "touch by the "
+      "median of the others %.1f %%\n",
+      touch, seat, bounce, others);
   CHECK(held_out == 2);
   CHECK(touch < 2);  // the goal for published closings is 4
   CHECK(seat < 2);

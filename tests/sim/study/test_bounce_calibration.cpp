@@ -46,30 +46,38 @@ TEST_CASE("draws and plain median are pooled by the inverse of their squared dev
   c.median_deviation = 0;  // the others agree to the last digit
   CHECK(pooled_bounce(8e-3, c).value == Approx(5e-3));
   c.deviation = 0;
-  CHECK(pooled_bounce(8e-3, c).value == 8e-3);
+  CHECK(pooled_bounce(8e-3, c).value == Approx(8e-3));
 }
 
-TEST_CASE(
-    "what is not measured, does not close or does not bounce takes no part; two closings have no deviation") {
+TEST_CASE("not measured: left out; does not close or bounce: far off; two closings: no deviation") {
   const std::vector<double> measured{5e-3, missing, 6e-3, 7e-3, 8e-3};
-  const std::vector<std::vector<double>> simulated{{5e-3, 1e-3, 6e-3, 7e-3, missing},
-                                                   {missing, missing, missing, missing, missing},
-                                                   {2.5e-3, 9e-3, 0, 3.5e-3, 4e-3}};
-  const auto c = calibrate_bounce(simulated, measured);
-  CHECK(c.factors[0] == Approx(1));
-  CHECK(c.factors[1] == 1);
-  CHECK(c.factors[2] == Approx(2));
-  CHECK(c.deviation == Approx(0).margin(1e-12));
+  const auto one = [&](std::vector<double> simulated) {
+    return calibrate_bounce(std::vector<std::vector<double>>{std::move(simulated)}, measured);
+  };
+  CHECK(one({2.5e-3, 9e-3, 3e-3, 3.5e-3, 4e-3}).factors[0] == Approx(2));
+  CHECK(one({2.5e-3, 9e-3, 3e-3, 3.5e-3, 4e-3}).deviation == Approx(0).margin(1e-12));
+  for (const double none : {missing, 0.0, 1e-9}) {
+    const auto c = one({5e-3, 1e-3, 6e-3, 7e-3, none});
+    CHECK(c.factors[0] == Approx(1));
+    CHECK(c.deviation == Approx(0.5 * std::log(8e-3 / 20e-6)));
+  }
   const std::vector<double> two{5e-3, 6e-3};
   const auto few = calibrate_bounce(std::vector<std::vector<double>>{{4e-3, 5e-3}}, two);
+  CHECK(few.factors[0] == Approx(std::sqrt(1.25 * 1.2)));
   CHECK(std::isnan(few.deviation));
   CHECK(std::isnan(few.median_deviation));
-  CHECK(pooled_bounce(8e-3, few).value == 8e-3);
-  CHECK(std::isnan(pooled_bounce(8e-3, few).deviation));
   const std::vector<double> none(3, missing);
   const auto blind = calibrate_bounce(std::vector<std::vector<double>>{{4e-3, 5e-3, 6e-3}}, none);
   CHECK(blind.factors[0] == 1);
   CHECK(std::isnan(blind.median));
+  for (const auto& c :
+       {few, blind, BounceCalibration{{1}, 0.2, 6e-3}, BounceCalibration{{1}, missing, 6e-3, 0.2}}) {
+    CHECK(pooled_bounce(8e-3, c).value == 8e-3);
+    CHECK(std::isnan(pooled_bounce(8e-3, c).deviation));
+  }
+  // a median draw without bounce turns the pooled bounce neither into none nor into no number
+  CHECK(pooled_bounce(0, {{1}, 0.3, 5e-3, 0}).value == Approx(5e-3));
+  CHECK(pooled_bounce(0, {{1}, 0.3, 5e-3, 0.1}).value > 2e-3);
 }
 
 TEST_CASE(

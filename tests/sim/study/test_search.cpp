@@ -137,7 +137,9 @@ TEST_CASE(
   const auto beyond = [](std::span<const double> u) { return std::vector<double>{u[0] - 3, u[1] + 2}; };
   CHECK(refine_near(beyond, {0.5, 0.5}, {2, 2, {1, 0, 0, 1}}, 24).point == std::vector<double>{1, 0});
   const auto flat = [](std::span<const double>) { return std::vector<double>{1, 1}; };
-  CHECK(refine_near(flat, {0.5, 0.5}, {2, 2, {0, 0, 0, 0}}, 24).sum == 2);
+  const Refined still = refine_near(flat, {0.5, 0.5}, {2, 2, {0, 0, 0, 0}}, 24);
+  CHECK(still.sum == 2);
+  CHECK(still.point == std::vector<double>{0.5, 0.5});
 }
 
 TEST_CASE("identifiability: deviations and correlation of a known covariance, and what the data do not see") {
