@@ -12,11 +12,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-/// What is not known is null.
-Json number_of(double value) {
-  return std::isfinite(value) ? Json(value) : Json(nullptr);
-}
-
+/// What is not known is null: what a NaN is written as.
 double number_from(const Json& j, const char* key, double least) {
   if (j.at(key).is_null()) return sim::BounceCalibration::nan;
   const double value = j.at(key).get<double>();
@@ -27,9 +23,9 @@ double number_from(const Json& j, const char* key, double least) {
 
 Json json_of(const sim::BounceCalibration& c) {
   return {{"factors", c.factors},
-          {"deviation", number_of(c.deviation)},
-          {"median_s", number_of(c.median)},
-          {"median_deviation", number_of(c.median_deviation)}};
+          {"deviation", c.deviation},
+          {"median_s", c.median},
+          {"median_deviation", c.median_deviation}};
 }
 
 sim::BounceCalibration calibration_of(const Json& j) {

@@ -144,12 +144,10 @@ std::string cells_text(const std::vector<FitCell>& cells) {
 std::string bounce_text(const FitFile& file) {
   std::string out;
   for (const auto& fold : file.folds) {
-    if (!fold.held_out || !fold.bounce ||
-        !std::isfinite(fold.bounce->deviation + fold.bounce->median_deviation))
-      continue;
-    const double v = std::pow(fold.bounce->deviation, 2), u = std::pow(fold.bounce->median_deviation, 2);
+    const double weight = fold.held_out && fold.bounce ? sim::weight_of_draws(*fold.bounce) : unknown;
+    if (!std::isfinite(weight)) continue;
     out += fmt::format("{:>6.1f} {:>28.2f} {:>26.2f} {:>18.2f}\n", *fold.held_out, fold.bounce->deviation,
-                       fold.bounce->median_deviation, u / (u + v));
+                       fold.bounce->median_deviation, weight);
   }
   if (out.empty()) return out;
   return "\nbounce held out: single draws and plain median, judged by the closings seen; rms of ln(measured "

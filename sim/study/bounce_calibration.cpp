@@ -60,11 +60,15 @@ BounceCalibration calibrate_bounce(std::span<const std::vector<double>> simulate
   return c;
 }
 
-PooledBounce pooled_bounce(double own, const BounceCalibration& c) {
+double weight_of_draws(const BounceCalibration& c) {
   const double v = c.deviation * c.deviation, u = c.median_deviation * c.median_deviation;
-  if (!std::isfinite(u + v)) return {own, BounceCalibration::nan};
-  const double w = u + v > 0 ? u / (u + v) : 1;
-  return {std::exp(w * log_of(own) + (1 - w) * std::log(c.median)), std::sqrt(w * v)};
+  return u + v == 0 ? 1 : u / (u + v);
+}
+
+PooledBounce pooled_bounce(double own, const BounceCalibration& c) {
+  const double w = weight_of_draws(c);
+  if (!std::isfinite(w)) return {own, BounceCalibration::nan};
+  return {std::exp(w * log_of(own) + (1 - w) * std::log(c.median)), std::sqrt(w) * c.deviation};
 }
 
 }  // namespace powbench::sim

@@ -26,15 +26,19 @@ struct BounceCalibration {
 BounceCalibration calibrate_bounce(std::span<const std::vector<double>> simulated,
                                    std::span<const double> measured);
 
+/// Share of the draws in what is predicted, the rest being the plain median's: w = u^2 / (u^2 + v^2), v and u the deviations of
+/// the draws and of that median, assumed to be independent. A model that is off where it can be judged weighs little. 1 where both
+/// are 0, NaN where they are not known.
+double weight_of_draws(const BounceCalibration&);
+
 /// A bounce at an angle that was not seen, s, and the deviation of its logarithm that must be expected.
 struct PooledBounce {
   double value = 0, deviation = 0;
 };
 
 /// `own`: median over the draws of factor x simulated at that angle, s. It is pooled with the plain median m in the logarithm,
-///   ln b = w ln own + (1 - w) ln m,   w = u^2 / (u^2 + v^2),   deviation = u v / sqrt(u^2 + v^2),
-/// v and u the deviations of the draws and of m, assumed to be independent: a model that is off where it can be judged weighs little.
-/// Where they are not known, `own` stands alone and has no deviation (NaN).
+///   ln b = w ln own + (1 - w) ln m,   deviation = sqrt(w) v,   w = weight_of_draws.
+/// Where w is not known, `own` stands alone and has no deviation (NaN).
 PooledBounce pooled_bounce(double own, const BounceCalibration&);
 
 }  // namespace powbench::sim

@@ -41,11 +41,14 @@ TEST_CASE("draws and plain median are pooled by the inverse of their squared dev
   BounceCalibration c{{1}, 0.3, 5e-3, 0.1};
   const auto p = pooled_bounce(8e-3, c);
   const double w = 0.01 / (0.01 + 0.09);
+  CHECK(weight_of_draws(c) == Approx(w));
   CHECK(std::log(p.value) == Approx(w * std::log(8e-3) + (1 - w) * std::log(5e-3)));
   CHECK(1 / (p.deviation * p.deviation) == Approx(1 / 0.09 + 1 / 0.01));
   c.median_deviation = 0;  // the others agree to the last digit
   CHECK(pooled_bounce(8e-3, c).value == Approx(5e-3));
+  CHECK(weight_of_draws(c) == 0);
   c.deviation = 0;
+  CHECK(weight_of_draws(c) == 1);
   CHECK(pooled_bounce(8e-3, c).value == Approx(8e-3));
 }
 
@@ -74,6 +77,7 @@ TEST_CASE("not measured: left out; does not close or bounce: far off; two closin
        {few, blind, BounceCalibration{{1}, 0.2, 6e-3}, BounceCalibration{{1}, missing, 6e-3, 0.2}}) {
     CHECK(pooled_bounce(8e-3, c).value == 8e-3);
     CHECK(std::isnan(pooled_bounce(8e-3, c).deviation));
+    CHECK(std::isnan(weight_of_draws(c)));
   }
   // a median draw without bounce turns the pooled bounce neither into none nor into no number
   CHECK(pooled_bounce(0, {{1}, 0.3, 5e-3, 0}).value == Approx(5e-3));
