@@ -29,6 +29,9 @@ struct Desk {
     o.port = port;
     o.baud = static_cast<unsigned>(baud);
     o.check = check;
+    // a board that shares a busy machine may stand still for longer than a real one; no test is about these times
+    o.silence = std::chrono::milliseconds(1500);
+    o.probe = std::chrono::milliseconds(1000);
     return o;
   }
 

@@ -39,7 +39,7 @@ class RawClient {
   /// The next line of an answer, without its end; "(gone)" when the server has hung up, "(silent)" after 5 s.
   std::string line() {
     while (buffer_.find('\n') == std::string::npos)
-      if (const char* trouble = receive(5000)) return trouble;
+      if (const char* trouble = receive(patience_ms)) return trouble;
     const std::size_t end = buffer_.find('\n');
     const std::string text = buffer_.substr(0, end);
     buffer_.erase(0, end + 1);
@@ -47,7 +47,7 @@ class RawClient {
   }
   std::string bytes(std::size_t n) {
     while (buffer_.size() < n)
-      if (const char* trouble = receive(5000)) return trouble;
+      if (const char* trouble = receive(patience_ms)) return trouble;
     const std::string text = buffer_.substr(0, n);
     buffer_.erase(0, n);
     return text;
@@ -82,6 +82,8 @@ class RawClient {
     buffer_.append(data, static_cast<std::size_t>(n));
     return nullptr;
   }
+
+  static constexpr int patience_ms = 20'000;  // longer than any recovery of a line, on a busy machine too
 
   int socket_;
   std::string buffer_;
