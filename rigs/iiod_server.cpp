@@ -78,6 +78,7 @@ struct IiodServer::Impl {
   std::string address;
   std::vector<std::shared_ptr<Session>> sessions;
   bool working = false;
+  std::atomic<bool> busy = false;  ///< `working` for other threads
 };
 
 /// One client connection: bytes in, answers out, in order.
@@ -95,8 +96,8 @@ struct IiodServer::Impl::Session : std::enable_shared_from_this<Session> {
     unread.erase(unread.begin(), unread.begin() + static_cast<std::ptrdiff_t>(answer.used));
     server.world->notice_commands();
     if (status == Board::Status::pending) wait_for_samples();
+    server.work();  // ahead of the answer: who has it knows that the shot runs
     send(std::move(answer.bytes));
-    server.work();
   }
 
   /// A READBUF is owed an answer within the client's time-out, whatever happens.
@@ -200,8 +201,10 @@ int IiodServer::Impl::free_connection() const {
 
 /// Lets virtual time pass in slices, with the sockets served in between.
 void IiodServer::Impl::work() {
-  if (working || !world->busy()) return;
-  working = true;
+  if (working) return;
+  working = world->busy();
+  busy = working;
+  if (!working) return;
   asio::post(io, [this] {
     world->host_connected(!sessions.empty());
     world->run(slice);
@@ -253,6 +256,10 @@ void IiodServer::stop() {
   impl_->io.stop();
 }
 
+bool IiodServer::busy() const {
+  return impl_->busy;
+}
+
 struct LocalRig::Impl {
   std::unique_ptr<IiodServer> server;
   std::thread thread;
@@ -290,6 +297,10 @@ LocalRig::~LocalRig() {
 std::string LocalRig::failure() const {
   const std::lock_guard hold(impl_->lock);
   return impl_->failure;
+}
+
+bool LocalRig::busy() const {
+  return impl_->server->busy();
 }
 
 const std::string& LocalRig::address() const {

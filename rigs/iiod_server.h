@@ -36,6 +36,8 @@ class IiodServer {
   /// RigError, with every client cut off, when an emulated board fails.
   void serve(bool until_interrupted = false);
   void stop();
+  /// A shot is running: virtual time passes. From any thread.
+  bool busy() const;
 
  private:
   struct Impl;
@@ -54,6 +56,8 @@ class LocalRig {
   const std::string& address() const;
   /// Why the rig serves no more, or nothing.
   std::string failure() const;
+  /// A shot is running.
+  bool busy() const;
 
  private:
   struct Impl;

@@ -21,8 +21,6 @@ namespace powbench::host {
 
 namespace {
 
-using std::chrono::milliseconds;
-
 ExtractionInfo extraction_info(const RunOptions& options) {
   return {dsp::to_text(options.extract), program_version};
 }
@@ -39,11 +37,11 @@ StoredShot stored(std::int64_t campaign, ShotKind kind, const PlannedShot& plann
 }
 
 /// Looks for a lost rig with growing pauses, about 4 s in all.
-bool find_again(rigs::Rig& rig, Progress& progress) {
+bool find_again(rigs::Rig& rig, Clock& clock, Progress& progress) {
   progress.say("the rig is gone; looking for it");
-  for (const int ms : {250, 500, 1000, 2000}) {
+  for (const double seconds : {0.25, 0.5, 1.0, 2.0}) {
     if (rig.reconnect()) return true;
-    std::this_thread::sleep_for(milliseconds(ms));
+    clock.sleep(seconds);
     if (StopOnSignal::asked()) return false;
   }
   return rig.reconnect();
@@ -62,9 +60,9 @@ void judge_shot(StoredShot& shot, const Events& events, const RunOptions& option
   shot.reason = reason;
 }
 
-void pause_between(double seconds) {
+void pause_between(double seconds, Clock& clock) {
   for (double left = seconds; left > 0 && !StopOnSignal::asked(); left -= 0.05)
-    std::this_thread::sleep_for(std::chrono::duration<double>(std::min(left, 0.05)));
+    clock.sleep(std::min(left, 0.05));
 }
 
 }  // namespace
@@ -123,7 +121,7 @@ RunSummary run_campaign(Store& store, std::int64_t campaign, std::span<const Pla
     progress.update(done.size() + ++fired, fmt::format("{:.0f} deg", shot.angle_deg));
 
     summary.interlock = summary.interlock || result.interlock;
-    if (result.rig_lost && !find_again(rig, progress)) {
+    if (result.rig_lost && !find_again(rig, *options.clock, progress)) {
       summary.rig_lost = true;
       summary.stopped = "the rig did not come back; what was stored is safe, go on with --resume";
       break;
@@ -134,7 +132,7 @@ RunSummary run_campaign(Store& store, std::int64_t campaign, std::span<const Pla
           failures);
       break;
     }
-    pause_between(options.pause);
+    pause_between(options.pause, *options.clock);
   }
   store.set_finished(campaign, summary.done() == summary.planned);
   return summary;

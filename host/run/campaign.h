@@ -10,6 +10,7 @@
 #include "dsp/options.h"
 #include "host/compare/limits.h"
 #include "host/plan/expand.h"
+#include "host/run/machine_clock.h"
 #include "host/run/progress.h"
 #include "host/store/store.h"
 #include "rigs/rig.h"
@@ -28,6 +29,7 @@ struct RunOptions {
   double pause = 0.0;            ///< s between two shots
   int max_failures = 5;          ///< shots without a record in a row after which the campaign stops
   std::chrono::milliseconds shot_limit{15'000};  ///< longest time for one shot, hold time included
+  Clock* clock = &machine_clock();  ///< of the pauses between shots and in the search for a lost rig
 };
 
 /// How a campaign went.

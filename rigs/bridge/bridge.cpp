@@ -33,7 +33,13 @@ struct Bridge::Impl {
   tcp::acceptor acceptor;
   asio::signal_set signals;
   std::string address;
-  std::string lost;  ///< why the port is gone
+  std::string why_lost() const {
+    const std::lock_guard lock(mutex);
+    return lost;
+  }
+
+  mutable std::mutex mutex;
+  std::string lost;  ///< why the port is gone; shared, under the mutex
 };
 
 /// Takes the address before the board is asked anything; with none given, the first that is free.
@@ -61,7 +67,10 @@ void Bridge::Impl::bind(const BridgeOptions& options) {
 
 void Bridge::Impl::run_until_found() {
   hub.line.on_lost = [this](std::string why) {
-    lost = std::move(why);
+    {
+      const std::lock_guard lock(mutex);
+      lost = std::move(why);
+    }
     shut_down();
   };
   std::exception_ptr trouble;
@@ -147,10 +156,14 @@ void Bridge::serve(bool until_interrupted) {
       if (!error) impl_->shut_down();
     });
   }
-  if (impl_->lost.empty()) asio::co_spawn(impl_->io, impl_->accept(), asio::detached);
+  if (impl_->why_lost().empty()) asio::co_spawn(impl_->io, impl_->accept(), asio::detached);
   impl_->io.restart();
   impl_->io.run();
-  if (!impl_->lost.empty()) throw RigError(impl_->lost);
+  if (const std::string why = impl_->why_lost(); !why.empty()) throw RigError(why);
+}
+
+std::string Bridge::lost() const {
+  return impl_->why_lost();
 }
 
 void Bridge::stop() {
@@ -161,8 +174,6 @@ struct LocalBridge::Impl {
   explicit Impl(const BridgeOptions& options) : bridge(options) {}
 
   Bridge bridge;
-  mutable std::mutex mutex;
-  std::optional<std::string> failure;
   std::thread thread;
 };
 
@@ -170,9 +181,7 @@ LocalBridge::LocalBridge(const BridgeOptions& options) : impl_(std::make_unique<
   impl_->thread = std::thread([this] {
     try {
       impl_->bridge.serve();
-    } catch (const RigError& e) {
-      const std::lock_guard lock(impl_->mutex);
-      impl_->failure = e.what();
+    } catch (const RigError&) {  // failure() says why
     }
   });
 }
@@ -187,8 +196,8 @@ const std::string& LocalBridge::address() const {
 }
 
 std::optional<std::string> LocalBridge::failure() const {
-  const std::lock_guard lock(impl_->mutex);
-  return impl_->failure;
+  const std::string why = impl_->bridge.lost();
+  return why.empty() ? std::nullopt : std::optional(why);
 }
 
 }  // namespace powbench::rigs

@@ -27,6 +27,8 @@ class Bridge {
   /// RigError when the port goes away.
   void serve(bool until_interrupted = false);
   void stop();
+  /// Why the port is gone; empty while it is there. From any thread.
+  std::string lost() const;
 
  private:
   struct Impl;

@@ -152,6 +152,7 @@ awaitable<bool> Line::send(const std::string& bytes) {
   co_await asio::async_write(port_, asio::buffer(bytes), into(error));
   ++writes_;
   write_limit_.cancel();
+  if (error && error != asio::error::operation_aborted) port_is_gone(error);
   co_return !error;
 }
 
@@ -227,13 +228,19 @@ awaitable<void> Line::receive() {
     if (closed_) break;
     if (error == asio::error::operation_aborted) continue;  // a write took too long
     if (error) {
-      close();
-      on_lost("serial port " + options_.port + " is gone (" + error.message() +
-              "); was the board unplugged? plug it in and start again");
+      port_is_gone(error);
       break;
     }
     inbox_.put(bytes.data(), n);
   }
+}
+
+/// Whichever notices first, a read or a write: the reason is known before any client is answered.
+void Line::port_is_gone(const boost::system::error_code& why) {
+  if (closed_) return;
+  close();
+  on_lost("serial port " + options_.port + " is gone (" + why.message() +
+          "); was the board unplugged? plug it in and start again");
 }
 
 /// Looks after a line that nobody uses at the moment, and after one that does not answer.

@@ -57,6 +57,7 @@ class Line {
   boost::asio::awaitable<void> recover_and_end_turn();
   boost::asio::awaitable<bool> check_board();
   boost::asio::awaitable<void> receive();
+  void port_is_gone(const boost::system::error_code& why);
   boost::asio::awaitable<void> watch();
 
   boost::asio::io_context& io_;

@@ -18,6 +18,9 @@ struct BridgeOptions {
   std::chrono::milliseconds probe{300};   ///< a board answers VERSION within this time, at one of three tries
   std::chrono::milliseconds check{2000};  ///< an idle line is asked this often whether it is the same board
   std::chrono::milliseconds poll{10};     ///< between two looks for samples
+  std::chrono::milliseconds handover{
+      200};  ///< a second reader waits this long for the first one's end: one that was
+             ///< killed is gone within this time
 };
 
 }  // namespace powbench::rigs

@@ -20,7 +20,6 @@ constexpr std::size_t longest_line = 128;      // what a board takes
 constexpr std::size_t longest_payload = 4096;  // 44 ms at 921600 baud
 constexpr std::size_t piece_bytes = 4096;      // the same for samples
 constexpr std::uint32_t default_timeout_ms = 2500;
-constexpr milliseconds owner_patience{200};  // a reader that was killed is gone within this time
 
 // sending ahead of what a slow client takes is no use: it stops being read
 constexpr std::size_t longest_backlog = 1 << 16;
@@ -220,7 +219,7 @@ awaitable<void> Session::open(std::string line, Words words) {
     co_return;
   }
   const std::string id = device->id;
-  const auto end = Clock::now() + owner_patience;
+  const auto end = Clock::now() + hub_.options.handover;
   while (hub_.owners.contains(id)) {
     if (inbox_.closed) co_return;
     if (Clock::now() >= end) {

@@ -83,6 +83,18 @@ inline const std::vector<std::string_view>& generated_headers() {
   return table;
 }
 
+/// What a test may not use: its outcome would depend on how fast the machine is. A test waits for what it is about,
+/// with the one helper that may read a clock.
+inline const std::vector<std::string_view>& clock_words() {
+  static const std::vector<std::string_view> table{"sleep_for",     "sleep_until",           "usleep",
+                                                   "nanosleep",     "steady_clock",          "system_clock",
+                                                   "wait_for",      "clock_gettime",         "gettimeofday",
+                                                   "machine_clock", "high_resolution_clock", "std::time",
+                                                   "time(nullptr)"};
+  return table;
+}
+inline constexpr std::string_view waiting_helper = "tests/waiting.h";
+
 /// The portable part of the firmware: everything but the ports.
 inline constexpr std::string_view portable_firmware = "firmware/";
 inline constexpr std::string_view firmware_ports = "firmware/port/";

@@ -265,4 +265,21 @@ std::vector<std::string> check_text(const std::vector<Source>& sources) {
   return wrong;
 }
 
+std::vector<std::string> check_waiting(const std::vector<Source>& sources) {
+  std::vector<std::string> wrong;
+  for (const auto& s : sources) {
+    if (!s.path.starts_with("tests/") || s.path.starts_with("tests/architecture/") ||
+        s.path == waiting_helper)
+      continue;
+    std::istringstream lines(s.text);
+    std::string line;
+    for (int number = 1; std::getline(lines, line); ++number)
+      for (const auto& word : clock_words())
+        if (line.find(word) != std::string::npos)
+          wrong.push_back(at(s, number) + "uses '" + std::string(word) + "'; wait for what is meant with " +
+                          std::string(waiting_helper));
+  }
+  return wrong;
+}
+
 }  // namespace powbench::architecture

@@ -28,5 +28,7 @@ std::vector<std::string> check_third_party(const std::vector<Source>&);
 std::vector<std::string> check_firmware_reach(const std::vector<Source>&);
 std::vector<std::string> check_cycles(const std::vector<Source>&);
 std::vector<std::string> check_text(const std::vector<Source>&);
+/// No test sleeps or reads a clock.
+std::vector<std::string> check_waiting(const std::vector<Source>&);
 
 }  // namespace powbench::architecture

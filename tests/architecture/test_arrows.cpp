@@ -59,6 +59,12 @@ TEST_CASE("files are short, finished and free of machine paths") {
   CHECK(wrong.empty());
 }
 
+TEST_CASE("no test sleeps or reads a clock") {
+  const auto wrong = check_waiting(project());
+  INFO(joined(wrong));
+  CHECK(wrong.empty());
+}
+
 TEST_CASE("every library of the table has its reason in docs/dependencies.md") {
   const auto page = read_text(project_root() / "docs/dependencies.md");
   for (const auto& allowance : allowances()) {
@@ -137,6 +143,18 @@ TEST_CASE("circles are caught, between folders and between files") {
                  "dsp/a.h -> dsp/b.h -> dsp/a.h"));
   CHECK(
       check_cycles({{"dsp/a.h", "#include \"core/b.h\"\n"}, {"sim/a.h", "#include \"core/b.h\"\n"}}).empty());
+}
+
+TEST_CASE("a test that sleeps or reads a clock is caught") {
+  CHECK(mentions(check_waiting({{"tests/rigs/a.cpp", "\nstd::this_thread::sleep_for(5ms);\n"}}),
+                 "tests/rigs/a.cpp:2"));
+  CHECK(mentions(check_waiting({{"tests/a.h", "auto t = std::chrono::steady_clock::now();\n"}}),
+                 "steady_clock"));
+  CHECK(mentions(check_waiting({{"tests/a.h", "usleep(5);\n"}}), "tests/waiting.h"));
+  CHECK(check_waiting({{"tests/waiting.h", "sleep_for\n"},
+                       {"host/a.cpp", "sleep_for\n"},
+                       {"tests/b.cpp", "wait_until\n"}})
+            .empty());
 }
 
 TEST_CASE("long files, unfinished work and machine paths are caught") {

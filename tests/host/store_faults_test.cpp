@@ -20,13 +20,20 @@ const ExtractionInfo extraction{"cutoff = 1\n", "0.1.0"};
 
 /// What the disk does to this process from its n-th write on. SQLite's own calls are replaced, nothing of the store.
 struct Disk {
-  enum class Fault { none, die, die_torn, full };
+  enum class Fault { none, die, die_torn, full, hang };
   static inline Fault fault = Fault::none;
   static inline int writes_left = 0;
+  static inline int hanging = -1;  ///< end of a pipe that hears of Fault::hang
 
   static ssize_t write_at(int fd, const void* data, size_t size, off_t at) {
     if (fault == Fault::none || --writes_left >= 0) return pwrite(fd, data, size, at);
     if (fault == Fault::full) return errno = ENOSPC, -1;
+    if (fault == Fault::hang) {  // says so and waits for kill -9
+      const char here = 'w';
+      if (write(hanging, &here, 1) == 1)
+        for (;;) pause();
+      _exit(1);
+    }
     if (fault == Fault::die_torn) static_cast<void>(!pwrite(fd, data, size / 2, at));
     _exit(42);
   }
@@ -133,7 +140,7 @@ TEST_CASE("death while the store is made leaves a store that can be made", "[sto
   CHECK(died < 100);
 }
 
-TEST_CASE("kill -9 at random moments loses no stored shot", "[store]") {
+TEST_CASE("kill -9 at random writes loses no stored shot", "[store]") {
   Random random(31);
   const Folder folder;
   {
@@ -141,35 +148,33 @@ TEST_CASE("kill -9 at random moments loses no stored shot", "[store]") {
     fill(store, 1);
   }
   int stored = 1;
-  // the moments spread over the time that a few shots take here: a slow machine gets longer, until some are stored
-  std::uint64_t window = 15'000;  // us
-  for (int round = 0; round < 50 || (stored <= 6 && round < 500); ++round) {
+  for (int round = 0; round < 50; ++round) {
+    const int writes = static_cast<int>(random.below(80));
     int pipe_ends[2];
     REQUIRE(pipe(pipe_ends) == 0);
     const pid_t child = fork();
     if (child == 0) {
+      Disk::hanging = pipe_ends[1];
+      Disk::arm(Disk::Fault::hang, writes);
       Store store(folder.file());
-      for (int i = stored; i < stored + 1000; ++i) {
+      for (int i = stored;; ++i) {
         add(store, 1, i);
         const char done = 'x';
         if (write(pipe_ends[1], &done, 1) != 1) _exit(1);  // told only after the shot is stored
       }
-      _exit(0);
     }
     close(pipe_ends[1]);
-    usleep(static_cast<useconds_t>(random.below(window)));
+    int acknowledged = 0;
+    char told = 0;
+    while (read(pipe_ends[0], &told, 1) == 1 && told == 'x') ++acknowledged;
+    REQUIRE(told == 'w');  // it stands still in the middle of a write that has not happened
     kill(child, SIGKILL);
     waitpid(child, nullptr, 0);
-    char told[1000];
-    ssize_t n = 0;
-    int acknowledged = 0;
-    while ((n = read(pipe_ends[0], told, sizeof told)) > 0) acknowledged += static_cast<int>(n);
     close(pipe_ends[0]);
     Store store(folder.file());
     const int there = static_cast<int>(store.shots(1).size());
     REQUIRE(there >= stored + acknowledged);
     REQUIRE(there <= stored + acknowledged + 1);
-    if (there == stored) window = std::min<std::uint64_t>(window * 5 / 4, 2'000'000);
     stored = there;
   }
   CHECK(stored > 5);

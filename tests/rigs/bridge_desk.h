@@ -3,11 +3,11 @@
 #include <catch2/catch.hpp>
 #include <functional>
 #include <string>
-#include <thread>
 
 #include "bench/uart_board.h"
 #include "rigs/bridge/bridge.h"
 #include "tests/rigs/raw_client.h"
+#include "tests/waiting.h"
 
 namespace powbench::test {
 
@@ -47,9 +47,7 @@ struct Desk {
     RawClient c(bridge.address());
     REQUIRE(c.write("iio:device1 arm", "1") == "1");
     REQUIRE(c.write("iio:device1 fire", "1") == "1");
-    for (int i = 0; i < 300 && c.read("iio:device1 state") != "captured"; ++i)
-      std::this_thread::sleep_for(std::chrono::milliseconds(2));
-    REQUIRE(c.read("iio:device1 state") == "captured");
+    wait_until("a captured shot", [&] { return c.read("iio:device1 state") == "captured"; });
   }
 
   bench::UartBoard board;

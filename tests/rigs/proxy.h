@@ -6,16 +6,17 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
-#include <atomic>
-#include <chrono>
+#include <condition_variable>
+#include <cstdint>
+#include <functional>
+#include <list>
 #include <mutex>
 #include <stdexcept>
 #include <string>
 #include <thread>
-#include <vector>
 
-/// A line with faults between client and rig: forwards bytes on loopback, stalls or cuts on request. Ends by
-/// itself.
+/// A line with faults between client and rig: forwards bytes on loopback; holds answers back, cuts the line or acts at
+/// a chosen byte. Nothing in it depends on time: a fault happens at a byte or when the test says so.
 namespace powbench::test {
 
 class Proxy {
@@ -26,19 +27,67 @@ class Proxy {
     acceptor_ = std::thread([this] { accept_loop(); });
   }
   ~Proxy() {
-    stop_ = true;
+    {
+      const std::lock_guard hold(mutex_);
+      stop_ = true;
+      held_ = false;
+      hang_up_all();
+    }
+    changed_.notify_all();
+    shutdown(listener_, SHUT_RDWR);
     acceptor_.join();
-    for (auto& t : pumps_) t.join();
+    for (auto& l : links_) {
+      l.thread.join();
+      close(l.client);
+      close(l.server);
+    }
     close(listener_);
   }
+  Proxy(const Proxy&) = delete;
+  Proxy& operator=(const Proxy&) = delete;
 
   const std::string& address() const { return address_; }
-  /// The next answer is held back for this long, once.
-  void stall_next_answer(std::chrono::milliseconds t) { stall_ms_ = static_cast<int>(t.count()); }
-  /// Cuts every connection and refuses new ones until mended.
-  void cut(bool broken) { broken_ = broken; }
+
+  /// Answers wait from now on, until released.
+  void hold_answers(bool hold) {
+    {
+      const std::lock_guard lock(mutex_);
+      held_ = hold;
+    }
+    changed_.notify_all();
+  }
+  /// Bytes of answers that have arrived from the rig, over all connections.
+  std::uint64_t answered() const {
+    const std::lock_guard lock(mutex_);
+    return answered_;
+  }
+  /// Runs `action` once, when the n-th byte of answers from now on has arrived and before the piece that holds it goes
+  /// to the client. The client cannot have read that byte; the action may call cut() and refuse().
+  void at_answer_byte(std::uint64_t n, std::function<void()> action) {
+    const std::lock_guard lock(mutex_);
+    action_at_ = answered_ + n;
+    action_ = std::move(action);
+  }
+  /// Cuts every connection, at once; new ones are refused until mended.
+  void cut(bool broken) {
+    const std::lock_guard lock(mutex_);
+    refusals_ = broken ? forever : 0;
+    if (broken) hang_up_all();
+  }
+  /// Cuts every connection, at once; the next `n` new ones are refused, later ones are not.
+  void cut_and_refuse(int n) {
+    const std::lock_guard lock(mutex_);
+    refusals_ = n;
+    hang_up_all();
+  }
 
  private:
+  static constexpr int forever = -1;
+  struct Link {
+    int client, server;
+    std::thread thread;
+  };
+
   static sockaddr_in endpoint(const std::string& address) {
     sockaddr_in a{};
     a.sin_family = AF_INET;
@@ -48,7 +97,7 @@ class Proxy {
   }
 
   void try_listen(const std::string& address) {
-    const int s = socket(AF_INET, SOCK_STREAM, 0);
+    const int s = socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
     const int yes = 1;
     setsockopt(s, SOL_SOCKET, SO_REUSEADDR, &yes, sizeof yes);
     const sockaddr_in a = endpoint(address);
@@ -60,55 +109,75 @@ class Proxy {
     address_ = address;
   }
 
-  static bool readable(int fd) {
-    pollfd p{fd, POLLIN, 0};
-    return poll(&p, 1, 20) > 0;
+  bool refused() {
+    const std::lock_guard lock(mutex_);
+    if (refusals_ > 0) return refusals_-- > 0;
+    return refusals_ == forever;
+  }
+
+  void hang_up_all() {
+    for (const auto& l : links_)
+      for (const int s : {l.client, l.server}) shutdown(s, SHUT_RDWR);
   }
 
   void accept_loop() {
-    while (!stop_) {
-      if (!readable(listener_)) continue;
-      const int client = accept(listener_, nullptr, nullptr);
-      if (client < 0) continue;
-      const int server = socket(AF_INET, SOCK_STREAM, 0);
+    for (;;) {
+      const int client = accept4(listener_, nullptr, nullptr, SOCK_CLOEXEC);
+      if (client < 0) return;  // the destructor
+      const int server = socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
       const sockaddr_in a = endpoint(target_);
-      if (broken_ || connect(server, reinterpret_cast<const sockaddr*>(&a), sizeof a) != 0) {
+      if (refused() || connect(server, reinterpret_cast<const sockaddr*>(&a), sizeof a) != 0) {
         close(client);
         close(server);
         continue;
       }
-      pumps_.emplace_back([this, client, server] { pump(client, server); });
+      const std::lock_guard lock(mutex_);
+      links_.push_back({client, server, {}});
+      links_.back().thread = std::thread([this, client, server] { pump(client, server); });
+      if (stop_) hang_up_all();
     }
   }
 
+  /// An answer of n bytes has arrived: counts it, acts if its byte is in it, waits while answers are held.
+  void arrived(std::size_t n) {
+    std::function<void()> action;
+    {
+      const std::lock_guard lock(mutex_);
+      answered_ += n;
+      if (action_ && answered_ >= action_at_) action.swap(action_);
+    }
+    if (action) action();
+    std::unique_lock lock(mutex_);
+    changed_.wait(lock, [this] { return !held_; });
+  }
+
+  /// The sockets stay open until the destructor, so that a number is never another socket's.
   void pump(int client, int server) {
     char bytes[65536];
-    while (!stop_ && !broken_) {
+    for (bool gone = false; !gone;) {
       pollfd p[2] = {{client, POLLIN, 0}, {server, POLLIN, 0}};
-      if (poll(p, 2, 20) <= 0) continue;
-      bool gone = false;
+      if (poll(p, 2, -1) <= 0) continue;
       for (const int side : {0, 1}) {
-        if ((p[side].revents & (POLLIN | POLLHUP)) == 0) continue;
+        if (p[side].revents == 0) continue;
         const ssize_t n = recv(p[side].fd, bytes, sizeof bytes, 0);
-        if (n <= 0) {
-          gone = true;
-          break;
-        }
-        if (side == 1) std::this_thread::sleep_for(std::chrono::milliseconds(stall_ms_.exchange(0)));
+        if ((gone = n <= 0)) break;
+        if (side == 1) arrived(static_cast<std::size_t>(n));
         send(side == 0 ? server : client, bytes, static_cast<std::size_t>(n), MSG_NOSIGNAL);
       }
-      if (gone) break;
     }
-    close(client);
-    close(server);
+    for (const int s : {client, server}) shutdown(s, SHUT_RDWR);
   }
 
   std::string target_, address_;
   int listener_ = -1;
-  std::atomic<bool> stop_ = false, broken_ = false;
-  std::atomic<int> stall_ms_ = 0;
+  mutable std::mutex mutex_;  // what follows is shared
+  std::condition_variable changed_;
+  bool stop_ = false, held_ = false;
+  int refusals_ = 0;
+  std::uint64_t answered_ = 0, action_at_ = 0;
+  std::function<void()> action_;
+  std::list<Link> links_;
   std::thread acceptor_;
-  std::vector<std::thread> pumps_;
 };
 
 }  // namespace powbench::test

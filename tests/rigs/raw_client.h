@@ -7,7 +7,6 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
-#include <chrono>
 #include <stdexcept>
 #include <string>
 
@@ -36,7 +35,8 @@ class RawClient {
   }
   void say(const std::string& bytes) const { send(socket_, bytes.data(), bytes.size(), MSG_NOSIGNAL); }
 
-  /// The next line of an answer, without its end; "(gone)" when the server has hung up, "(silent)" after 5 s.
+  /// The next line of an answer, without its end; "(gone)" when the server has hung up. A server that says nothing for
+  /// a minute hangs: the answer is "(silent)".
   std::string line() {
     while (buffer_.find('\n') == std::string::npos)
       if (const char* trouble = receive(patience_ms)) return trouble;
@@ -52,10 +52,8 @@ class RawClient {
     buffer_.erase(0, n);
     return text;
   }
-  /// Nothing arrives for this long.
-  bool silent(std::chrono::milliseconds t) {
-    return buffer_.empty() && receive(static_cast<int>(t.count())) == std::string("(silent)");
-  }
+  /// Nothing has arrived so far. What the server owes for certain by now, another client's answer proves.
+  bool silent() { return buffer_.empty() && receive(0) == std::string("(silent)"); }
   std::string ask(const std::string& request) {
     say(request + "\r\n");
     return line();
@@ -83,7 +81,7 @@ class RawClient {
     return nullptr;
   }
 
-  static constexpr int patience_ms = 20'000;  // longer than any recovery of a line, on a busy machine too
+  static constexpr int patience_ms = 60'000;  // far longer than any answer takes: it only ends a hang
 
   int socket_;
   std::string buffer_;

@@ -3,11 +3,11 @@
 
 #include "bench/uart_board.h"
 #include "tests/system/program.h"
+#include "tests/waiting.h"
 
 using namespace powbench;
 using namespace powbench::test;
 using Catch::Contains;
-using namespace std::chrono_literals;
 
 namespace {
 
@@ -24,9 +24,8 @@ std::unique_ptr<Program> start_bridge(const Folder& folder, const std::string& p
     address = "127.0.0." + std::to_string(host);
     auto bridge = std::make_unique<Program>(
         folder, std::vector<std::string>{"bridge", port, "--baud", "2000000", "--listen", address});
-    for (int i = 0; i < 500 && bridge->err().find("Ctrl-C") == std::string::npos && bridge->poll() == -1000;
-         ++i)
-      std::this_thread::sleep_for(10ms);
+    wait_until("a bridge that serves or ends",
+               [&] { return bridge->err().find("Ctrl-C") != std::string::npos || bridge->poll() != -1000; });
     if (bridge->poll() == -1000) return bridge;
     if (bridge->err().find("cannot serve on") == std::string::npos) {
       FAIL(bridge->err());

@@ -1,15 +1,15 @@
 #include <catch2/catch.hpp>
-#include <nlohmann/json.hpp>
+#include <future>
 
 #include "core/random.h"
 #include "host/store/store.h"
 #include "rigs/iiod_server.h"
 #include "tests/rigs/proxy.h"
 #include "tests/system/program.h"
+#include "tests/waiting.h"
 
 using namespace powbench;
 using namespace powbench::test;
-using namespace std::chrono_literals;
 
 namespace {
 
@@ -38,54 +38,72 @@ std::vector<std::string> hashes(const std::string& db) {
 
 const char* const plan_text = "angles_deg = [0, 30, 60, 90]\nrepeats = 2\nseed = 3\n";
 
+/// A simulated rig at the end of a line that the test holds in its hand.
+struct Bench {
+  std::string uri() const { return "ip:" + line.address(); }
+  std::vector<std::string> command(const std::string& plan, const std::string& db, bool resume = true) const {
+    std::vector<std::string> words{"run", plan, "--rig", uri(), "--db", db, "--progress", "none"};
+    if (resume) words.push_back("--resume");
+    return words;
+  }
+  /// Bytes that a whole campaign takes from the rig.
+  std::uint64_t length_of(const Folder& folder, const std::string& plan, const std::string& db) const {
+    const std::uint64_t before = line.answered();
+    REQUIRE(run(folder, command(plan, db)).status == 0);
+    return line.answered() - before;
+  }
+
+  rigs::LocalRig rig{{}, {}};
+  Proxy line{rig.address()};
+};
+
 }  // namespace
 
 TEST_CASE(
-    "killed at 50 random moments, then resumed: every shot is there once and is what it would have been",
+    "killed at 50 random bytes of the line, then resumed: every shot is there once and is what it would have "
+    "been",
     "[system][.slow]") {
   Folder folder;
+  Bench bench;
   const std::string plan = folder.write("p.toml", plan_text);
   const std::string whole = folder.file("whole.db");
-  const auto start = std::chrono::steady_clock::now();
-  REQUIRE(run(folder, {"run", plan, "--db", whole, "--progress", "none"}).status == 0);
-  const auto duration =
-      std::chrono::duration_cast<std::chrono::microseconds>(std::chrono::steady_clock::now() - start);
+  const std::uint64_t length = bench.length_of(folder, plan, whole);
   const auto reference = hashes(whole);
 
   Random random(50);
-  int interrupted = 0;
   for (int i = 0; i < 50; ++i) {
     const std::string db = folder.file("run" + std::to_string(i) + ".db");
     {
-      Program program(folder, {"run", plan, "--db", db, "--resume", "--progress", "none"});
-      std::this_thread::sleep_for(duration * random.uniform());
-      program.send(SIGKILL);
-      interrupted += program.wait() == -SIGKILL;
+      std::promise<const Program*> started;
+      // the number of looks at `state` differs from run to run, by far less than the twentieth that is left out
+      bench.line.at_answer_byte(1 + random.below(length * 95 / 100),
+                                [program = started.get_future().share()] { program.get()->send(SIGKILL); });
+      Program program(folder, bench.command(plan, db));
+      started.set_value(&program);
+      REQUIRE(program.wait() == -SIGKILL);
     }
-    const Finished resumed = run(folder, {"run", plan, "--db", db, "--resume", "--progress", "none"});
+    const Finished resumed = run(folder, bench.command(plan, db));
     INFO("kill " << i << ": " << resumed.err);
     REQUIRE(resumed.status == 0);
     check_complete(db, reference.size());
     CHECK(hashes(db) == reference);
   }
-  CHECK(interrupted > 25);
 }
 
 TEST_CASE("killed once and resumed", "[system]") {
   Folder folder;
-  const std::string plan = folder.write("p.toml", plan_text);
+  const std::string plan = folder.write("p.toml", std::string(plan_text) + "pause_s = 0.2\n");
   const std::string db = folder.file("a.db");
   {
     Program program(folder, {"run", plan, "--db", db, "--progress", "none"});
-    // until the first shots are there
-    for (int i = 0; i < 500; ++i) {
-      std::this_thread::sleep_for(10ms);
+    wait_until("two stored shots", [&] {
       try {
         const host::Store store(db, host::Store::Mode::read_only);
-        if (store.campaigns().size() == 1 && store.shots(1).size() >= 2) break;
+        return store.campaigns().size() == 1 && store.shots(1).size() >= 2;
       } catch (const host::StoreError&) {
+        return false;  // not made yet
       }
-    }
+    });
     program.send(SIGKILL);
     program.wait();
   }
@@ -95,40 +113,48 @@ TEST_CASE("killed once and resumed", "[system]") {
 
 TEST_CASE("Ctrl-C ends after the shot in flight, with exit 130, and the rest can be resumed", "[system]") {
   Folder folder;
-  const std::string plan = folder.write("p.toml", std::string(plan_text) + "pause_s = 0.2\n");
+  Bench bench;
+  const std::string plan = folder.write("p.toml", plan_text);
+  const std::uint64_t length = bench.length_of(folder, plan, folder.file("whole.db"));
   const std::string db = folder.file("a.db");
-  Program program(folder, {"run", plan, "--db", db, "--progress", "none"});
-  std::this_thread::sleep_for(500ms);
-  program.send(SIGINT);
-  CHECK(program.wait() == 130);
-  REQUIRE(run(folder, {"run", plan, "--db", db, "--resume"}).status == 0);
+  {
+    std::promise<const Program*> started;
+    bench.line.at_answer_byte(length * 45 / 100,  // in the record of the fourth shot of eight
+                              [program = started.get_future().share()] { program.get()->send(SIGINT); });
+    Program program(folder, bench.command(plan, db));
+    started.set_value(&program);
+    CHECK(program.wait() == 130);
+  }
+  {
+    const host::Store store(db, host::Store::Mode::read_only);
+    CHECK(store.shots(store.campaign().id).size() == 4);  // the one in flight is stored
+  }
+  REQUIRE(run(folder, bench.command(plan, db)).status == 0);
   check_complete(db, 8);
 }
 
 TEST_CASE("a rig that vanishes in mid-campaign: the shot is an ERROR, the rest is resumed later",
           "[system]") {
-  rigs::LocalRig server({}, {});
   Folder folder;
-  const std::string plan = folder.write("p.toml", std::string(plan_text) + "pause_s = 0.1\n");
+  Bench bench;
+  const std::string plan = folder.write("p.toml", plan_text);
+  const std::uint64_t length = bench.length_of(folder, plan, folder.file("whole.db"));
   const std::string db = folder.file("a.db");
-  Proxy line(server.address());
-  const std::string rig = "ip:" + line.address();
+  const std::uint64_t in_fourth_record = length * 45 / 100;
   SECTION("and stays away") {
-    Program program(folder, {"run", plan, "--rig", rig, "--db", db, "--progress", "none"});
-    std::this_thread::sleep_for(400ms);
-    line.cut(true);
-    CHECK(program.wait() == 3);
-    CHECK(program.err().find("--resume") != std::string::npos);
-    line.cut(false);
+    bench.line.at_answer_byte(in_fourth_record, [&] { bench.line.cut(true); });
+    const Finished lost = run(folder, bench.command(plan, db, false));
+    CHECK(lost.status == 3);
+    CHECK_THAT(lost.err, Catch::Contains("the rig did not come back") && Catch::Contains("--resume"));
+    bench.line.cut(false);
   }
   SECTION("and comes back") {
-    Program program(folder, {"run", plan, "--rig", rig, "--db", db, "--progress", "none"});
-    std::this_thread::sleep_for(400ms);
-    line.cut(true);
-    std::this_thread::sleep_for(300ms);
-    line.cut(false);
-    CHECK(program.wait() == 3);  // one shot is an ERROR, the others are recorded
+    bench.line.at_answer_byte(in_fourth_record, [&] { bench.line.cut_and_refuse(2); });
+    const Finished found = run(folder, bench.command(plan, db, false));
+    CHECK(found.status == 3);  // one shot is an ERROR, the others are recorded
+    const host::Store store(db, host::Store::Mode::read_only);
+    CHECK(store.shots(store.campaign().id).size() == 8);
   }
-  REQUIRE(run(folder, {"run", plan, "--rig", rig, "--db", db, "--resume", "--progress", "none"}).status == 0);
+  REQUIRE(run(folder, bench.command(plan, db)).status == 0);
   check_complete(db, 8);
 }

@@ -1,0 +1,149 @@
+#include <catch2/catch.hpp>
+#include <csignal>
+#include <functional>
+
+#include "host/run/campaign.h"
+#include "host/run/stop.h"
+#include "tests/host/store_samples.h"
+
+/// The loop of a campaign with a rig of words and a clock that only the test moves.
+
+using namespace powbench;
+using namespace powbench::host;
+
+namespace {
+
+/// Sleeping is all that makes its time pass; what was slept is noted.
+class ManualClock final : public Clock {
+ public:
+  double now() const override { return now_; }
+  void sleep(double seconds) override {
+    now_ += seconds;
+    naps.push_back(seconds);
+    if (on_sleep) on_sleep();
+  }
+  std::vector<double> naps;
+  std::function<void()> on_sleep;
+
+ private:
+  double now_ = 0;
+};
+
+/// Answers every shot with a record, unless told otherwise.
+class WordRig final : public rigs::Rig {
+ public:
+  const rigs::RigInfo& info() const override { return info_; }
+  rigs::Shot fire(const Conditions&, std::chrono::milliseconds) override {
+    ++fired;
+    if (on_fire) on_fire(fired);
+    rigs::Shot shot;
+    if (fired == lost_at) {
+      shot.rig_lost = true;
+      shot.reason = "the rig went away";
+      return shot;
+    }
+    shot.outcome = Outcome::pass;
+    shot.record = sample_record(static_cast<std::uint64_t>(fired));
+    return shot;
+  }
+  bool abort() override { return true; }
+  bool reconnect() override { return ++reconnects >= answers_from; }
+
+  int fired = 0, reconnects = 0;
+  int lost_at = 0;       ///< number of the shot, from 1, at which the line breaks
+  int answers_from = 1;  ///< the first attempt to reconnect that succeeds
+  std::function<void(int)> on_fire;
+
+ private:
+  rigs::RigInfo info_;
+};
+
+struct Campaign {
+  explicit Campaign(int shots) : plan(static_cast<std::size_t>(shots)) {
+    for (int i = 0; i < shots; ++i) plan[static_cast<std::size_t>(i)].index = i;
+    fill(store, 0);
+    options.pause = 0.5;
+    options.clock = &clock;
+  }
+  RunSummary run() {
+    Progress silent("test", plan.size(), Progress::Style::none);
+    return run_campaign(store, 1, plan, rig, options, silent);
+  }
+  double slept() const {
+    double sum = 0;
+    for (const double s : clock.naps) sum += s;
+    return sum;
+  }
+
+  Folder folder;
+  Store store{folder.file()};
+  std::vector<PlannedShot> plan;
+  ManualClock clock;
+  WordRig rig;
+  RunOptions options;
+};
+
+}  // namespace
+
+TEST_CASE("a campaign pauses after every shot for as long as its plan says", "[run]") {
+  Campaign c(3);
+  const RunSummary summary = c.run();
+  CHECK(summary.done() == 3);
+  CHECK(c.slept() == Approx(3 * 0.5));
+}
+
+TEST_CASE("a lost rig is looked for five times in 3.75 s, and the campaign goes on when it answers",
+          "[run]") {
+  Campaign c(3);
+  c.options.pause = 0;
+  c.rig.lost_at = 2;
+  SECTION("at the last look") {
+    c.rig.answers_from = 5;
+    const RunSummary summary = c.run();
+    CHECK(c.rig.fired == 3);
+    CHECK_FALSE(summary.rig_lost);
+    CHECK(summary.done() == 2);
+    CHECK(summary.exit_code() == Exit::rig_fault);
+    CHECK(c.store.shots(1).size() == 3);
+  }
+  SECTION("never") {
+    c.rig.answers_from = 6;
+    const RunSummary summary = c.run();
+    CHECK(c.rig.fired == 2);
+    CHECK(summary.rig_lost);
+    CHECK(summary.stopped.find("--resume") != std::string::npos);
+    CHECK(summary.exit_code() == Exit::rig_fault);
+  }
+  CHECK(c.clock.naps == std::vector<double>{0.25, 0.5, 1.0, 2.0});
+}
+
+TEST_CASE("a stop during a shot ends the campaign behind it; the shot is stored", "[run]") {
+  const StopOnSignal guard;
+  Campaign c(4);
+  c.rig.on_fire = [](int number) {
+    if (number == 2) std::raise(SIGINT);
+  };
+  const RunSummary summary = c.run();
+  CHECK(summary.interrupted);
+  CHECK(summary.exit_code() == Exit::interrupted);
+  CHECK(c.rig.fired == 2);
+  CHECK(c.store.shots(1).size() == 2);
+}
+
+TEST_CASE("a stop ends a long pause and the search for a lost rig at once", "[run]") {
+  const StopOnSignal guard;
+  Campaign c(4);
+  c.clock.on_sleep = [] { std::raise(SIGTERM); };
+  SECTION("pause") {
+    c.options.pause = 3600;
+    CHECK(c.run().interrupted);
+    CHECK(c.slept() < 0.1);
+  }
+  SECTION("search") {
+    c.rig.lost_at = 1;
+    c.rig.answers_from = 9;
+    CHECK(c.run().rig_lost);
+    CHECK(c.clock.naps.size() == 1);
+  }
+  CHECK(c.rig.fired == 1);
+}
