@@ -1,5 +1,6 @@
 #include <sys/wait.h>
 
+#include <algorithm>
 #include <catch2/catch.hpp>
 #include <cstdio>
 #include <filesystem>
@@ -19,17 +20,21 @@ std::string block(int number, const std::string& name, const std::string& output
          "<end of output>\nTest time =   0.01 sec\n---\n" + verdict + "\n\n";
 }
 
-std::string closing_line(const std::string& log) {
+std::string dev(const std::string& verb, const std::string& log) {
   const auto path = std::filesystem::path(POWBENCH_BINARY_DIR) / "count-tests.log";
   std::ofstream(path, std::ios::binary) << "Start testing\n---\n" << log << "End testing\n";
   const auto command =
-      "bash '" + (project_root() / "dev").string() + "' count-tests '" + path.string() + "' 2>&1";
+      "bash '" + (project_root() / "dev").string() + "' " + verb + " '" + path.string() + "' 2>&1";
   std::FILE* pipe = popen(command.c_str(), "r");
   REQUIRE(pipe != nullptr);
   std::string said;
   for (int c = std::fgetc(pipe); c != EOF; c = std::fgetc(pipe)) said += static_cast<char>(c);
   REQUIRE(WEXITSTATUS(pclose(pipe)) == 0);
   return said;
+}
+
+std::string closing_line(const std::string& log) {
+  return dev("count-tests", log);
 }
 
 const std::string all_passed = "All tests passed (123 assertions in 12 test cases)\n";
@@ -60,4 +65,26 @@ TEST_CASE("a program that ends without a summary is one failure") {
 TEST_CASE("a program without matching test cases adds nothing") {
   CHECK(closing_line(block(1, "core.slow", "No test cases matched '[.slow]'\n===\nNo tests ran\n",
                            "Test Passed.")) == "0 passed, 0 failed\n");
+}
+
+TEST_CASE("a failed case is named with its sections, once; a program that dies is named too") {
+  const std::string rule(79, '-'), dots(79, '.');
+  const std::string failure =
+      rule + "\na rig that vanishes\n  and stays away\n" + rule + "\nx.cpp:5\n" + dots +
+      "\n\nx.cpp:7: FAILED:\n  CHECK( 1 == 2 )\n\nx.cpp:8: FAILED:\n  CHECK( 1 == 3 )\n" +
+      "test cases: 1 | 1 failed\n";
+  const std::string said = dev("report-cases", block(1, "system", failure, "Test Failed.") +
+                                                   block(2, "core", all_passed, "Test Passed.") +
+                                                   block(3, "dsp", "Segmentation fault\n", "Test Failed."));
+  CHECK(said ==
+        "failed: system: a rig that vanishes / and stays away\nfailed: dsp ended without its summary: Test "
+        "Failed.\n");
+}
+
+TEST_CASE("the ten slowest cases are listed, the slowest first") {
+  std::string cases;
+  for (int i = 1; i <= 12; ++i) cases += std::to_string(i) + ".5 s: case " + std::to_string(i) + "\n";
+  const std::string said = dev("report-cases", block(1, "core", cases + all_passed, "Test Passed."));
+  CHECK(std::count(said.begin(), said.end(), '\n') == 10);
+  CHECK(said.starts_with("slow:    12.5 s  core: case 12\nslow:    11.5 s  core: case 11\n"));
 }
