@@ -130,7 +130,7 @@ Identifiability identifiability(const Jacobian& jac, double prior_deviation) {
       const double scale = std::sqrt(covariance(i, i) * covariance(k, k));
       result.correlation.push_back(scale > 0 ? covariance(i, k) / scale : (i == k ? 1.0 : 0.0));
     }
-  const Eigen::BDCSVD<Eigen::MatrixXd> svd(j);
+  const Eigen::JacobiSVD<Eigen::MatrixXd> svd(j);  // few columns: what BDCSVD itself would use
   for (Eigen::Index i = 0; i < svd.singularValues().size(); ++i)
     result.singular.push_back(svd.singularValues()[i]);
   return result;
