@@ -65,6 +65,7 @@ Refusal FireControl::refuse_unless_rested() {
 
 Refusal FireControl::arm() {
   if (state_ == State::fault) return refuse(Refusal::faulted, reason(fault_));
+  if (!boot_.unfit.empty()) return refuse(Refusal::faulted, boot_.unfit);
   if (state_ == State::firing)
     return refuse(Refusal::wrong_state, "cannot arm while firing: wait for captured, or abort");
   if (const Refusal tired = refuse_unless_rested(); tired != Refusal::accepted) return tired;

@@ -182,8 +182,9 @@ Fault Interlocks::judge_coil(GateView gate) const {
 Fault Interlocks::check(const Block& block, GateView gate) {
   const Fault stream = check_stream(block);
   observe(block);
-  if (over_tripped_) return Fault::coil_overcurrent;
+  // a supply that sags reaches the gate by the same way as the comparator: it is named first
   if (brown_out_) return Fault::brown_out;
+  if (over_tripped_) return Fault::coil_overcurrent;
   if (clock_failed_) return Fault::config_corrupt;
   const Fault coil = judge_coil(gate);
   if (coil != Fault::none && info(coil).watch == Watch::always) return coil;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <string_view>
 #include <type_traits>
 
 /// What outlives a reset: a few words in RAM that start-up code neither clears nor loads. A port places one
@@ -59,6 +60,8 @@ struct BootReport {
   ResetCause cause = ResetCause::power_on;
   Survivor* survivor = nullptr;  ///< kept and written from then on; nullptr: the port has no such memory
   bool stored_config_intact = true;
+  std::string_view
+      unfit{};  ///< why this board must not be armed; empty: it may. Lives as long as the program
 };
 
 }  // namespace powbench::firmware

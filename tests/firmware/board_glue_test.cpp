@@ -284,6 +284,21 @@ TEST_CASE("an abort before the on edge leaves the gate off for good") {
   }
 }
 
+TEST_CASE("after a cancel no edge is left, whatever the timer held") {
+  for (const std::int64_t ahead : {2, 20, 60}) {
+    port::GateTimer timer(board::time_base);
+    Hardware hardware;
+    hardware.run(170'000);
+    timer.take({true, {100 + ahead, 0}, {9000, 0}});
+    timer.take({false, {9000, 0}});
+    hardware.poll(timer);
+    CHECK_FALSE(timer.idle());
+    timer.cancel();
+    CHECK(timer.idle());
+    CHECK(timer.poll(hardware.now + 1).write == port::GateTimer::Write::nothing);
+  }
+}
+
 // --- the controller with a port that needs time ---
 
 TEST_CASE("with a lead, edges are handed out that much earlier and still meet the angle") {

@@ -78,6 +78,30 @@ TEST_CASE("one arm gives one fire", "[fire]") {
   CHECK(b.history.size() == 2);
 }
 
+TEST_CASE("a board that is unfit is never armed, and says why", "[fire]") {
+  Bench b;
+  b.fire_control().boot({.unfit = "option bytes: not as required"});
+  b.run(0.2);
+  CHECK(b.fire_control().arm() == Refusal::faulted);
+  CHECK(b.fire_control().last_error() == "option bytes: not as required");
+  CHECK(b.fire_control().fire() == Refusal::wrong_state);
+  b.fire_control().abort();
+  CHECK(b.fire_control().arm() == Refusal::faulted);
+  b.run(0.2);
+  CHECK(b.history.empty());
+}
+
+TEST_CASE("a sagging supply is named even when the comparator's cut-off comes with it", "[fire][fault]") {
+  Bench b;
+  firmware::Interlocks interlocks(b.controller.config().interlocks);
+  const std::vector<std::int16_t> scans(80);
+  firmware::Block block{.scans = scans, .comparator_trip = true, .brown_out = true};
+  CHECK(interlocks.check(block, {}) == Fault::brown_out);
+  block.first_sample = 10;
+  block.brown_out = false;
+  CHECK(interlocks.check(block, {}) == Fault::coil_overcurrent);
+}
+
 TEST_CASE("set-points out of range are refused, never clamped", "[fire]") {
   Bench b;
   auto& f = b.fire_control();

@@ -62,6 +62,11 @@ class GateTimer {
     }
   }
 
+  /// Forgets every edge; the port has taken the gate off.
+  void cancel() { on_state_ = off_state_ = Edge::none; }
+  /// No edge waits, and none is set.
+  bool idle() const { return on_state_ == Edge::none && off_state_ == Edge::none; }
+
   /// What to write at tick `now`. To be called at least once a block, until it says `nothing`.
   Action poll(std::int64_t now) {
     if (on_state_ == Edge::set && now > on_) on_state_ = Edge::none;

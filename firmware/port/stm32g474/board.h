@@ -20,7 +20,7 @@ inline constexpr std::size_t queue_blocks = 8;
 /// 1.5 cycles each; then the edge has to be in the compare register.
 inline constexpr std::int64_t lead_samples = 20;
 
-inline constexpr std::int64_t record_length = 6800;  ///< scans: 68 ms, 108 800 B
+inline constexpr std::int64_t record_length = 6100;  ///< scans: 61 ms, 97 600 B
 inline constexpr std::int64_t pretrigger = 2000;     ///< scans: one mains cycle at 50 Hz
 
 inline constexpr port::TimeBase time_base{.ticks_per_sample = core_hertz / sample_rate,
@@ -32,6 +32,10 @@ static_assert(port::GateTimer::horizon - port::GateTimer::margin >
 
 // the end of the hold time is held by a 32-bit count
 static_assert(std::int64_t{11} * core_hertz < (std::int64_t{1} << 32));
+
+// ---- memory with parity bits: the first 32 KiB, and the alias of the CCM RAM at the end ----
+
+inline constexpr std::uint32_t parity_low_end = 0x2000'8000, parity_high = 0x2001'8000, ram_end = 0x2002'0000;
 
 // ---- pins ----
 

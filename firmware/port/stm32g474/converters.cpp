@@ -104,7 +104,7 @@ bool Converters::collect(Queue& queue, const port::Alarms& alarms, bool host_hea
 
   const std::int64_t first = samples_;
   samples_ += due == Due::lost ? port::HalfOrder::halves_lost * block_samples : block_samples;
-  if (!whole) return false;
+  if (due == Due::lost) return false;  // the next block tells it by its index
   auto* slot = queue.free_slot();
   if (slot == nullptr) return false;
   std::array<port::ConverterHalf, converters> halves;
@@ -116,9 +116,11 @@ bool Converters::collect(Queue& queue, const port::Alarms& alarms, bool host_hea
   slot->first_sample = first;
   slot->alarms = alarms;
   slot->host_heard = host_heard;
+  // it goes on all the same: a converter that fails for good must not keep the control step from learning of it
+  slot->overrun = !whole;
   port::assemble(halves, channel_sources, slot->scans);
   queue.commit();
-  return true;
+  return whole;
 }
 
 void start_sampling() {
@@ -127,8 +129,8 @@ void start_sampling() {
   Timer& t = tim3();
   t.psc.write(0);
   t.arr.write(time_base.ticks_per_sample - 1);
+  // no update event by software: it would be a trigger, and the converters wait for the first one
   t.cr1.write(Timer::cr1_only_overflow);
-  t.egr.write(Timer::egr_update);
   t.cr2.write(Timer::cr2_trgo_update);
   t.smcr.write(Timer::smcr_start_on_itr0);  // starts with TIM1
   tim1().cnt.write(0);

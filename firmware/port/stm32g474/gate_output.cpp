@@ -1,8 +1,11 @@
 #include "firmware/port/stm32g474/gate_output.h"
 
+#include <atomic>
+
 #include "firmware/port/stm32g474/board.h"
 #include "firmware/port/stm32g474/front_end.h"
 #include "firmware/port/stm32g474/registers/analog.h"
+#include "firmware/port/stm32g474/registers/core.h"
 #include "firmware/port/stm32g474/registers/io.h"
 #include "firmware/port/stm32g474/registers/system.h"
 #include "firmware/port/stm32g474/registers/timer.h"
@@ -16,6 +19,8 @@ constexpr std::uint32_t cut_off_settings = Timer::bdtr_lock_2 | Timer::bdtr_idle
                                            Timer::bdtr_run_driven | Timer::bdtr_break |
                                            Timer::bdtr_break_high;
 constexpr std::uint32_t trip_flags = Timer::sr_break | Timer::sr_break2 | Timer::sr_system_break;
+
+std::atomic<std::uint8_t> cuts{0};  ///< Cut, one bit each
 
 constexpr unsigned end_channel = 8;  ///< of DMA1
 /// What the end of the hold time writes into the output enable's register, without an instruction.
@@ -51,7 +56,6 @@ void set_up_end() {
   t.psc.write(0);
   t.arr.write(0xFFFF'FFFF);
   t.cr1.write(Timer::cr1_only_overflow);
-  t.egr.write(Timer::egr_update);
   t.cr1.set(Timer::cr1_enable);
 }
 
@@ -76,7 +80,7 @@ void set_up_comparators() {
 
 }  // namespace
 
-void hold_gate_low() {
+extern "C" void hold_gate_low() {
   rcc().ahb2enr.set(Rcc::ahb2enr_gpioa);
   (void)rcc().ahb2enr.read();
   gpioa().brr.write(bit(pin_gate));
@@ -95,7 +99,6 @@ void set_up_gate() {
   t.psc.write(0);
   t.arr.write(0xFFFF);
   t.cr1.write(Timer::cr1_only_overflow);
-  t.egr.write(Timer::egr_update);
   set_mode(Timer::oc3_forced_off);
   t.ccer.write(Timer::ccer_ch3);
   t.af1.write(Timer::af1_comp1 | Timer::af1_comp4);
@@ -109,7 +112,34 @@ void set_up_gate() {
   gpioc().mode(pin_charge_pump, PinMode::output);
 }
 
+void enable_cuts() {
+  syscfg().exticr[2].change(Syscfg::exticr3_line_10, Syscfg::exticr3_line_10_port_c);
+  exti().rtsr1.set(Exti::line_pvd | Exti::line_stop);
+  exti().pr1.write(Exti::line_pvd | Exti::line_stop);
+  exti().imr1.set(Exti::line_pvd | Exti::line_stop);
+  nvic().enable(irq_pvd, priority_cut_off);
+  nvic().enable(irq_exti_10_to_15, priority_cut_off);
+}
+
+void cut_gate(Cut cause) {
+  cuts.fetch_or(static_cast<std::uint8_t>(cause), std::memory_order_relaxed);
+  gate_off();
+}
+
+bool cut_by(Cut cause) {
+  return (cuts.load(std::memory_order_relaxed) & static_cast<std::uint8_t>(cause)) != 0;
+}
+
+void forget_cut() {
+  cuts.store(0, std::memory_order_relaxed);
+}
+
+bool gate_open() {
+  return tim1().bdtr.any(Timer::bdtr_output);
+}
+
 void gate_off() {
+  const NoInterrupts whole;
   tim1().bdtr.write(cut_off_settings);
   set_mode(Timer::oc3_forced_off);
   disarm_end();
@@ -120,8 +150,10 @@ bool write_gate(const port::GateTimer::Action& action) {
   using Write = port::GateTimer::Write;
   Timer& t = tim1();
   switch (action.write) {
-    case Write::on_at:
+    case Write::on_at: {
       if (cut_off_tripped()) return false;
+      const NoInterrupts whole;  // a cut comes before all of this or after it
+      if (cuts.load(std::memory_order_relaxed) != 0) return false;
       set_mode(Timer::oc3_forced_off);  // the reference is low whatever was before
       t.ccr[2].write(action.compare);
       set_mode(Timer::oc3_on_at_match);
@@ -129,11 +161,14 @@ bool write_gate(const port::GateTimer::Action& action) {
       t.bdtr.write(cut_off_settings | Timer::bdtr_output);  // the one line that opens the gate's door
       gpioa().bsrr.write(bit(pin_lamp));
       return true;
-    case Write::off_at:
+    }
+    case Write::off_at: {
+      const NoInterrupts whole;
       set_mode(Timer::oc3_frozen);  // the level stays while the compare changes
       t.ccr[2].write(action.compare);
       set_mode(Timer::oc3_off_at_match);
       return true;
+    }
     case Write::off_now:
     case Write::finished:
       gate_off();
@@ -163,3 +198,15 @@ void pump_safety_relay() {
 }
 
 }  // namespace powbench::firmware::stm32g474
+
+extern "C" void stop_handler() {
+  using namespace powbench::firmware::stm32g474;
+  exti().pr1.write(Exti::line_stop);
+  cut_gate(Cut::stop);
+}
+
+extern "C" void pvd_handler() {
+  using namespace powbench::firmware::stm32g474;
+  exti().pr1.write(Exti::line_pvd);
+  cut_gate(Cut::supply);
+}

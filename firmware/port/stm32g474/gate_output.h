@@ -9,7 +9,7 @@
 namespace powbench::firmware::stm32g474 {
 
 /// The pin low as a plain output: for the first instructions after a reset.
-void hold_gate_low();
+extern "C" void hold_gate_low();
 
 /// Timer, comparators, cut-off. The timer does not run yet; the gate is off.
 void set_up_gate();
@@ -17,11 +17,24 @@ void set_up_gate();
 /// Writes what the gate timer decided. False when an on edge was refused because the cut-off is active.
 bool write_gate(const port::GateTimer::Action& action);
 
-/// Gate off now, by two stores.
+/// Gate off now. From any level.
 void gate_off();
+/// The output enable is set: the gate is on, or a compare may switch it on.
+bool gate_open();
+
+/// What takes the gate off from an interrupt, at once: the stop chain and the supply monitor. It stays refused until
+/// forget_cut(), so that no edge that the controller has planned before can open it again.
+enum class Cut : std::uint8_t { stop = 1, supply = 2 };
+void cut_gate(Cut);
+bool cut_by(Cut);
+/// The controller knows.
+void forget_cut();
 
 /// The cut-off has tripped since it was last asked, or its cause still stands.
 bool cut_off_tripped();
+
+/// The interrupts of stop chain and supply monitor, from here on.
+void enable_cuts();
 
 /// Reading of the free-running timer.
 std::uint16_t gate_counter();

@@ -1,6 +1,5 @@
 #include "firmware/port/stm32g474/guard.h"
 
-#include "firmware/port/stm32g474/gate_output.h"
 #include "firmware/port/stm32g474/registers/core.h"
 #include "firmware/port/stm32g474/registers/system.h"
 
@@ -15,7 +14,9 @@ std::string_view take_reset_cause() {
   if (flags & Rcc::csr_iwdg) return "watchdog";
   if (flags & Rcc::csr_wwdg) return "window-watchdog";
   if (flags & Rcc::csr_software) return postmortem.exception != 0 ? "fault" : "software";
-  if (flags & Rcc::csr_bor) return "power";
+  // one flag for both: what the memory kept tells them apart. A supply that was off for so short a time that it kept all
+  // counts as a brown-out, which is the safe side.
+  if (flags & Rcc::csr_bor) return postmortem.kept != 0 ? "brown-out" : "power";
   if (flags & Rcc::csr_low_power) return "low-power";
   if (flags & Rcc::csr_obl) return "option-bytes";
   return "pin";  // every cause pulls the pin too, so that this one alone means the pin
@@ -24,8 +25,8 @@ std::string_view take_reset_cause() {
 ResetCause reset_cause(std::string_view word) {
   if (word == "watchdog" || word == "window-watchdog") return ResetCause::watchdog;
   if (word == "fault" || word == "software") return ResetCause::software;
-  // one flag for power-on and brown-out: the memory tells them apart no better than the flag does
   if (word == "power") return ResetCause::power_on;
+  if (word == "brown-out") return ResetCause::brown_out;
   return ResetCause::pin;
 }
 
@@ -47,11 +48,17 @@ CrashCause crash_cause(std::uint32_t exception) {
 }
 
 void start_supply_monitor() {
-  pwr().cr2.change(Pwr::cr2_pls, 6U << 1);
+  pwr().cr2.change(Pwr::cr2_pls, Pwr::cr2_pls_2v9);
   pwr().cr2.set(Pwr::cr2_pvde);
-  exti().rtsr1.set(Exti::line_pvd);
-  exti().imr1.set(Exti::line_pvd);
-  nvic().enable(irq_pvd, priority_cut_off);
+}
+
+std::string_view option_byte_error() {
+  const std::uint32_t options = flash().optr.read();
+  if ((options & Flash::optr_bor) != Flash::optr_bor_level_4)
+    return "option bytes: the brown-out level is not 4 (2.8 V): set it as docs/board.md says, then restart";
+  if ((options & Flash::optr_no_parity) != 0)
+    return "option bytes: the RAM parity check is off: set it as docs/board.md says, then restart";
+  return {};
 }
 
 bool supply_low() {
@@ -76,9 +83,3 @@ void feed_watchdog() {
 }
 
 }  // namespace powbench::firmware::stm32g474
-
-extern "C" void pvd_handler() {
-  using namespace powbench::firmware::stm32g474;
-  exti().pr1.write(Exti::line_pvd);
-  gate_off();
-}

@@ -12,6 +12,7 @@ namespace powbench::firmware::stm32g474 {
 /// Lives in memory that no start clears: what happened before the reset.
 struct Postmortem {
   std::uint32_t magic;
+  std::uint32_t kept;  ///< 1: this memory has outlived the reset, 0: its content was arbitrary
   std::uint32_t boots;
   std::uint32_t exception;  ///< number of the exception that ended the last run; 0: none did
   std::uint32_t program_counter, link_register;
@@ -29,9 +30,14 @@ std::string_view take_reset_cause();
 ResetCause reset_cause(std::string_view word);
 CrashCause crash_cause(std::uint32_t exception);
 
-/// Supply below some 2.9 V: the gate goes off in hardware, then the interrupt says so.
+/// Supply below some 2.9 V: the gate goes off in hardware, and an interrupt says so. To be called before set_up_gate(),
+/// which locks the monitor's settings together with its way to the break input.
 void start_supply_monitor();
 bool supply_low();
+
+/// Why the option bytes are not as this bench needs them; empty: they are. Needed are brown-out level 4, so that the
+/// processor is in reset before the supply is too low for the converters, and the parity check of the RAM.
+std::string_view option_byte_error();
 
 /// Reset after 100 ms without feed_watchdog(). From its own oscillator, and not to be stopped again.
 void start_watchdog();

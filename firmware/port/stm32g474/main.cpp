@@ -68,6 +68,20 @@ void drive_gate(Board& b) {
   }
 }
 
+/// Off, and nothing left that could go on again, whenever the controller says that the gate must be low: an edge it has
+/// given out stays in the timer for up to 300 us. After every block and every command.
+void hold_inhibited_gate(Board& b) {
+  if (!b.controller.fire_control().gate_inhibited() || (b.gate.idle() && !gate_open())) return;
+  b.gate.cancel();
+  gate_off();
+}
+
+/// Around every access of the main loop to the controller.
+void controller_lock(bool held) {
+  if (!held) hold_inhibited_gate(board());
+  hold_off_controller(held);
+}
+
 /// What a client sees of the board itself. The texts live as long as the program.
 struct Identity {
   Text serial, boot, fault;
@@ -117,8 +131,8 @@ using namespace powbench::firmware::stm32g474;
 extern "C" void samples_handler() {
   Board& b = board();
   const bool refused = b.gate_refused.exchange(false);
-  const port::Alarms alarms{.stop_open = stop_open(),
-                            .supply_low = supply_low(),
+  const port::Alarms alarms{.stop_open = stop_open() || cut_by(Cut::stop),
+                            .supply_low = supply_low() || cut_by(Cut::supply),
                             .cut_off = cut_off_tripped() || refused,
                             .no_crystal = !b.may_fire};
   b.converters.collect(b.queue, alarms, b.host_heard.exchange(false));
@@ -130,9 +144,15 @@ extern "C" void samples_handler() {
 extern "C" void control_handler() {
   Board& b = board();
   while (const auto* slot = b.queue.front()) {
-    for (const GateEdge& edge : b.controller.control(slot->block())) b.gate.take(edge);
+    Block block = slot->block();
+    block.late = b.converters.samples() - block.first_sample - block.samples();
+    for (const GateEdge& edge : b.controller.control(block)) b.gate.take(edge);
+    // the controller has seen it: no edge of before is left
+    const bool cut_known = slot->alarms.stop_open || slot->alarms.supply_low;
     b.queue.release();
+    hold_inhibited_gate(b);
     drive_gate(b);
+    if (cut_known) forget_cut();
     // in fault the relay drops: a coil that stays on with its gate off has no other way to go off
     if (b.controller.fire_control().state() != State::fault) pump_safety_relay();
     b.progress.moved(port::Progress::control);
@@ -152,14 +172,16 @@ extern "C" [[noreturn]] void run_bench() {
   const auto cause = take_reset_cause();
   start_watchdog();
   const bool crystal = start_clock();
-  set_up_gate();
   start_supply_monitor();
+  set_up_gate();
+  enable_cuts();
   feed_watchdog();
 
   static Identity identity;
   Board& b = board();
   b.may_fire = crystal;
-  b.controller.fire_control().boot({.cause = reset_cause(cause), .survivor = &survivor});
+  b.controller.fire_control().boot(
+      {.cause = reset_cause(cause), .survivor = &survivor, .unfit = option_byte_error()});
   const iiod::Context context{.description = "powbench on NUCLEO-G474RE",
                               .attributes = identify(identity, crystal, cause),
                               .devices = b.device_list,

@@ -1,6 +1,7 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "firmware/port/stm32g474/board.h"
 #include "firmware/port/stm32g474/gate_output.h"
 #include "firmware/port/stm32g474/guard.h"
 #include "firmware/port/stm32g474/registers/core.h"
@@ -16,14 +17,41 @@ extern "C" {
 extern std::uint32_t stack_bottom[], stack_top[], data_start[], data_end[], bss_start[], bss_end[];
 extern const std::uint32_t data_image[];
 
+[[noreturn]] void start_up();
 [[noreturn]] void fault_reset(std::uint32_t frame);
+void stop_handler();
 void control_handler();
 void background_handler();
 void samples_handler();
 void pvd_handler();
 
-[[noreturn]] void reset_handler() {
-  hold_gate_low();
+// Gate low first. Then every word of RAM that has a parity bit is written, because after power-on reading one that nothing
+// has written is an error: the first 32 KiB, and the CCM RAM at the end. What outlives a reset lies between the two.
+static_assert(parity_low_end == 0x2000'8000 && parity_high == 0x2001'8000 && ram_end == 0x2002'0000);
+[[gnu::naked]] void reset_handler() {
+  asm volatile(
+      "bl hold_gate_low\n\t"
+      "movs r0, #0\n\t"
+      "movs r1, #0\n\t"
+      "movt r1, #0x2000\n\t"
+      "movw r2, #0x8000\n\t"
+      "movt r2, #0x2000\n"
+      "1:\n\t"
+      "str r0, [r1], #4\n\t"
+      "cmp r1, r2\n\t"
+      "bne 1b\n\t"
+      "movw r1, #0x8000\n\t"
+      "movt r1, #0x2001\n\t"
+      "movs r2, #0\n\t"
+      "movt r2, #0x2002\n"
+      "2:\n\t"
+      "str r0, [r1], #4\n\t"
+      "cmp r1, r2\n\t"
+      "bne 2b\n\t"
+      "b start_up");
+}
+
+[[noreturn]] void start_up() {
   scb().vtor.write(0x0800'0000);
   cpacr().set(cpacr_fpu);
   asm volatile("dsb\n\tisb");
@@ -31,7 +59,9 @@ void pvd_handler();
   for (std::uint32_t* to = data_start; to != data_end;) *to++ = *from++;
   for (std::uint32_t* to = bss_start; to != bss_end;) *to++ = 0;
   scb().shcsr.set(Scb::shcsr_usage_bus_memory);
-  if (postmortem.magic != postmortem_magic) postmortem = {}, postmortem.magic = postmortem_magic;
+  const bool kept = postmortem.magic == postmortem_magic;
+  if (!kept) postmortem = {}, postmortem.magic = postmortem_magic;
+  postmortem.kept = kept ? 1 : 0;
   ++postmortem.boots;
   run_bench();
 }
@@ -90,6 +120,7 @@ constexpr VectorTable make_vectors() {
   table.exceptions[13] = control_handler;  // PendSV
   table.interrupts[irq_pvd] = pvd_handler;
   table.interrupts[irq_dma1_channel5] = samples_handler;
+  table.interrupts[irq_exti_10_to_15] = stop_handler;
   table.interrupts[irq_background] = background_handler;
   return table;
 }

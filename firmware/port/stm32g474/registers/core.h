@@ -42,7 +42,13 @@ inline Nvic& nvic() {
 
 /// Positions in the interrupt part of the vector table.
 /// `irq_background` is the random generator's, which is off: software alone pends it.
-enum Irq : unsigned { irq_pvd = 1, irq_dma1_channel5 = 15, irq_background = 90, irq_count = 102 };
+enum Irq : unsigned {
+  irq_pvd = 1,
+  irq_dma1_channel5 = 15,
+  irq_exti_10_to_15 = 40,
+  irq_background = 90,
+  irq_count = 102
+};
 
 /// The upper four bits of a priority count; a small number goes first. Control step
 /// and background have the lowest: everything that must not wait interrupts them, and `controller_lock` keeps out nothing
@@ -51,9 +57,18 @@ inline constexpr std::uint8_t priority_cut_off = 0x00, priority_samples = 0x40, 
                               priority_background = 0xE0;
 
 /// Keeps control step and background out while the main loop touches the controller.
-inline void controller_lock(bool held) {
+inline void hold_off_controller(bool held) {
   const std::uint32_t level = held ? priority_control : 0U;
   asm volatile("msr basepri, %0\n\tisb" : : "r"(level) : "memory");
 }
+
+/// Keeps every interrupt out while it lives: for a few instructions only.
+class NoInterrupts {
+ public:
+  NoInterrupts() { asm volatile("cpsid i" : : : "memory"); }
+  ~NoInterrupts() { asm volatile("cpsie i" : : : "memory"); }
+  NoInterrupts(const NoInterrupts&) = delete;
+  NoInterrupts& operator=(const NoInterrupts&) = delete;
+};
 
 }  // namespace powbench::firmware::stm32g474

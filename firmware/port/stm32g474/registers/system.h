@@ -41,12 +41,14 @@ inline Rcc& rcc() {
   return at<Rcc>(0x4002'1000);
 }
 
-/// Only the access control register is used: nothing is written to the flash.
 struct Flash {
-  Register acr;
+  Register acr, pdkeyr, keyr, optkeyr, sr, cr, eccr, reserved_1c, optr;
   static constexpr std::uint32_t acr_latency = 15U, acr_prefetch = bit(8), acr_icache = bit(9),
                                  acr_dcache = bit(10);
+  /// Option bytes as loaded: brown-out level 0 .. 4 in three bits; RAM parity check, 0 = on.
+  static constexpr std::uint32_t optr_bor = 7U << 8, optr_bor_level_4 = 4U << 8, optr_no_parity = bit(24);
 };
+static_assert(offsetof(Flash, cr) == 0x14 && offsetof(Flash, optr) == 0x20);
 inline Flash& flash() {
   return at<Flash>(0x4002'2000);
 }
@@ -54,7 +56,7 @@ inline Flash& flash() {
 struct Pwr {
   Register cr1, cr2, cr3, cr4, sr1, sr2, scr, reserved_1c, pull[14], reserved_58[10], cr5;
   static constexpr std::uint32_t cr1_vos = 3U << 9, cr1_vos_range_1 = 1U << 9;
-  static constexpr std::uint32_t cr2_pvde = bit(0), cr2_pls = 7U << 1;
+  static constexpr std::uint32_t cr2_pvde = bit(0), cr2_pls = 7U << 1, cr2_pls_2v9 = 6U << 1;
   static constexpr std::uint32_t sr2_vosf = bit(10), sr2_pvdo = bit(11);
   static constexpr std::uint32_t cr5_r1mode = bit(8);  ///< 0 = boost, needed above 150 MHz
 };
@@ -68,6 +70,8 @@ struct Syscfg {
   /// What else trips the break input of the advanced timers: core lock-up, RAM parity, voltage detector, flash ECC.
   static constexpr std::uint32_t cfgr2_lockup = bit(0), cfgr2_parity = bit(1), cfgr2_pvd = bit(2),
                                  cfgr2_ecc = bit(3);
+  /// Line 10 follows port C.
+  static constexpr std::uint32_t exticr3_line_10 = 15U << 8, exticr3_line_10_port_c = 2U << 8;
 };
 static_assert(offsetof(Syscfg, exticr) == 0x08 && offsetof(Syscfg, cfgr2) == 0x1C && sizeof(Syscfg) == 0x28);
 inline Syscfg& syscfg() {
@@ -76,7 +80,7 @@ inline Syscfg& syscfg() {
 
 struct Exti {
   Register imr1, emr1, rtsr1, ftsr1, swier1, pr1;
-  static constexpr std::uint32_t line_pvd = bit(16);
+  static constexpr std::uint32_t line_stop = bit(10), line_pvd = bit(16);
 };
 static_assert(offsetof(Exti, rtsr1) == 0x08 && offsetof(Exti, pr1) == 0x14);
 inline Exti& exti() {

@@ -11,7 +11,6 @@ struct Timer {
   static constexpr std::uint32_t cr2_trgo_enable = 1U << 4, cr2_trgo_update = 2U << 4;
   static constexpr std::uint32_t smcr_start_on_itr0 = 6U;
   static constexpr std::uint32_t sr_break = bit(7), sr_break2 = bit(8), sr_system_break = bit(13);
-  static constexpr std::uint32_t egr_update = bit(0);
   static constexpr std::uint32_t dier_ch1_dma = bit(9);
   /// Mode of compare channel 3, in ccmr2.
   static constexpr std::uint32_t oc3_mode = 7U << 4 | bit(16), oc3_frozen = 0, oc3_on_at_match = 1U << 4,

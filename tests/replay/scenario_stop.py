@@ -1,0 +1,104 @@
+"""From a cause to the gate off: stop chain, abort, overcurrent, supply, clock, at every place around the edges."""
+
+from bench import Bench, branch
+from cpu import HERTZ, US
+
+LIMIT = 120.0  # us, faults.h: stop, overcurrent, lost samples, supply
+BY_WIRE = 400.0  # us from the last byte: the estimate of each millisecond and the steps come first
+
+
+def edges(b):
+    """Ticks of the on and off edge that come if nothing is done."""
+    (ending, found), = branch([lambda: (b.wait_gate(1), b.wait_gate(0), b.chip.gate_edges)[2]])
+    assert ending == "done" and len(found) == 2, found
+    return found[0][0], found[1][0]
+
+
+def worst(b, ticks, act, report):
+    """act(b) at each of the ticks: longest time in us that the gate was on after it, and the place; late edges count too."""
+
+    def case(tick):
+        b.cpu.run(tick)
+        act(b)
+        cause = b.chip.now
+        b.run_us(1500)
+        on_until = [t for t, level in b.chip.gate_edges if not level and t > cause]
+        time = (on_until[-1] - cause) / US if on_until else 0.0
+        return float("inf") if b.chip.gate() else time, b.chip.rules
+
+    found = branch([lambda t=t: case(t) for t in ticks])
+    bad = [value for ending, value in found if ending != "done"]
+    if bad:
+        return float("inf"), bad[0].strip().splitlines()[-1]
+    times = [value[0] for _, value in found]
+    for _, value in found:
+        report.rules.update(value[1])
+    at = max(range(len(times)), key=times.__getitem__)
+    return times[at], f"{len(times)} cases, worst {times[at]:.1f} us"
+
+
+def causes():
+    def stop(b):
+        b.world.open_stop()
+
+    def short_stop(b):
+        """Opens for 20 us: shorter than a block."""
+        b.world.open_stop()
+        b.run_us(20)
+        b.world.open_stop(False)
+
+    def abort(b):
+        b.world.send("WRITE contactor-ctl abort 1\r\n1")
+        b.cpu.run(b.world.line_free)
+
+    def supply(b):
+        b.chip.pwr.set_supply(2.75)
+
+    def current(b):
+        b.world.force_current(1.95)
+
+    def negative(b):
+        b.world.force_current(-1.95)
+
+    def clock(b):
+        b.chip.rcc.crystal_stops()
+    return (("stop chain opens", stop, LIMIT), ("stop chain opens for 20 us", short_stop, LIMIT),
+            ("abort by wire", abort, BY_WIRE), ("supply falls", supply, 1.0), ("current +1.95 A", current, 1.0),
+            ("current -1.95 A", negative, 1.0), ("crystal stops", clock, 1.0))
+
+
+def run(image, report):
+    b = Bench(image).boot()
+    b.arm(hold_ms=4)
+    b.fire()
+    on, off = edges(b)
+    # around the on edge, in the middle, and around the end, in steps that wander through the block of 100 us
+    places = {"before the on edge": [on - round(k * 17.3 * US) for k in range(1, 19, 2)],
+              "behind the on edge": [on + round((5 + k * 17.3) * US) for k in range(0, 10, 2)],
+              "before the off edge": [off - round(k * 17.3 * US) for k in range(1, 28, 2)]}
+    for name, act, limit in causes():
+        for place, ticks in places.items():
+            time, text = worst(b, ticks if limit > 1 else ticks[::4], act, report)
+            report.verdict(f"{name} {place}: gate off", text, time <= limit)
+    report.rules.update(b.chip.rules)
+
+
+def lost_samples(image, report):
+    """A converter whose results nobody fetches any more, a DMA channel that stands still: energised."""
+    def stall(b):
+        b.chip.adc[1].stalled = True
+
+    def dead(b):
+        b.chip.dma.dead.add(2)
+
+    for name, act in (("converter overrun", stall), ("DMA channel stands still", dead)):
+        b = Bench(image).boot()
+        b.energise(hold_ms=20)
+        b.world.wait(2)
+        cause = b.chip.now
+        act(b)
+        b.run_us(400)
+        time = b.off_after(cause)
+        report.verdict(f"{name}: gate off", f"{time:.1f} us" if time is not None else "on", time is not None and time <= LIMIT)
+        report.verdict(f"{name}: fault", b.ctl("fault"), b.ctl("fault") == "7 samples_lost")
+        report.rules.update(b.chip.rules)
