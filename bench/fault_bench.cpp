@@ -108,7 +108,7 @@ void FaultBench::sample(std::int16_t* scan) {
   // a triac goes on conducting until its current passes through zero
   const bool zero =
       flow * wave[(lagging + static_cast<std::size_t>(cycle) - 1) % static_cast<std::size_t>(cycle)] <= 0;
-  const bool supplied = fire_control().relay_closed() && !c.coil_open;
+  const bool supplied = (fire_control().relay_closed() || c.relay_stuck) && !c.coil_open;
   world.conducts = supplied && (world.pin || c.switch_stuck || (world.conducts && !zero));
   const auto moved = world.conducted + (world.conducts ? 1 : -1);
   world.conducted = std::clamp<std::int64_t>(moved, 0, closing_samples + opening_samples);

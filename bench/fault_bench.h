@@ -27,6 +27,7 @@ struct FaultBench {
     bool coil_shorted = false;   ///< the converter reads far more than the trip level
     bool comparator = false;     ///< the same, seen by the comparator, which cuts the pin
     bool switch_stuck = false;   ///< coil switch conducts without a gate
+    bool relay_stuck = false;    ///< the safety relay does not open
     bool contact_stuck = false;  ///< contact closed whatever the coil does
     bool laser_out = false;      ///< laser beyond its range
     bool force_clipped = false;  ///< film A at full scale

@@ -48,6 +48,10 @@ int read_label(const void*, std::uint32_t channel, Text& out) {
 int read_zero(const void*, std::uint32_t, Text& out) {
   return out.put('0'), 0;
 }
+/// (raw + offset) * scale: the reading at zero, with the other sign.
+int read_offset(const void* self, std::uint32_t channel, Text& out) {
+  return out.put_int(-calibration(self, channel).zero_counts), 0;
+}
 int read_delay(const void* self, std::uint32_t channel, Text& out) {
   return out.put_int(calibration(self, channel).delay_ns), 0;
 }
@@ -67,13 +71,13 @@ constexpr std::array force_attributes{Attribute{"charge_sensitivity", read_sensi
                                       Attribute{"delay_ns", read_delay, nullptr, C},
                                       Attribute{"film_area", read_film_area, nullptr, C},
                                       Attribute{"label", read_label, nullptr, C},
-                                      Attribute{"offset", read_zero, nullptr, C},
+                                      Attribute{"offset", read_offset, nullptr, C},
                                       Attribute{"raw", read_raw, nullptr, C},
                                       Attribute{"scale", read_scale, nullptr, C}};
 template <std::uint32_t C>
 constexpr std::array plain_attributes{
     Attribute{"delay_ns", read_delay, nullptr, C}, Attribute{"label", read_label, nullptr, C},
-    Attribute{"offset", read_zero, nullptr, C}, Attribute{"raw", read_raw, nullptr, C},
+    Attribute{"offset", read_offset, nullptr, C}, Attribute{"raw", read_raw, nullptr, C},
     Attribute{"scale", read_scale, nullptr, C}};
 
 template <std::uint32_t C>
@@ -210,6 +214,17 @@ int write_touch_delay(void* self, std::uint32_t, std::string_view value) {
   return us ? to_errno(control_of(self).set_touch_delay_us(*us)) : -iiod::einval;
 }
 
+/// How the last capture of the coil's zero ended; writing 1 captures anew.
+int read_zero_capture(const void* self, std::uint32_t, Text& out) {
+  constexpr std::array<std::string_view, 5> words{"none", "capturing", "done", "current_flows",
+                                                  "offset_too_large"};
+  return out.put(words[static_cast<std::size_t>(bench(self).zero_state())]), 0;
+}
+int write_zero_capture(void* self, std::uint32_t, std::string_view value) {
+  if (parse_int(value) != 1) return -iiod::einval;
+  return to_errno(static_cast<Controller*>(self)->capture_zero());
+}
+
 /// The latched fault: its number in docs/faults.md and its name, or "0 none".
 int read_fault(const void* self, std::uint32_t, Text& out) {
   const Fault fault = control_of(self).fault();
@@ -266,7 +281,8 @@ constexpr std::array control_attributes{
         [](const void* s, std::uint32_t, Text& t) { return t.put_int(control_of(s).touch_delay_us()), 0; },
         write_touch_delay},
     Attribute{"touch_delay_us_available",
-              [](const void*, std::uint32_t, Text& t) { return t.put("[0 1 50000]"), 0; }}};
+              [](const void*, std::uint32_t, Text& t) { return t.put("[0 1 50000]"), 0; }},
+    Attribute{"zero_capture", read_zero_capture, write_zero_capture}};
 
 constexpr std::array trigger_attributes{Attribute{"trigger_now", read_zero, write_fire}};
 

@@ -9,9 +9,12 @@
 
 #include "firmware/config_guard.h"
 #include "firmware/fire_control.h"
+#include "firmware/handover.h"
+#include "firmware/interlock_limits.h"
 #include "firmware/interlocks.h"
 #include "firmware/phase_feed.h"
 #include "firmware/recorder.h"
+#include "firmware/zero_capture.h"
 
 /// One bench controller: everything portable, put together. A port gives it memory, blocks and an output
 /// compare.
@@ -21,22 +24,38 @@ namespace powbench::firmware {
 /// What the front end of one channel is, as told to clients. Integers in decimal fractions: a board has no
 /// printf.
 struct ChannelCalibration {
-  std::int64_t scale_pico = 0;         ///< 1e-12 of the IIO unit per count
+  std::int64_t scale_pico = 0;         ///< 1e-12 of the IIO unit per count; 0: there is no such channel
   std::int64_t delay_ns = 0;           ///< the value shows the quantity this much earlier
   std::int64_t corner_microhertz = 0;  ///< low corner of the charge amplifier, 0 = down to DC
   std::int64_t film_area_pico = 0;     ///< 1e-12 m2, force channels only
   std::int64_t sensitivity_femto = 0;  ///< 1e-15 C/N, force channels only
+  std::int64_t zero_counts = 0;        ///< reading at zero
 };
+using Calibrations = std::array<ChannelCalibration, channel_count>;
+
+/// SI value of a count, and the zero, of each channel.
+constexpr CountScales count_scales(const Calibrations& calibration) {
+  CountScales scales;
+  for (std::size_t i = 0; i < channel_count; ++i) {
+    const ChannelCalibration& c = calibration[i];
+    const double area = channel_table[i].unit == "N" ? static_cast<double>(c.film_area_pico) * 1e-12 : 1.0;
+    scales[i] = {static_cast<double>(c.scale_pico) * 1e-12 * channel_table[i].si_per_iio_unit * area,
+                 static_cast<std::int32_t>(c.zero_counts)};
+  }
+  return scales;
+}
 
 struct ControllerConfig {
   std::int64_t sample_rate = 100'000;   ///< Hz
   std::int64_t record_length = 14'000;  ///< scans
   std::int64_t pretrigger = 4'000;      ///< scans before the gate edge
-  std::array<ChannelCalibration, channel_count> calibration{};
+  Calibrations calibration{};
   std::string_view calibration_id = "none";
   PhaseTrackerConfig phase;
   FireConfig fire;
-  InterlockConfig interlocks;
+  InterlockConfig interlocks;  ///< from `calibration` and `limits` by interlock_config()
+  InterlockLimits limits;
+  ZeroConfig zero;
 };
 
 static_assert(std::is_trivially_copyable_v<ControllerConfig>);
@@ -56,6 +75,7 @@ class Controller {
         guard_({reinterpret_cast<const std::uint8_t*>(&config_), sizeof config_}),
         config_error_(firmware::config_error(config, storage.size())) {
     if (!config_error_.empty()) fire_.config_damaged(true);
+    announce_zero();
   }
   Controller(const Controller&) = delete;
   Controller& operator=(const Controller&) = delete;
@@ -64,6 +84,7 @@ class Controller {
   /// block's time. Edges as FireControl::step().
   std::span<const GateEdge> control(const Block& block) {
     keep_latest(block);
+    if (zero_.take(config_.zero, block)) store_shared(zero_ended_, true);
     if (const auto verdict = load_shared(guard_verdict_); verdict != no_verdict) {
       guard_verdict_ = no_verdict;
       fire_.config_damaged(verdict == damaged || !config_error_.empty());
@@ -74,6 +95,7 @@ class Controller {
   /// What may take longer: phase estimate, checksums of record and configuration. After each block, on a level that
   /// control() may interrupt anywhere; everything else that touches the controller holds both off.
   void background() {
+    if (load_shared(zero_ended_)) end_zero_capture();
     mains_.work();
     recorder_.count_in();
     if (guard_.step()) store_shared(guard_verdict_, guard_.intact() ? intact : damaged);
@@ -102,6 +124,10 @@ class Controller {
     fire_ = memory.fire;
   }
 
+  /// Captures the zero of the coil's channels anew; refused unless the bench rests.
+  Refusal capture_zero();
+  ZeroCapture::State zero_state() const { return zero_.state(); }
+
   const ControllerConfig& config() const { return config_; }
   /// Why the configuration is refused; empty: it is not.
   std::string_view config_error() const { return config_error_; }
@@ -112,6 +138,9 @@ class Controller {
 
  private:
   static constexpr std::uint8_t no_verdict = 0, intact = 1, damaged = 2;
+
+  void announce_zero();
+  void end_zero_capture();
 
   void keep_latest(const Block& block) {
     const auto scan = block.scans.last(channel_count);
@@ -125,6 +154,8 @@ class Controller {
   FireControl fire_;
   ConfigGuard guard_;
   std::uint8_t guard_verdict_ = no_verdict;  ///< from the background, not yet seen
+  ZeroCapture zero_{config_.zero};
+  bool zero_ended_ = false;  ///< a capture has ended, the background has not yet taken it over
   std::string_view config_error_;
   std::array<std::int16_t, channel_count> latest_{};
 };

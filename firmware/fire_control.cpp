@@ -66,6 +66,7 @@ Refusal FireControl::refuse_unless_rested() {
 Refusal FireControl::arm() {
   if (state_ == State::fault) return refuse(Refusal::faulted, reason(fault_));
   if (!boot_.unfit.empty()) return refuse(Refusal::faulted, boot_.unfit);
+  if (!unready_.empty()) return refuse(Refusal::wrong_state, unready_);
   if (state_ == State::firing)
     return refuse(Refusal::wrong_state, "cannot arm while firing: wait for captured, or abort");
   if (const Refusal tired = refuse_unless_rested(); tired != Refusal::accepted) return tired;
@@ -149,6 +150,11 @@ Refusal FireControl::set_touch_delay_us(std::int64_t us) {
   if (state_ == State::firing) return refuse(Refusal::wrong_state, "touch delay cannot change while firing");
   touch_delay_us_ = us;
   return Refusal::accepted;
+}
+
+void FireControl::current_at_rest() {
+  if (state_ != State::fault)
+    trip(was_energised_ ? Fault::coil_stuck_on : Fault::reset_while_energised, next_sample_);
 }
 
 void FireControl::config_damaged(bool damaged) {

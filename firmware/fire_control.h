@@ -59,6 +59,13 @@ class FireControl {
   /// otherwise it is switched so much earlier that the contact touches there.
   Refusal set_touch_delay_us(std::int64_t us);
 
+  /// Why a shot cannot begin yet, found by the controller; empty: it may. The text lives as long as the program.
+  void set_unready(std::string_view why) { unready_ = why; }
+  /// Current flows though gate and safety relay are open, right after a start or at a capture of the zero.
+  void current_at_rest();
+  /// Gate off, current and contact at rest.
+  bool at_rest() const { return gate_.idle() && !settling(); }
+
   /// The configuration is not what it was at the start (the controller checks its CRC).
   void config_damaged(bool damaged);
 
@@ -73,8 +80,11 @@ class FireControl {
   /// The gate pin must be low, whatever edges the timer still holds. A port applies it after every command
   /// and every block (timer break), so that an abort is not one block late.
   bool gate_inhibited() const { return state_ != State::firing; }
-  /// The safety relay in the coil's supply shall be closed.
-  bool relay_closed() const { return relay_closed_; }
+  /// The safety relay in the coil's supply shall be closed: from arm to the end of the shot, and never in a fault that
+  /// needs it open.
+  bool relay_closed() const {
+    return relay_closed_ && (state_ == State::armed || state_ == State::firing || !gate_.idle());
+  }
   /// The last shot is still ending by itself: current dies out, contact opens. Bounded by the weld time.
   bool settling() const;
   /// Nothing may be written to flash: the supply sags or the coil is on.
@@ -117,6 +127,7 @@ class FireControl {
   State state_ = State::idle;
   Fault fault_ = Fault::none;
   std::string_view last_error_ = "no error";
+  std::string_view unready_{};
   CentiDegrees closing_angle_ = 0;
   std::int64_t hold_time_ms_ = 100;
   std::int64_t touch_delay_us_ = 0;

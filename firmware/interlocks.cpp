@@ -118,10 +118,12 @@ void Interlocks::observe_sensors(const Block& block) {
 }
 
 void Interlocks::observe_current(const Block& block) {
+  if (!current_known_) return;
   const InterlockConfig& c = *config_;
   const std::int64_t first = next_sample_ - block_length_;
   const Backwards current(block, Channel::coil_current);
-  const auto flows = [&](std::int32_t v) { return magnitude(v) > c.no_current_counts; };
+  const std::int32_t zero = c.current_zero_counts;
+  const auto flows = [&](std::int32_t v) { return magnitude(v - zero) > c.no_current_counts; };
   const std::int32_t last = current.last(flows);
   if (last < 0) {  // the trip level is above this one
     over_ = 0;
@@ -136,10 +138,10 @@ void Interlocks::observe_current(const Block& block) {
   // one sample of any two neighbours is looked at; only when that is above the level are all of them
   bool above = over_ > 0;
   for (std::int32_t i = current.count - 1; i >= 0 && !above; i -= 2)
-    above = magnitude(block.at(i, Channel::coil_current)) > c.overcurrent_counts;
+    above = magnitude(block.at(i, Channel::coil_current) - zero) > c.overcurrent_counts;
   if (!above) return;
   for (std::int32_t i = 0; i < current.count; ++i) {
-    over_ = magnitude(block.at(i, Channel::coil_current)) > c.overcurrent_counts ? over_ + 1 : 0;
+    over_ = magnitude(block.at(i, Channel::coil_current) - zero) > c.overcurrent_counts ? over_ + 1 : 0;
     if (over_ >= 2) over_tripped_ = true;
   }
 }

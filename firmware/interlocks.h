@@ -9,14 +9,15 @@
 
 namespace powbench::firmware {
 
-/// Thresholds in converter counts and samples, worked out once by the port from its front end.
+/// Thresholds in converter counts and samples: see interlock_config().
 struct InterlockConfig {
-  std::int32_t overcurrent_counts = 0;  ///< |i| above it for two samples running trips
-  std::int32_t no_current_counts = 0;   ///< |i| that proves that current flows
-  std::int64_t no_current_samples = 0;  ///< time allowed without current while the gate is on
-  std::int64_t stuck_on_samples = 0;    ///< time allowed after the gate opened until current has ended
-  std::int32_t mains_lost_counts = 0;   ///< |mains| that proves that mains is there
-  std::int64_t mains_lost_samples = 0;  ///< longest time without it (1.5 half-cycles)
+  std::int32_t overcurrent_counts = 0;   ///< |i| above it for two samples running trips
+  std::int32_t current_zero_counts = 0;  ///< reading at no current
+  std::int32_t no_current_counts = 0;    ///< |i| that proves that current flows
+  std::int64_t no_current_samples = 0;   ///< time allowed without current while the gate is on
+  std::int64_t stuck_on_samples = 0;     ///< time allowed after the gate opened until current has ended
+  std::int32_t mains_lost_counts = 0;    ///< |mains| that proves that mains is there
+  std::int64_t mains_lost_samples = 0;   ///< longest time without it (1.5 half-cycles)
 
   std::int64_t heartbeat_samples = 25'000;  ///< longest silence of the host while energised, 250 ms
   std::int32_t contact_open_counts = 0;     ///< contact voltage that proves it open; 0: contact not watched
@@ -56,6 +57,9 @@ class Interlocks {
   /// The cause of a latched fault is still there.
   bool present(Fault) const;
 
+  /// False while the zero of the current is not known: then no current is seen, and nothing may be armed.
+  void current_known(bool yes) { current_known_ = yes; }
+
   /// The coil has carried no current for a quarter of the stuck-on time.
   bool coil_quiet(std::int64_t sample) const {
     return sample - last_current_ > config_->stuck_on_samples / 4;
@@ -94,6 +98,7 @@ class Interlocks {
   std::int64_t counter_ = -1;
   std::int16_t kept_first_[channel_count]{}, kept_last_[channel_count]{};  ///< scans of the block before
   int over_ = 0;
+  bool current_known_ = true;
   bool over_tripped_ = false;
   bool emergency_stop_ = false, brown_out_ = false, clock_failed_ = false;
   std::uint8_t marks_ = 0;

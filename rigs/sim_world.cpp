@@ -16,10 +16,6 @@ constexpr std::int64_t batch_blocks = 20;   // handed over at once while no edge
 constexpr double warm_up_least = 0.100;     // s: pre-trigger and the phase tracker's memory
 constexpr double warm_up_most = 0.500;      // s: after that the firmware may say why it does not fire
 
-std::int32_t counts(double si, double si_per_count) {
-  return static_cast<std::int32_t>(std::lrint(si / si_per_count));
-}
-
 firmware::ControllerConfig controller_config(const SimRigConfig& rig, std::string_view calibration_id) {
   const auto scales = channel_scales(rig.sensors, rig.sample_rate);
   firmware::ControllerConfig c;
@@ -39,25 +35,14 @@ firmware::ControllerConfig controller_config(const SimRigConfig& rig, std::strin
     out.sensitivity_femto = std::llrint(rig.sensors.charge_sensitivity * 1e15);
   }
   const double mains_scale = scales[index(Channel::mains_voltage)].si_per_count;
-  const double current_scale = scales[index(Channel::coil_current)].si_per_count;
   const auto samples = [&](double seconds) { return std::llrint(seconds * rig.sample_rate); };
   c.phase.sample_rate = static_cast<float>(rig.sample_rate);
   c.phase.nominal_amplitude = static_cast<float>(230.0 * std::sqrt(2.0) / mains_scale);
   c.fire.sample_rate = c.sample_rate;
   c.fire.phase_timeout_samples = samples(1.0);
   c.fire.quiet_samples = samples(0.005);
-  c.interlocks.overcurrent_counts = counts(1.8, current_scale);
-  c.interlocks.no_current_counts = counts(0.006, current_scale);
-  c.interlocks.no_current_samples = samples(0.0048);
-  c.interlocks.stuck_on_samples = samples(0.025);
-  c.interlocks.mains_lost_counts = counts(0.2 * 230.0 * std::sqrt(2.0), mains_scale);
-  c.interlocks.mains_lost_samples = samples(0.016);
-  c.interlocks.heartbeat_samples = samples(0.250);
-  c.interlocks.contact_open_counts =
-      counts(0.5 * rig.sensors.contact_open_voltage, scales[index(Channel::contact_a)].si_per_count);
-  c.interlocks.contact_open_samples = samples(0.002);
-  c.interlocks.weld_samples = samples(0.100);
-  c.interlocks.implausible_samples = samples(0.005);
+  c.limits.contact_open_volts = 0.5 * rig.sensors.contact_open_voltage;
+  c.interlocks = firmware::interlock_config(c.limits, firmware::count_scales(c.calibration), rig.sample_rate);
   // no pause between shots and no shots a minute: every shot here has a device at rest, and no time passes
   // between shots
   return c;

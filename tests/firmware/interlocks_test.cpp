@@ -88,10 +88,31 @@ TEST_CASE("memory that a power-on left behind is not believed", "[fault]") {
   CHECK(b.fire_control().state() == State::idle);
 }
 
+TEST_CASE("the safety relay is in from arm to the end of the shot only", "[fault]") {
+  FaultBench b;
+  b.run(10'000);
+  CHECK_FALSE(b.fire_control().relay_closed());
+  REQUIRE(b.fire_control().arm() == firmware::Refusal::accepted);
+  CHECK(b.fire_control().relay_closed());
+  CHECK(b.fire_control().disarm() == firmware::Refusal::accepted);
+  CHECK_FALSE(b.fire_control().relay_closed());
+  REQUIRE(b.fire_control().arm() == firmware::Refusal::accepted);
+  b.run(10'000);
+  REQUIRE(b.fire_control().fire() == firmware::Refusal::accepted);
+  bool open = false;
+  while (b.fire_control().state() == State::firing) {
+    open = open || !b.fire_control().relay_closed();
+    b.step();
+  }
+  CHECK_FALSE(open);
+  CHECK(b.fire_control().state() == State::captured);
+  CHECK_FALSE(b.fire_control().relay_closed());
+}
+
 TEST_CASE("coil current in the first block after a reset is a fault by itself", "[fault]") {
   FaultBench b;
   b.world.next = 500;  // current at its crest
-  b.world.causes.switch_stuck = true;
+  b.world.causes.switch_stuck = b.world.causes.relay_stuck = true;
   b.step();
   CHECK(b.fire_control().fault() == Fault::reset_while_energised);
 }

@@ -81,7 +81,7 @@ TEST_CASE("READ of all attributes packs them in order, padded to four", "[iiod]"
     at += (n + 3) / 4 * 4;
   }
   CHECK(at == line + 1 + total);
-  CHECK(values[values.size() - 3] == "idle armed firing captured fault");
+  CHECK(values[values.size() - 4] == "idle armed firing captured fault");
 }
 
 TEST_CASE("WRITE of all attributes follows the same packing", "[iiod]") {

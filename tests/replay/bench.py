@@ -36,7 +36,8 @@ class Bench:
         self.chip = Chip(image.bytes, self.world, **options)
         self.cpu = self.chip.cpu
 
-    def boot(self, milliseconds=40):
+    def boot(self, milliseconds=125):
+        """Until the zero of the current has been captured, 0.1 s."""
         self.world.wait(milliseconds)
         return self
 

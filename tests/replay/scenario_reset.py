@@ -34,7 +34,7 @@ def supply(image, report):
             case.energise(hold_ms=50)
         edges = len(case.chip.gate_edges)
         case.chip.power_cycle(ram)
-        case.world.wait(40)
+        case.world.wait(125)
         gate = case.chip.gate_edges[edges:]
         return case.ctl("last_reset"), case.ctl("fault"), gate, acknowledged(case) if case.ctl("fault") != "0 none" else True
 
@@ -58,7 +58,7 @@ def options(image, report):
         report.verdict(f"option bytes {what}: not armed", f"{answer}, {text}",
                        answer == -1 and text.startswith("option bytes:") and b.ctl("state") == "idle")
         b.command("fire")
-        b.world.wait(40)
+        b.world.wait(125)
         report.verdict(f"option bytes {what}: gate low", len(b.chip.gate_edges), not b.chip.gate_edges)
 
 
@@ -82,7 +82,7 @@ def hang(image, report):
         report.verdict(f"{function} hangs: watchdog", b.chip.resets, reset and b.chip.resets[0][1] == "watchdog")
         late = (off[0] - on) / HERTZ * 1e3 if off else float("inf")
         report.verdict(f"{function} hangs: gate off at the end of the hold time", f"{late:.3f} ms of 20", late <= 20.02)
-        b.world.wait(40)
+        b.world.wait(125)
         report.verdict(f"{function} hangs: known afterwards", (b.ctl("last_reset"), b.ctl("fault")),
                        b.ctl("last_reset") == "watchdog" and b.ctl("fault") == fault and acknowledged(b))
         report.rules.update(b.chip.rules)
@@ -119,7 +119,7 @@ def crash(image, report):
         b.cpu.uc.ctl_remove_cache(address, address + 6)
         time = (off - entry[0]) / US if entry else float("inf")
         report.verdict(f"{name}: gate off behind the handler's entry", f"{time:.2f} us", found and reset and time < 1.0)
-        b.world.wait(40)
+        b.world.wait(125)
         last = b.ctl("last_reset")
         report.verdict(f"{name}: known afterwards", f"{last}; {b.ctl('fault')}",
                        word in last and "software" in last and b.ctl("fault") == "11 crash_reset" and acknowledged(b))
@@ -135,6 +135,6 @@ def stop_clock(image, report):
     b.run_us(50)
     report.verdict("crystal stops: gate off", f"{b.off_after(cause):.2f} us", b.off_after(cause) <= 1.0)
     b.world.wait_for(lambda: b.chip.resets, 5)
-    b.world.wait(40)
+    b.world.wait(125)
     report.verdict("crystal stops: known afterwards", b.ctl("last_reset"), "nmi" in b.ctl("last_reset"))
     report.rules.update(b.chip.rules)

@@ -7,12 +7,16 @@ import zlib
 
 from bench import DAQ, Bench
 from cpu import HERTZ
+from world import World
 
 CHANNELS = 8
 
 
 def boot(image, report):
-    b = Bench(image).boot()
+    b = Bench(image).boot(40)
+    early = b.command("arm")
+    report.verdict("boot: not armed before the zero is known", f"{early}, {b.ctl('last_error')}", early == -16)
+    b.world.wait(90)
     chip = b.chip
     report.broken("boot: rules broken", b)
     cr2 = chip.pwr.r.get(4, 0)
@@ -124,6 +128,39 @@ def record_angle(scans, edge, offset, hertz):
         s += scans[edge + k][5] * math.sin(w)
         c += scans[edge + k][5] * math.cos(w)
     return math.degrees(math.atan2(c, s)) % 360
+
+
+def with_offsets(image, report):
+    """Offsets as usual sensors have them: the bench starts, fires, and the record's zero is right."""
+    for volts in (0.005, -0.020, 0.060):
+        world = World()
+        world.offset = {"coil_current": volts, "coil_voltage": -volts}
+        b = Bench(image, world).boot(130)
+        name = f"offset {1e3 * volts:+.0f} mV on current and voltage"
+        report.verdict(f"{name}: starts without a fault", b.state(), b.state() == ("idle", "0 none"))
+        offset = int(world.read(f"{DAQ} INPUT current0 offset"))
+        counts = -volts / 3.3 * 65536
+        report.verdict(f"{name}: captured", f"{offset}, true {counts:.0f}", abs(offset - counts) <= 4)
+        b.energise(hold_ms=10)
+        done = world.wait_for(lambda: b.ctl("state") == "captured", 200)
+        report.verdict(f"{name}: shot", b.state(), done)
+
+    world = World()
+    world.offset = {"coil_current": 0.2}
+    b = Bench(image, world).boot(130)
+    answer = b.command("arm")
+    report.verdict("offset +200 mV: not armed", f"{answer}, {b.ctl('last_error')}",
+                   answer == -16 and b.ctl("last_error").startswith("offset of coil current"))
+    world = World()
+    world.shorted = world.relay_welded = True
+    b = Bench(image, world).boot(130)
+    report.verdict("current at rest after the start: fault", b.state(), b.state() == ("fault", "16 reset_while_energised"))
+    b.command("abort")
+    report.verdict("current at rest after the start: not armed", b.command("arm"), b.ctl("state") == "idle")
+    world.shorted = False
+    b.command("zero_capture")
+    world.wait(120)
+    report.verdict("current ended: captured on command", b.ctl("zero_capture"), b.command("arm") == 1)
 
 
 def run(image, report):

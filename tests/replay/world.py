@@ -25,7 +25,7 @@ class World:
         self.shorted = False  # the coil's switch does not open
         self.coil_open = False
         self.welded = False
-        self.relay_follows = True
+        self.relay_welded = False
         self.gate_changes = []  # (s, level)
         self.pump_edges = []  # ticks
         self.received = bytearray()
@@ -65,9 +65,9 @@ class World:
 
     def relay(self, t):
         """The safety relay is in: its pump has moved within the last 10 ms."""
-        if not self.relay_follows:
+        if self.relay_welded:
             return True
-        return bool(self.pump_edges) and t * HERTZ - self.pump_edges[-1] < 0.010 * HERTZ
+        return len(self.pump_edges) > 1 and t * HERTZ - self.pump_edges[-1] < 0.010 * HERTZ
 
     lag = 0.003  # s, of the coil's current behind its voltage
 

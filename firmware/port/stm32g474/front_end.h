@@ -25,8 +25,11 @@ inline constexpr double volts_per_aux = 0.15;     ///< auxiliary input, +-10 V
 inline constexpr double filter_delay = 7.5e-6;    ///< s: two-pole low-pass of 30 kHz, sqrt(2) / (2 pi f)
 inline constexpr double laser_delay = 82e-6;      ///< s: transport delay of the sensor, a setting of its own
 
-inline constexpr double trip_ampere = 1.8;     ///< for two samples running
 inline constexpr double cut_off_ampere = 1.9;  ///< comparators: at once, without the processor
+inline constexpr double largest_offset = 0.1;  ///< V at the pin: more is no offset but a damaged sensor
+
+/// The laser tells of its own range: 0.1 mm from either end it has lost its target.
+inline constexpr InterlockLimits limits{.laser_least_metres = 0.1e-3, .laser_most_metres = 9.9e-3};
 
 // what the coil may be asked for; a contactor's coil draws ten times its holding current until the core is closed
 inline constexpr std::int64_t shots_a_minute = 20;  ///< 1200 an hour, the usual rating of an AC contactor
@@ -81,12 +84,6 @@ constexpr ControllerConfig controller_config() {
   c.calibration[index(Channel::aux)] = calibration(Channel::aux, volts_per_aux * 1e-3, filter_delay);
 
   constexpr double nominal_peak = 230.0 * 1.41421356237;
-  const auto amperes = [](double a) {
-    return static_cast<std::int32_t>(nearest(a * volts_per_ampere / pin_per_count));
-  };
-  const auto volts = [](double v) {
-    return static_cast<std::int32_t>(nearest(v * volts_per_volt / pin_per_count));
-  };
   const auto samples = [](double seconds) { return nearest(seconds * sample_rate); };
   c.phase.sample_rate = sample_rate;
   c.phase.nominal_amplitude = static_cast<float>(nominal_peak * volts_per_volt / pin_per_count);
@@ -103,12 +100,11 @@ constexpr ControllerConfig controller_config() {
                    .pause_samples = samples(pause_between_shots),
                    .heat_samples = samples(longest_energised),
                    .duty_per_mille = nearest(1000 * lasting_duty)};
-  c.interlocks = {.overcurrent_counts = amperes(trip_ampere),
-                  .no_current_counts = amperes(0.006),
-                  .no_current_samples = samples(0.0048),
-                  .stuck_on_samples = samples(0.025),
-                  .mains_lost_counts = volts(0.2 * nominal_peak),
-                  .mains_lost_samples = samples(0.016)};
+  c.limits = limits;
+  c.interlocks = interlock_config(limits, count_scales(c.calibration), sample_rate);
+  c.zero = {.samples = static_cast<std::int32_t>(samples(0.1)),
+            .most_counts = static_cast<std::int32_t>(nearest(largest_offset / pin_per_count)),
+            .quiet_counts = 2 * c.interlocks.no_current_counts};
   return c;
 }
 

@@ -153,8 +153,8 @@ extern "C" void control_handler() {
     hold_inhibited_gate(b);
     drive_gate(b);
     if (cut_known) forget_cut();
-    // in fault the relay drops: a coil that stays on with its gate off has no other way to go off
-    if (b.controller.fire_control().state() != State::fault) pump_safety_relay();
+    // out of a shot the relay drops: a coil that stays on with its gate off has no other way to go off
+    if (b.controller.fire_control().relay_closed()) pump_safety_relay();
     b.progress.moved(port::Progress::control);
     nvic().pend(irq_background);
   }
