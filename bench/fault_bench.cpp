@@ -153,7 +153,7 @@ void FaultBench::step() {
   block.overrun = c.overrun;
   block.brown_out = c.brown_out;
   block.clock_failed = c.clock_failed;
-  block.host_heard = !c.host_silent;
+  block.owner_present = !c.host_silent;
   block.counter = world.counter;
   block.late = c.late;
   c.drop = c.repeat = c.freeze = c.overrun = c.skip = false;

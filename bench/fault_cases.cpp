@@ -72,6 +72,8 @@ constexpr std::array<Inject, 20> injections{
     [](FaultBench& b) { b.world.causes.estimator_starves = true; },
 };
 
+constexpr std::int64_t usual_hold_ms = 100;
+
 CaseResult failed(std::string why) {
   return {.passed = false, .reaction_us = 0, .why = std::move(why)};
 }
@@ -84,8 +86,7 @@ FaultCases::FaultCases() : idle_(bench_.save()), armed_(idle_), energised_(idle_
     while (b.world.next % FaultBench::cycle != 0) b.step();
   };
   const auto energise = [&](std::int64_t hold_ms) {
-    b.restore(armed_);
-    b.fire_control().set_hold_time_ms(hold_ms);
+    arm_with(0, hold_ms);
     b.fire_control().fire();
     while (!b.world.pin) b.step();
     b.run(2 * FaultBench::cycle);
@@ -95,31 +96,44 @@ FaultCases::FaultCases() : idle_(bench_.save()), armed_(idle_), energised_(idle_
   b.run(FaultBench::cycle);
   to_cycle();
   idle_ = b.save();
-  b.arm();
-  b.run(FaultBench::cycle);
-  to_cycle();
+  arm_with(0, usual_hold_ms);
   armed_ = b.save();
   energised_ = energise(100);
   energised_long_ = energise(400);
+}
+
+/// From idle to armed, at the start of a cycle: the set-points cannot change behind arm.
+void FaultCases::arm_with(int centi_degrees, std::int64_t hold_ms) {
+  auto& b = bench_;
+  b.restore(idle_);
+  b.fire_control().set_closing_angle(centi_degrees);
+  b.fire_control().set_hold_time_ms(hold_ms);
+  b.arm();
+  b.run(FaultBench::cycle);
+  while (b.world.next % FaultBench::cycle != 0) b.step();
 }
 
 /// Brings the bench to the state, injects, and lets the host go on as if nothing were wrong.
 void FaultCases::start(Fault fault, Start start, int phase) {
   auto& b = bench_;
   auto& fire = b.fire_control();
-  b.restore(start == Start::idle                                          ? idle_
-            : start != Start::energised                                   ? armed_
-            : fault == Fault::host_lost || fault == Fault::watchdog_reset ? energised_long_
-                                                                          : energised_);
+  // the edge follows 0.3, 1 or 8 ms behind the injection
+  constexpr std::array<int, 3> lead_degrees{6, 18, 144};
+  const int edge = (phase + lead_degrees[static_cast<std::size_t>(phase % 3)]) % 360 * 100;
+  const bool scheduled = start == Start::scheduled;
+  if (scheduled || (start == Start::armed && fault == Fault::host_lost))
+    arm_with(scheduled ? edge : 0, fault == Fault::host_lost ? 400 : usual_hold_ms);
+  else
+    b.restore(start == Start::idle                                          ? idle_
+              : start != Start::energised                                   ? armed_
+              : fault == Fault::host_lost || fault == Fault::watchdog_reset ? energised_long_
+                                                                            : energised_);
+  if (start == Start::idle && fault == Fault::host_lost) fire.set_hold_time_ms(400);
   b.survivor.forget();
   b.survivor.note_gate(start == Start::energised);
   at_ = b.world.next + (start == Start::scheduled ? FaultBench::cycle : 0) + phase * FaultBench::cycle / 360;
-  if (fault == Fault::host_lost) fire.set_hold_time_ms(400);
-  if (start == Start::scheduled) {
-    // the edge follows 0.3, 1 or 8 ms behind the injection
-    constexpr std::array<int, 3> lead_degrees{6, 18, 144};
+  if (scheduled) {
     while (b.world.next < at_ - 500) b.step();
-    fire.set_closing_angle((phase + lead_degrees[static_cast<std::size_t>(phase % 3)]) % 360 * 100);
     fire.fire();
   }
   ons_before_ = b.world.ons;

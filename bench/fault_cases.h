@@ -28,6 +28,7 @@ class FaultCases {
   CaseResult run(firmware::Fault, Start, int phase);
 
  private:
+  void arm_with(int centi_degrees, std::int64_t hold_ms);
   void start(firmware::Fault, Start, int phase);
   CaseResult judge_latched(firmware::Fault, Start);
   CaseResult phase_invalid(Start);

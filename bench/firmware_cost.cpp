@@ -65,10 +65,12 @@ Shot shoot(rigs::SimWorld& world, rigs::QemuBoard& board, const std::string& cen
   };
   Shot shot;
   shot.before = board.cost();
-  ask("WRITE iio:device1 arm 1\r\n1");
+  const std::string angle = centi_degrees + " t";
+  ask("WRITE iio:device1 lease 9\r\nt 3600000");
+  ask("WRITE iio:device1 OUTPUT phase0 raw " + std::to_string(angle.size()) + "\r\n" + angle);
+  ask("WRITE iio:device1 arm 3\r\n1 t");
   shot.armed = board.cost();
-  ask("WRITE iio:device1 OUTPUT phase0 raw " + std::to_string(centi_degrees.size()) + "\r\n" + centi_degrees);
-  ask("WRITE iio:device1 fire 1\r\n1");
+  ask("WRITE iio:device1 fire 3\r\n1 t");
   while (world.busy() && !board.report().gate_on) world.run(0.0001);
   shot.waited = board.cost();
   while (board.report().gate_on) world.run(0.0001);

@@ -7,6 +7,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
 #include <atomic>
 #include <chrono>
 #include <mutex>
@@ -26,6 +27,7 @@ constexpr double slice = 0.010;        // s of virtual time between two looks at
 constexpr double patience = 0.200;     // s of silence after which a half-received request is dropped
 constexpr double pause_busy = 150e-6;  // s between two looks while bytes are on the way
 constexpr double pause_idle = 2e-3;
+constexpr double short_hold = 0.020, long_hold = 0.700;  // s a delay and a stall last
 
 double wall() {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
@@ -100,6 +102,7 @@ struct UartBoard::Impl {
   void answer(double now);
   void transmit(double now);
   void serve(Firmware& board, std::string& input, double now);
+  void strike(bool to_rig, std::string& bytes, double now);
 
   rigs::SimRigConfig config;
   sim::Specimen specimen;
@@ -107,11 +110,18 @@ struct UartBoard::Impl {
   std::string path;
   Wire to_board, to_host;
   double last_byte = 0;
+  double rested = wall();  ///< accounted for up to here
   std::unique_ptr<Firmware> firmware;
   int boots = 0;
 
   mutable std::mutex mutex;  // what follows is shared
   std::string heard;
+  LineFault fault;
+  bool struck = false;
+  std::array<std::uint64_t, 2> passed{};  ///< bytes to the host, to the rig
+  std::array<double, 2> held_until{};
+  int operations = 0;
+  bool holds_a_record = false;
   Corruption bad_answer, bad_request;
   bool reset = true, unplug = false;
   std::atomic<bool> mute = false, stop = false;
@@ -151,7 +161,36 @@ void UartBoard::Impl::run() {
     answer(now);
     transmit(now);
     if (firmware->world.busy()) firmware->world.run(slice);
+    {
+      const auto& controller = firmware->bench().controller();
+      const std::lock_guard lock(mutex);
+      operations = static_cast<int>(controller.fire_control().operations());
+      holds_a_record = controller.recorder().complete();
+    }
+    // the lease ends by the clock on the wall
+    if (const auto ms = static_cast<std::int64_t>((now - rested) * 1e3); ms > 0) {
+      firmware->world.board().rest(ms);
+      rested += 1e-3 * static_cast<double>(ms);
+    }
   }
+}
+
+/// `bytes` come off the wire; does to them what the fault says, if it is their turn.
+void UartBoard::Impl::strike(bool to_rig, std::string& bytes, double now) {
+  const std::lock_guard lock(mutex);
+  std::uint64_t& count = passed[to_rig ? 1 : 0];
+  const std::uint64_t first = count;
+  count += bytes.size();
+  if (struck || fault.kind == LineFault::Kind::none || fault.to_rig != to_rig || fault.byte < first ||
+      fault.byte >= count)
+    return;
+  struck = true;
+  const auto offset = static_cast<std::size_t>(fault.byte - first);
+  if (fault.kind == LineFault::Kind::flip)
+    bytes[offset] = static_cast<char>(bytes[offset] ^ (1 << fault.bit));
+  if (fault.kind == LineFault::Kind::drop) bytes.erase(offset, 1);
+  if (fault.kind == LineFault::Kind::delay) held_until[to_rig ? 1 : 0] = now + short_hold;
+  if (fault.kind == LineFault::Kind::stall) held_until[to_rig ? 1 : 0] = now + long_hold;
 }
 
 void UartBoard::Impl::receive(double now) {
@@ -161,7 +200,8 @@ void UartBoard::Impl::receive(double now) {
 }
 
 void UartBoard::Impl::answer(double now) {
-  std::string input = to_board.take(now);
+  std::string input = now < held_until[1] ? std::string() : to_board.take(now);
+  strike(true, input, now);
   if (input.empty()) {
     if (now - last_byte > patience) firmware->bench().forget_input(line);
     return;
@@ -207,7 +247,8 @@ void UartBoard::Impl::serve(Firmware& board, std::string& input, double now) {
 }
 
 void UartBoard::Impl::transmit(double now) {
-  const std::string bytes = to_host.take(now);
+  std::string bytes = now < held_until[0] ? std::string() : to_host.take(now);
+  strike(false, bytes, now);
   for (std::size_t done = 0; done < bytes.size() && !stop;) {
     const ssize_t n = write(master, bytes.data() + done, bytes.size() - done);
     if (n > 0) {
@@ -243,6 +284,28 @@ void UartBoard::corrupt_answer(std::string prefix, std::size_t offset) {
 void UartBoard::corrupt_request(std::string text, std::size_t offset) {
   const std::lock_guard lock(impl_->mutex);
   impl_->bad_request = {std::move(text), offset};
+}
+void UartBoard::set(const LineFault& fault) {
+  const std::lock_guard lock(impl_->mutex);
+  impl_->fault = fault;
+  impl_->struck = false;
+  impl_->passed = {};
+}
+bool UartBoard::struck() const {
+  const std::lock_guard lock(impl_->mutex);
+  return impl_->struck;
+}
+std::uint64_t UartBoard::passed(bool to_rig) const {
+  const std::lock_guard lock(impl_->mutex);
+  return impl_->passed[to_rig ? 1 : 0];
+}
+int UartBoard::operations() const {
+  const std::lock_guard lock(impl_->mutex);
+  return impl_->operations;
+}
+bool UartBoard::holds_a_record() const {
+  const std::lock_guard lock(impl_->mutex);
+  return impl_->holds_a_record;
 }
 void UartBoard::mute(bool silent) {
   impl_->mute = silent;

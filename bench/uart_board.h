@@ -3,6 +3,7 @@
 #include <memory>
 #include <string>
 
+#include "bench/link/fault_line.h"
 #include "rigs/sim_rig_config.h"
 #include "sim/specimen.h"
 
@@ -29,6 +30,14 @@ class UartBoard {
   void corrupt_answer(std::string prefix, std::size_t offset);
   /// Flips one bit of the byte at `offset` behind the next occurrence of `text` among the received bytes.
   void corrupt_request(std::string text, std::size_t offset);
+  /// One fault at one byte of the line, counted from now on; close and half_open mean nothing here.
+  void set(const LineFault&);
+  bool struck() const;
+  std::uint64_t passed(bool to_rig) const;  ///< bytes since set()
+  /// Times the coil was energised since the last reset.
+  int operations() const;
+  /// The record of the last shot armed is complete.
+  bool holds_a_record() const;
   /// Goes on receiving, says nothing.
   void mute(bool silent);
   /// The cable is out: the port is an error from now on.

@@ -48,6 +48,7 @@ struct Record {
   std::string rig;                      ///< hw_model, hw_serial
   std::string firmware;                 ///< fw_version
   std::string calibration;              ///< id of the calibration in force
+  std::string sealed;                   ///< the rig's sealed shot as it came; empty: it came from no rig
 
   std::size_t samples() const { return channels.empty() ? 0 : channels.front().raw.size(); }
   double time(std::size_t i) const {

@@ -4,8 +4,8 @@ namespace powbench::firmware {
 
 Bench::Bench(const ControllerConfig& config, const Identity& identity, std::span<std::int16_t> storage)
     : controller_(config, storage),
-      devices_(controller_),
-      source_(identity.specimen),
+      source_(identity.specimen, controller_),
+      devices_(controller_, &source_.set_points),
       device_list_{&devices_.daq(), &devices_.control(), &source_.device(), &devices_.trigger()},
       context_attributes_{{{"bench,kind", identity.kind},
                            {"boot_id", identity.boot_id.empty() ? identity.kind : identity.boot_id},
@@ -14,18 +14,33 @@ Bench::Bench(const ControllerConfig& config, const Identity& identity, std::span
                            {"hw_serial", identity.serial},
                            {"protocol_version", "1"}}},
       context_{.description = identity.model, .attributes = context_attributes_, .devices = device_list_},
-      responder_(context_) {}
+      responder_(context_) {
+  devices_.identify(context_attributes_);
+}
 
 BenchReport Bench::report() const {
   const FireControl& fire = controller_.fire_control();
   return {.set_points = source_.set_points,
           .shots_armed = fire.shots_armed(),
-          .timeout_ms = responder_.timeout_ms(),
           .state_hash = hash_.value(),
           .state = fire.state(),
           .gate_on = fire.gate_on(),
           .settling = fire.settling(),
-          .phase_valid = fire.phase().valid()};
+          .phase_valid = fire.phase().valid(),
+          .lease_held = controller_.lease().held(),
+          .owner_connected = owner_connected()};
+}
+
+std::size_t Bench::feed(unsigned connection, std::span<const std::uint8_t> bytes, iiod::ByteSink& out) {
+  const Lease& lease = controller_.lease();
+  const std::uint32_t spoken = lease.times_renewed();
+  const std::size_t used = responder_.feed(connections_[connection], bytes, out);
+  if (lease.times_renewed() != spoken) {
+    if (owner_number_ != lease.number()) owner_connections_ = 0;
+    owner_number_ = lease.number();
+    owner_connections_ |= 1U << connection;
+  }
+  return used;
 }
 
 void Bench::note(std::span<const GateEdge> edges) {

@@ -26,12 +26,13 @@ struct Identity {
 struct BenchReport {
   SetPoints set_points;
   std::uint32_t shots_armed = 0;
-  std::uint32_t timeout_ms = 0;  ///< last time-out asked for by a client, 0: none
   std::uint32_t state_hash = 0;
   State state = State::idle;
   bool gate_on = false;
   bool settling = false;  ///< a shot was cut short and is not over yet
   bool phase_valid = false;
+  bool lease_held = false;
+  bool owner_connected = false;  ///< a connection on which the owner of the lease has spoken is open
 };
 
 class Bench {
@@ -53,9 +54,7 @@ class Bench {
   BenchReport report() const;
 
   /// The protocol, connection by connection (0 .. max_connections - 1).
-  std::size_t feed(unsigned connection, std::span<const std::uint8_t> bytes, iiod::ByteSink& out) {
-    return responder_.feed(connections_[connection], bytes, out);
-  }
+  std::size_t feed(unsigned connection, std::span<const std::uint8_t> bytes, iiod::ByteSink& out);
   void resume(unsigned connection, iiod::ByteSink& out) { responder_.resume(connections_[connection], out); }
   void expire(unsigned connection, iiod::ByteSink& out, iiod::Errno error = iiod::etimedout) {
     responder_.expire(connections_[connection], error, out);
@@ -63,23 +62,37 @@ class Bench {
   /// A line that has been silent in the middle of a request: what came of it is void.
   void forget_input(unsigned connection) { connections_[connection].forget_input(); }
   /// Forgets the connection: the next bytes on it are a new client's.
-  void close(unsigned connection) { connections_[connection] = {}; }
-  Status status(unsigned connection) const { return connections_[connection].status(); }
+  void close(unsigned connection) {
+    connections_[connection] = {};
+    owner_connections_ &= ~(1U << connection);
+  }
+  /// Time passes for the lease while nothing is sampled, ms.
+  void rest(std::int64_t ms) { controller_.rest(ms); }
+  /// What every token must begin with; the text must outlive the bench.
+  void protect(std::string_view secret) { controller_.lease().protect(secret); }
+  const iiod::Connection& connection(unsigned number) const { return connections_[number]; }
 
   const Controller& controller() const { return controller_; }
   SourceDevice& source() { return source_; }
   const SourceDevice& source() const { return source_; }
 
  private:
+  bool owner_connected() const {
+    return controller_.lease().held() && owner_number_ == controller_.lease().number() &&
+           owner_connections_ != 0;
+  }
+
   Controller controller_;
-  BenchDevices devices_;
   SourceDevice source_;
+  BenchDevices devices_;
   std::array<const iiod::Device*, 4> device_list_;
   std::array<iiod::ContextAttribute, 6> context_attributes_;
   iiod::Context context_;
   iiod::Responder responder_;
   std::array<iiod::Connection, max_connections> connections_{};
   StateHash hash_;
+  std::uint32_t owner_connections_ = 0;  ///< a bit for each
+  std::uint32_t owner_number_ = 0;       ///< the lease they belong to
 };
 
 }  // namespace powbench::firmware

@@ -2,16 +2,25 @@
 
 #include <utility>
 
+#include "firmware/commands.h"
+#include "firmware/sealed_shot.h"
+
 namespace powbench::firmware {
 namespace {
 
 using iiod::Attribute;
 
+const BenchDevices& devices(const void* self) {
+  return *static_cast<const BenchDevices*>(self);
+}
 const Controller& bench(const void* self) {
-  return *static_cast<const Controller*>(self);
+  return devices(self).controller();
+}
+Controller& bench(void* self) {
+  return static_cast<BenchDevices*>(self)->controller();
 }
 FireControl& control_of(void* self) {
-  return static_cast<Controller*>(self)->fire_control();
+  return bench(self).fire_control();
 }
 const FireControl& control_of(const void* self) {
   return bench(self).fire_control();
@@ -118,12 +127,7 @@ constexpr std::array daq_attributes{
     Attribute{"calibration", [](const void* s, std::uint32_t,
                                 Text& t) { return t.put(bench(s).config().calibration_id), 0; }},
     Attribute{"fire_offset_ns",
-              [](const void* s, std::uint32_t, Text& t) {
-                const Tick edge = bench(s).recorder().edge();
-                const std::int64_t period_ns = 1'000'000'000 / bench(s).config().sample_rate;
-                const std::int64_t rest = edge.fraction == 0 ? 0 : 65536 - edge.fraction;
-                return t.put_int(rest * period_ns / 65536), 0;
-              }},
+              [](const void* s, std::uint32_t, Text& t) { return t.put_int(fire_offset_ns(bench(s))), 0; }},
     Attribute{"fire_sample", [](const void* s, std::uint32_t,
                                 Text& t) { return t.put_int(bench(s).recorder().fire_sample()), 0; }},
     Attribute{"gaps",
@@ -155,6 +159,10 @@ constexpr std::array daq_attributes{
     Attribute{
         "sampling_frequency_available",
         [](const void* s, std::uint32_t, Text& t) { return t.put_int(bench(s).config().sample_rate), 0; }},
+    Attribute{"sealed_shot",
+              [](const void* s, std::uint32_t, Text& t) {
+                return write_sealed_shot(bench(s), devices(s).source(), devices(s).identity(), t);
+              }},
     Attribute{"shot_id", [](const void* s, std::uint32_t,
                             Text& t) { return t.put_int(control_of(s).shots_armed()), 0; }},
     Attribute{"zero_cross_sample", [](const void* s, std::uint32_t, Text& t) {
@@ -173,9 +181,14 @@ constexpr std::array daq_buffer_attributes{
 int read_angle(const void* self, std::uint32_t, Text& out) {
   return out.put_int(control_of(self).closing_angle()), 0;
 }
+/// A set-point from its owner, as a whole number.
+int write_set_point(void* self, std::string_view value, Refusal (*set)(FireControl&, std::int64_t)) {
+  if (const int error = admit(bench(self), value); error != 0) return error;
+  const auto number = parse_int(value);
+  return number ? to_errno(set(control_of(self), *number)) : -iiod::einval;
+}
 int write_angle(void* self, std::uint32_t, std::string_view value) {
-  const auto centi = parse_int(value);
-  return centi ? to_errno(control_of(self).set_closing_angle(*centi)) : -iiod::einval;
+  return write_set_point(self, value, [](FireControl& f, std::int64_t v) { return f.set_closing_angle(v); });
 }
 constexpr std::array angle_attributes{
     Attribute{"label", [](const void*, std::uint32_t, Text& t) { return t.put("closing_angle"), 0; }},
@@ -185,33 +198,76 @@ constexpr std::array angle_attributes{
 constexpr std::array control_channels{
     iiod::Channel{.id = "phase0", .output = true, .attributes = angle_attributes}};
 
-/// Actions take 1 (arm also 0) and read back as 0 or their state.
-int write_action(void* self, std::string_view value, Refusal (*act)(FireControl&), int wrong_state) {
-  const auto number = parse_int(value);
-  if (!number || *number != 1) return -iiod::einval;
-  return to_errno(act(control_of(self)), wrong_state);
-}
+/// 1 stops the coil, whoever writes it; what goes beyond stopping is the owner's, or anybody's while there is none.
 int write_abort(void* self, std::uint32_t, std::string_view value) {
-  return write_action(
-      self, value, [](FireControl& f) { return f.abort(), Refusal::accepted; }, iiod::ebusy);
+  std::string_view token = value;
+  if (parse_int(take_word(token)) != 1) return -iiod::einval;
+  const Lease& lease = bench(self).lease();
+  if (!lease.held() || lease.is_owner(token))
+    control_of(self).abort();
+  else
+    control_of(self).stop();
+  return 0;
 }
 int write_arm(void* self, std::uint32_t, std::string_view value) {
+  if (const int error = admit(bench(self), value); error != 0) return error;
   if (parse_int(value) == 0) return to_errno(control_of(self).disarm());
-  return write_action(
-      self, value, [](FireControl& f) { return f.arm(); }, iiod::ebusy);
+  if (parse_int(value) != 1) return -iiod::einval;
+  const Refusal refusal = control_of(self).arm();
+  if (refusal == Refusal::accepted) static_cast<BenchDevices*>(self)->latch_source();
+  return to_errno(refusal);
 }
 int write_fire(void* self, std::uint32_t, std::string_view value) {
-  return write_action(
-      self, value, [](FireControl& f) { return f.fire(); }, iiod::eagain);
+  if (const int error = admit(bench(self), value); error != 0) return error;
+  if (parse_int(value) != 1) return -iiod::einval;
+  return to_errno(control_of(self).fire(), iiod::eagain);
 }
 int write_hold(void* self, std::uint32_t, std::string_view value) {
-  const auto ms = parse_int(value);
-  return ms ? to_errno(control_of(self).set_hold_time_ms(*ms)) : -iiod::einval;
+  return write_set_point(self, value, [](FireControl& f, std::int64_t v) { return f.set_hold_time_ms(v); });
+}
+int write_touch_delay(void* self, std::uint32_t, std::string_view value) {
+  return write_set_point(self, value, [](FireControl& f, std::int64_t v) { return f.set_touch_delay_us(v); });
 }
 
-int write_touch_delay(void* self, std::uint32_t, std::string_view value) {
-  const auto us = parse_int(value);
-  return us ? to_errno(control_of(self).set_touch_delay_us(*us)) : -iiod::einval;
+int read_lease(const void* self, std::uint32_t, Text& out) {
+  const Lease& lease = bench(self).lease();
+  if (!lease.held()) return out.put("free"), 0;
+  out.put(lease.owner()).put(", ").put_int(lease.left_ms()).put(" ms left");
+  return 0;
+}
+/// TOKEN MS [OWNER]; MS = 0 gives it back.
+int write_lease(void* self, std::uint32_t, std::string_view value) {
+  const std::string_view token = take_word(value);
+  const auto ms = parse_int(take_word(value));
+  Controller& controller = bench(self);
+  FireControl& fire = controller.fire_control();
+  Lease& lease = controller.lease();
+  if (!ms) return -iiod::einval;
+  if (*ms == 0) {
+    if (!lease.is_owner(token) || fire.state() == State::firing) return -iiod::ebusy;
+    fire.disarm();
+    lease.give_back();
+    return 0;
+  }
+  if (*ms < Lease::shortest_ms || *ms > Lease::longest_ms) return -iiod::erange;
+  const bool was_free = !lease.held();
+  switch (lease.claim(token, *ms, value)) {
+    case Lease::Claim::taken:
+      fire.note_stranger(not_the_owner);
+      return -iiod::ebusy;
+    case Lease::Claim::malformed:
+      return -iiod::einval;
+    case Lease::Claim::granted:
+      break;
+  }
+  if (was_free) fire.disarm();  // nothing of another owner is taken over
+  return 0;
+}
+
+int read_last_error(const void* self, std::uint32_t, Text& out) {
+  const std::string_view error = control_of(self).last_error();
+  out.put(error);
+  return error.data() == not_the_owner.data() ? read_lease(self, 0, out) : 0;
 }
 
 /// How the last capture of the coil's zero ended; writing 1 captures anew.
@@ -265,9 +321,11 @@ constexpr std::array control_attributes{
         write_hold},
     Attribute{"hold_time_ms_available",
               [](const void*, std::uint32_t, Text& t) { return t.put("[1 1 10000]"), 0; }},
-    Attribute{"last_error",
-              [](const void* s, std::uint32_t, Text& t) { return t.put(control_of(s).last_error()), 0; }},
+    Attribute{"last_error", read_last_error},
     Attribute{"last_reset", read_last_reset},
+    Attribute{"lease", read_lease, write_lease},
+    Attribute{"operations",
+              [](const void* s, std::uint32_t, Text& t) { return t.put_int(control_of(s).operations()), 0; }},
     Attribute{"phase_faults", [](const void* s, std::uint32_t,
                                  Text& t) { return t.put_int(control_of(s).phase().faults), 0; }},
     Attribute{"safety_relay", [](const void* s, std::uint32_t,
@@ -288,14 +346,16 @@ constexpr std::array trigger_attributes{Attribute{"trigger_now", read_zero, writ
 
 }  // namespace
 
-BenchDevices::BenchDevices(Controller& controller)
-    : daq_{.id = "iio:device0",
+BenchDevices::BenchDevices(Controller& controller, const SetPoints* source)
+    : controller_(controller),
+      set_points_(source),
+      daq_{.id = "iio:device0",
            .name = "contactor-daq",
            .label = "record",
            .channels = daq_channels,
            .attributes = daq_attributes,
            .buffer_attributes = daq_buffer_attributes,
-           .self = &controller,
+           .self = this,
            .buffer = &controller.recorder(),
            .has_trigger = true},
       control_{.id = "iio:device1",
@@ -303,11 +363,8 @@ BenchDevices::BenchDevices(Controller& controller)
                .label = "control",
                .channels = control_channels,
                .attributes = control_attributes,
-               .self = &controller},
-      trigger_{.id = "trigger0",
-               .name = "fire",
-               .label = "",
-               .attributes = trigger_attributes,
-               .self = &controller} {}
+               .self = this},
+      trigger_{
+          .id = "trigger0", .name = "fire", .label = "", .attributes = trigger_attributes, .self = this} {}
 
 }  // namespace powbench::firmware

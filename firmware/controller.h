@@ -12,6 +12,7 @@
 #include "firmware/handover.h"
 #include "firmware/interlock_limits.h"
 #include "firmware/interlocks.h"
+#include "firmware/lease.h"
 #include "firmware/phase_feed.h"
 #include "firmware/recorder.h"
 #include "firmware/zero_capture.h"
@@ -72,6 +73,7 @@ class Controller {
         interlocks_(config_.interlocks),
         recorder_(storage, config.record_length, config.pretrigger, 1'000'000'000 / config.sample_rate),
         fire_(config_.fire, interlocks_, mains_, recorder_),
+        lease_(config.sample_rate > 0 ? config.sample_rate : 1),
         guard_({reinterpret_cast<const std::uint8_t*>(&config_), sizeof config_}),
         config_error_(firmware::config_error(config, storage.size())) {
     if (!config_error_.empty()) fire_.config_damaged(true);
@@ -89,8 +91,14 @@ class Controller {
       guard_verdict_ = no_verdict;
       fire_.config_damaged(verdict == damaged || !config_error_.empty());
     }
+    // a port that vouches for the owner has a clock that runs ahead of the owner's
+    if (!block.owner_present) pass_lease(block.samples());
+    if (lease_.take_heard()) interlocks_.hear_host();
     return fire_.step(block);
   }
+
+  /// Time that passed while nothing was sampled (a simulated rig between two requests), ms.
+  void rest(std::int64_t ms) { pass_lease(ms * config_.sample_rate / 1000); }
 
   /// What may take longer: phase estimate, checksums of record and configuration. After each block, on a level that
   /// control() may interrupt anywhere; everything else that touches the controller holds both off.
@@ -115,13 +123,15 @@ class Controller {
     Interlocks interlocks;
     Recorder recorder;
     FireControl fire;
+    Lease lease;
   };
-  Memory save() const { return {mains_, interlocks_, recorder_, fire_}; }
+  Memory save() const { return {mains_, interlocks_, recorder_, fire_, lease_}; }
   void restore(const Memory& memory) {
     mains_ = memory.mains;
     interlocks_ = memory.interlocks;
     recorder_ = memory.recorder;
     fire_ = memory.fire;
+    lease_ = memory.lease;
   }
 
   /// Captures the zero of the coil's channels anew; refused unless the bench rests.
@@ -133,6 +143,8 @@ class Controller {
   std::string_view config_error() const { return config_error_; }
   FireControl& fire_control() { return fire_; }
   const FireControl& fire_control() const { return fire_; }
+  Lease& lease() { return lease_; }
+  const Lease& lease() const { return lease_; }
   const Recorder& recorder() const { return recorder_; }
   std::int16_t latest(Channel c) const { return latest_[index(c)]; }
 
@@ -141,6 +153,9 @@ class Controller {
 
   void announce_zero();
   void end_zero_capture();
+  void pass_lease(std::int64_t samples) {
+    if (lease_.pass(samples)) fire_.owner_gone();
+  }
 
   void keep_latest(const Block& block) {
     const auto scan = block.scans.last(channel_count);
@@ -152,6 +167,7 @@ class Controller {
   Interlocks interlocks_;
   Recorder recorder_;
   FireControl fire_;
+  Lease lease_;
   ConfigGuard guard_;
   std::uint8_t guard_verdict_ = no_verdict;  ///< from the background, not yet seen
   ZeroCapture zero_{config_.zero};

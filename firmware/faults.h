@@ -28,8 +28,8 @@
   X(7, samples_lost, gate_off, 120, shot, acknowledge,                                                       \
     "overrun flag, block counter, jump of the sample index, block of equal samples or equal to the last",    \
     "converter samples were lost: the record is void, write 1 to abort and fire again")                      \
-  X(8, host_lost, gate_off, 250'200, shot, acknowledge, "energised and no byte from the host for 250 ms",    \
-    "the host was silent for 250 ms while the coil was on: check the cable, then write 1 to abort")          \
+  X(8, host_lost, gate_off, 250'200, shot, acknowledge, "energised and no word from the owner for 250 ms",   \
+    "the owner was silent for 250 ms while the coil was on: check the cable, then write 1 to abort")         \
   X(9, brown_out, gate_off, 120, always, cause_gone, "the supply monitor's warning flag",                    \
     "the board's supply sags: check its power supply, then write 1 to abort")                                \
   X(10, watchdog_reset, gate_off, 60'000, boot, acknowledge,                                                 \

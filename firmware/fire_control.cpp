@@ -81,7 +81,7 @@ Refusal FireControl::arm() {
   fired_ = planned_ = false;
   state_ = State::armed;
   last_error_ = "no error";
-  ++shots_armed_;
+  latched_ = {latched_.number + 1, closing_angle_, hold_time_ms_, touch_delay_us_};
   return Refusal::accepted;
 }
 
@@ -99,7 +99,6 @@ Refusal FireControl::fire() {
   if (state_ == State::fault) return refuse(Refusal::faulted, reason(fault_));
   if (state_ != State::armed || !token_)
     return refuse(Refusal::wrong_state, "not armed: write 1 to arm before firing");
-  // the hold time may have grown since arm
   if (const Refusal tired = refuse_unless_rested(); tired != Refusal::accepted) return tired;
   token_ = false;
   fired_ = true;
@@ -127,11 +126,35 @@ void FireControl::abort() {
   last_error_ = "no error";
 }
 
+void FireControl::stop() {
+  if (state_ != State::armed && state_ != State::firing) return;
+  gate_.force_off(next_sample_);
+  token_ = fired_ = planned_ = false;
+  recorder_->discard();
+  state_ = State::idle;
+  last_error_ = "stopped by a client that is not the owner";
+}
+
+void FireControl::owner_gone() {
+  if (state_ == State::armed || (state_ == State::firing && fired_)) {
+    token_ = fired_ = planned_ = false;
+    recorder_->discard();
+    state_ = State::idle;
+    last_error_ = "the owner's lease has ended: disarmed";
+  } else if (state_ == State::firing && !gate_.idle()) {
+    trip(Fault::host_lost, next_sample_);
+  }
+}
+
+Refusal FireControl::refuse_latched() {
+  if (!set_points_latched()) return Refusal::accepted;
+  return refuse(Refusal::wrong_state, "set-points are latched from arm until the shot is over: disarm first");
+}
+
 Refusal FireControl::set_closing_angle(std::int64_t centi_degrees) {
   if (centi_degrees < 0 || centi_degrees >= full_turn_centi)
     return refuse(Refusal::out_of_range, "closing angle outside 0 .. 35999 hundredths of a degree");
-  if (state_ == State::firing)
-    return refuse(Refusal::wrong_state, "closing angle cannot change while firing");
+  if (const Refusal latched = refuse_latched(); latched != Refusal::accepted) return latched;
   closing_angle_ = static_cast<CentiDegrees>(centi_degrees);
   return Refusal::accepted;
 }
@@ -139,7 +162,7 @@ Refusal FireControl::set_closing_angle(std::int64_t centi_degrees) {
 Refusal FireControl::set_hold_time_ms(std::int64_t ms) {
   if (ms < 1 || ms > config_->hold_limit_ms)
     return refuse(Refusal::out_of_range, "hold time outside 1 .. 10000 ms");
-  if (state_ == State::firing) return refuse(Refusal::wrong_state, "hold time cannot change while firing");
+  if (const Refusal latched = refuse_latched(); latched != Refusal::accepted) return latched;
   hold_time_ms_ = ms;
   return Refusal::accepted;
 }
@@ -147,7 +170,7 @@ Refusal FireControl::set_hold_time_ms(std::int64_t ms) {
 Refusal FireControl::set_touch_delay_us(std::int64_t us) {
   if (us < 0 || us > longest_touch_delay_us)
     return refuse(Refusal::out_of_range, "touch delay outside 0 .. 50000 us");
-  if (state_ == State::firing) return refuse(Refusal::wrong_state, "touch delay cannot change while firing");
+  if (const Refusal latched = refuse_latched(); latched != Refusal::accepted) return latched;
   touch_delay_us_ = us;
   return Refusal::accepted;
 }

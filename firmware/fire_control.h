@@ -19,6 +19,13 @@ namespace powbench::firmware {
 enum class State : std::uint8_t { idle, armed, firing, captured, fault };
 std::string_view name(State);
 
+/// The set-points of a shot, as they were when it was armed.
+struct LatchedShot {
+  std::uint32_t number = 0;  ///< of the shot since the start; 0: none was armed
+  CentiDegrees closing_angle = 0;
+  std::int64_t hold_time_ms = 0, touch_delay_us = 0;
+};
+
 /// Answer to a command: accepted, or why not.
 enum class Refusal : std::uint8_t { accepted, wrong_state, out_of_range, faulted };
 
@@ -53,6 +60,16 @@ class FireControl {
   Refusal fire();
   /// Coil off, back to idle; clears a fault when its cause is gone.
   void abort();
+  /// Coil off and disarmed; a latched fault and a captured record stay as they are.
+  void stop();
+  /// The lease has ended: disarmed, and if the coil may be on, off with Fault::host_lost. A record that is only being
+  /// completed is completed.
+  void owner_gone();
+  /// A command that was none of the owner's; a latched fault keeps its sentence.
+  void note_stranger(std::string_view why) {
+    if (state_ != State::fault) last_error_ = why;
+  }
+  /// Set-points can be set unless a shot is armed or under way.
   Refusal set_closing_angle(std::int64_t centi_degrees);
   Refusal set_hold_time_ms(std::int64_t ms);
   /// Time from the coil's voltage to the contact's touch, us. 0: the coil is switched at the closing angle;
@@ -92,7 +109,12 @@ class FireControl {
   CentiDegrees closing_angle() const { return closing_angle_; }
   std::int64_t hold_time_ms() const { return hold_time_ms_; }
   std::int64_t touch_delay_us() const { return touch_delay_us_; }
-  std::uint32_t shots_armed() const { return shots_armed_; }
+  std::uint32_t shots_armed() const { return latched_.number; }
+  const LatchedShot& latched() const { return latched_; }
+  /// A shot has its set-points, and they cannot change.
+  bool set_points_latched() const { return state_ == State::armed || state_ == State::firing; }
+  /// Times the coil was energised since the start.
+  std::uint32_t operations() const { return operations_; }
   /// Crossings that were passed over because the edge would have been late.
   std::uint32_t deadlines_missed() const { return deadlines_missed_; }
   const Survivor* survivor() const { return boot_.survivor; }
@@ -105,6 +127,7 @@ class FireControl {
  private:
   Refusal refuse(Refusal, std::string_view why);
   Refusal refuse_unless_rested();
+  Refusal refuse_latched();
   void trip(Fault, std::int64_t next_sample);
   void feed_mains(const Block&);
   Fault examine(const Block&, std::int64_t end);
@@ -131,8 +154,8 @@ class FireControl {
   CentiDegrees closing_angle_ = 0;
   std::int64_t hold_time_ms_ = 100;
   std::int64_t touch_delay_us_ = 0;
-  std::uint32_t shots_armed_ = 0;
-  std::uint32_t deadlines_missed_ = 0;
+  LatchedShot latched_{};
+  std::uint32_t deadlines_missed_ = 0, operations_ = 0;
   bool token_ = false;    ///< armed and not yet fired
   bool fired_ = false;    ///< the token is spent, the edge not yet committed
   bool planned_ = false;  ///< a crossing has been chosen; only its instant is refined

@@ -112,6 +112,7 @@ void FireControl::commit(std::int64_t now) {
   planned_ = false;
   if (!gate_.energise(permit, plan_)) return trip(Fault::phase_invalid, now);
   budget_.note_operation(plan_.sample);
+  ++operations_;
   recorder_->trigger(plan_);
   // phase of the mains at the gate edge, in samples behind the rising zero crossing
   const float cycle = static_cast<float>(config_->sample_rate) / estimate.frequency;

@@ -157,7 +157,8 @@ void Interlocks::observe(const Block& block) {
   observe_sensors(block);
   if (next_sample_ - laser_good_ > c.implausible_samples) marks_ |= bit(Mark::laser_range);
   if (next_sample_ - contact_good_ > c.implausible_samples) marks_ |= bit(Mark::contact_travel);
-  if (block.host_heard) last_host_ = next_sample_;
+  if (host_heard_ || block.owner_present) last_host_ = next_sample_;
+  host_heard_ = false;
   emergency_stop_ = block.emergency_stop;
   brown_out_ = block.brown_out;
   clock_failed_ = block.clock_failed;

@@ -19,7 +19,7 @@ struct InterlockConfig {
   std::int32_t mains_lost_counts = 0;    ///< |mains| that proves that mains is there
   std::int64_t mains_lost_samples = 0;   ///< longest time without it (1.5 half-cycles)
 
-  std::int64_t heartbeat_samples = 25'000;  ///< longest silence of the host while energised, 250 ms
+  std::int64_t heartbeat_samples = 25'000;  ///< longest silence of the owner while energised, 250 ms
   std::int32_t contact_open_counts = 0;     ///< contact voltage that proves it open; 0: contact not watched
   std::int64_t contact_open_samples = 200;  ///< open for this long is proven open
   std::int64_t weld_samples = 10'000;       ///< time allowed after the gate opened until the contact is open
@@ -51,6 +51,8 @@ class Interlocks {
   /// Start of a shot: forget the history of what is watched in shots only.
   void reset(std::int64_t sample);
 
+  /// The owner has spoken since the block before.
+  void hear_host() { host_heard_ = true; }
   /// Checks one block; Fault::none, or the first thing wrong.
   Fault check(const Block&, GateView);
 
@@ -100,6 +102,7 @@ class Interlocks {
   int over_ = 0;
   bool current_known_ = true;
   bool over_tripped_ = false;
+  bool host_heard_ = false;
   bool emergency_stop_ = false, brown_out_ = false, clock_failed_ = false;
   std::uint8_t marks_ = 0;
 };

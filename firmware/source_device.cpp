@@ -1,5 +1,7 @@
 #include "firmware/source_device.h"
 
+#include "firmware/commands.h"
+
 #include <array>
 
 namespace powbench::firmware {
@@ -27,8 +29,11 @@ int read_set_point(const void* self, std::uint32_t row, Text& out) {
 }
 
 int write_set_point(void* self, std::uint32_t row, std::string_view value) {
+  Controller& controller = static_cast<SourceDevice*>(self)->controller;
+  if (const int error = admit(controller, value); error != 0) return error;
   const auto number = parse_int(value);
   if (!number) return -iiod::einval;
+  if (controller.fire_control().set_points_latched()) return -iiod::ebusy;
   if (*number < set_point_rows[row].least || *number > set_point_rows[row].most) return -iiod::erange;
   static_cast<SourceDevice*>(self)->set_points.*set_point_rows[row].field = *number;
   return 0;
@@ -55,8 +60,9 @@ constexpr std::array attributes{
 
 }  // namespace
 
-SourceDevice::SourceDevice(std::string_view name)
+SourceDevice::SourceDevice(std::string_view name, Controller& owner)
     : specimen(name),
+      controller(owner),
       device_{.id = "iio:device2",
               .name = "contactor-plant",
               .label = "plant",

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <string_view>
 
+#include "firmware/controller.h"
 #include "firmware/iiod/model.h"
 
 namespace powbench::firmware {
@@ -26,7 +27,7 @@ struct PlantTruth {
 /// and fills in the truth.
 class SourceDevice {
  public:
-  explicit SourceDevice(std::string_view specimen);
+  SourceDevice(std::string_view specimen, Controller& controller);
   SourceDevice(const SourceDevice&) = delete;
   SourceDevice& operator=(const SourceDevice&) = delete;
 
@@ -35,6 +36,7 @@ class SourceDevice {
   SetPoints set_points;
   PlantTruth truth;
   std::string_view specimen;
+  Controller& controller;  ///< whose owner may set them
 
  private:
   iiod::Device device_;

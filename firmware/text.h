@@ -10,32 +10,33 @@
 
 namespace powbench::firmware {
 
-/// Fixed-capacity text. What does not fit is dropped and remembered in overflowed().
+/// Text in memory of fixed size, which a TextOf provides. What does not fit is dropped and remembered in overflowed().
 class Text {
  public:
-  static constexpr std::size_t capacity = 512;
+  Text(const Text&) = delete;
+  Text& operator=(const Text&) = delete;
 
   void clear() { size_ = 0, overflowed_ = false; }
   std::string_view view() const { return {data_, size_}; }
   bool overflowed() const { return overflowed_; }
 
   Text& put(char c) {
-    if (size_ < capacity)
+    if (size_ < capacity_)
       data_[size_++] = c;
     else
       overflowed_ = true;
     return *this;
   }
-  Text& put(std::string_view s) {
+  [[gnu::noinline]] Text& put(std::string_view s) {
     for (const char c : s) put(c);
     return *this;
   }
-  Text& put_int(std::int64_t value) {
+  [[gnu::noinline]] Text& put_int(std::int64_t value) {
     if (value < 0) put('-');
     return put_unsigned(value < 0 ? 0 - static_cast<std::uint64_t>(value)
                                   : static_cast<std::uint64_t>(value));
   }
-  Text& put_unsigned(std::uint64_t value) {
+  [[gnu::noinline]] Text& put_unsigned(std::uint64_t value) {
     char digits[20];
     int n = 0;
     do digits[n++] = static_cast<char>('0' + value % 10);
@@ -43,12 +44,12 @@ class Text {
     while (n > 0) put(digits[--n]);
     return *this;
   }
-  Text& put_hex32(std::uint32_t value) {
+  [[gnu::noinline]] Text& put_hex32(std::uint32_t value) {
     for (int shift = 28; shift >= 0; shift -= 4) put("0123456789abcdef"[(value >> shift) & 15U]);
     return *this;
   }
   /// `value` / 10^decimals as plain decimal digits, never in exponent form: put_fixed(305, 3) writes "0.305".
-  Text& put_fixed(std::int64_t value, int decimals) {
+  [[gnu::noinline]] Text& put_fixed(std::int64_t value, int decimals) {
     std::uint64_t scale = 1;
     for (int i = 0; i < decimals; ++i) scale *= 10;
     const std::uint64_t magnitude =
@@ -65,10 +66,26 @@ class Text {
   }
 
  private:
-  char data_[capacity]{};
-  std::size_t size_ = 0;
+  char* data_;
+  std::size_t capacity_, size_ = 0;
   bool overflowed_ = false;
+
+ protected:
+  Text(char* memory, std::size_t capacity) : data_(memory), capacity_(capacity) {}
+  ~Text() = default;
 };
+
+template <std::size_t Capacity = 512>
+class TextOf : public Text {
+ public:
+  TextOf() : Text(memory_, Capacity) {}
+
+ private:
+  char memory_[Capacity]{};
+};
+
+/// Holds the longest value of any attribute, a sealed shot.
+using LongText = TextOf<1280>;
 
 /// Removes leading and trailing blanks, line ends and NULs (libiio sends a trailing NUL with every string).
 constexpr std::string_view trim(std::string_view s) {

@@ -21,6 +21,8 @@ class Board {
   struct Answer {
     std::size_t used = 0;  ///< bytes that were taken; the others are to come again
     Status status = Status::ready;
+    bool halfway = false;          ///< a request has begun to arrive and is not whole
+    std::int32_t timeout_ms = -1;  ///< this client's, 0: none; negative: it has not asked for one
     std::vector<std::uint8_t> bytes;
   };
 
@@ -39,6 +41,8 @@ class Board {
   virtual Answer resume(unsigned connection) = 0;
   virtual Answer expire(unsigned connection) = 0;
   virtual void close(unsigned connection) = 0;
+  /// Wall time that passed, ms: it counts for the lease alone.
+  virtual void rest(std::int64_t ms) = 0;
 
   /// The firmware itself where it runs in this process, for whoever feeds it as another kind of port would; else nullptr.
   virtual firmware::Bench* native() { return nullptr; }

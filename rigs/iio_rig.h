@@ -7,7 +7,11 @@ namespace powbench::rigs {
 /// Time a rig gets to answer the first connection.
 inline constexpr std::chrono::milliseconds connect_limit{2500};
 
+/// Time a rig gets to answer one request: its server must answer within that, or the connection is thrown away.
+inline constexpr std::chrono::milliseconds request_limit{2000};
+
 /// Connects through libiio to `uri` ("ip:127.0.0.7"). Throws RigError within `limit`.
-std::unique_ptr<Rig> connect_iio(const std::string& uri, std::chrono::milliseconds limit = connect_limit);
+std::unique_ptr<Rig> connect_iio(const std::string& uri, std::chrono::milliseconds limit = connect_limit,
+                                 std::chrono::milliseconds request = request_limit);
 
 }  // namespace powbench::rigs

@@ -7,9 +7,8 @@
 #include <boost/asio.hpp>
 #include <chrono>
 #include <cstdio>
+#include <cstring>
 #include <deque>
-#include <mutex>
-#include <thread>
 #include <vector>
 
 #include "core/random.h"
@@ -23,12 +22,18 @@ using asio::ip::tcp;
 
 namespace {
 
-constexpr double slice = 0.010;  // s of virtual time between two looks at the sockets
+using Clock = std::chrono::steady_clock;
+using std::chrono::milliseconds;
 
-/// The address cannot be had; another one may.
-struct AddressError : RigError {
-  using RigError::RigError;
-};
+constexpr double slice = 0.010;           // s of virtual time between two looks at the sockets
+constexpr milliseconds pulse_period{50};  // wall time between two accounts of it, while there is a lease
+constexpr milliseconds typing_limit{
+    1000};  // from the first byte of a request to its last, and from connecting on
+constexpr std::size_t unread_limit = 1 << 16;  // bytes a client may send ahead while it is owed samples
+constexpr std::size_t answer_limit = 1 << 16;  // answers collected before the client has to take them
+constexpr std::size_t most_farewells = 64;     // clients being told at one time that there is no place
+constexpr const char* no_place =
+    "-16\nall connections of this rig are taken: close one of its other clients, then try again\n";
 
 }  // namespace
 
@@ -47,7 +52,7 @@ struct IiodServer::Impl {
 
   Impl(const SimRigConfig& config, const sim::Specimen& specimen, std::string where, std::uint16_t port,
        const BoardOptions& options)
-      : acceptor(io), signals(io), address(std::move(where)) {
+      : acceptor(io), signals(io), pulse_timer(io), address(std::move(where)) {
     try {
       const tcp::endpoint endpoint(asio::ip::make_address(address), port);
       acceptor.open(endpoint.protocol());
@@ -68,6 +73,8 @@ struct IiodServer::Impl {
   void work();
   void drop(const Session* session);
   void wake_readers();
+  void say_farewell(tcp::socket socket);
+  void pulse();
   int free_connection() const;
   Board& board() { return world->board(); }
 
@@ -75,36 +82,76 @@ struct IiodServer::Impl {
   asio::io_context io{1};
   tcp::acceptor acceptor;
   asio::signal_set signals;
+  asio::steady_timer pulse_timer;
   std::string address;
   std::vector<std::shared_ptr<Session>> sessions;
-  bool working = false;
-  std::atomic<bool> busy = false;  ///< `working` for other threads
+  std::size_t farewells = 0;
+  std::uint64_t turns = 0;  ///< requests or pieces of them so far
+  bool working = false, pulsing = false;
 };
 
 /// One client connection: bytes in, answers out, in order.
 struct IiodServer::Impl::Session : std::enable_shared_from_this<Session> {
   Session(Impl& owner, tcp::socket s, unsigned number)
-      : server(owner), socket(std::move(s)), deadline(owner.io), connection(number) {
+      : server(owner), socket(std::move(s)), deadline(owner.io), typing(owner.io), connection(number) {
     boost::system::error_code ignored;
+    peer = socket.remote_endpoint(ignored).address();
     socket.set_option(tcp::no_delay(true), ignored);  // without it a refill takes 44 ms
   }
 
-  /// Hands received bytes to the responder, then answers; reads on unless a READBUF waits for samples.
-  void consume() {
-    auto answer = server.board().feed(connection, unread);
-    status = answer.status;
-    unread.erase(unread.begin(), unread.begin() + static_cast<std::ptrdiff_t>(answer.used));
-    server.world->notice_commands();
-    if (status == Board::Status::pending) wait_for_samples();
-    server.work();  // ahead of the answer: who has it knows that the shot runs
-    send(std::move(answer.bytes));
+  void start() {
+    limit_typing();
+    next();
   }
 
-  /// A READBUF is owed an answer within the client's time-out, whatever happens.
+  /// Hands received bytes to the responder, request by request, then answers; reads on unless a READBUF waits for
+  /// samples. What one client is owed at a time stays bounded, and the others get their turn.
+  void consume() {
+    std::size_t at = 0;
+    std::vector<std::uint8_t> bytes;
+    bool halfway = false;
+    active = ++server.turns;
+    while (at < unread.size() && status == Board::Status::ready && bytes.size() < answer_limit) {
+      const auto from = unread.begin() + static_cast<std::ptrdiff_t>(at);
+      const auto line_end = std::find(from, unread.end(), std::uint8_t{'\n'});
+      const auto length = static_cast<std::size_t>(line_end - from) + (line_end == unread.end() ? 0 : 1);
+      auto answer = server.board().feed(connection, std::span(unread).subspan(at, length));
+      at += answer.used;
+      status = answer.status;
+      halfway = answer.halfway;
+      timeout_ms = answer.timeout_ms;
+      bytes.insert(bytes.end(), answer.bytes.begin(), answer.bytes.end());
+      server.world->notice_commands();
+    }
+    unread.erase(unread.begin(), unread.begin() + static_cast<std::ptrdiff_t>(at));
+    if (!halfway) typing.cancel();
+    if (halfway && !was_halfway) limit_typing();
+    was_halfway = halfway;
+    if (status == Board::Status::pending) wait_for_samples();
+    send(std::move(bytes));
+    server.work();
+    server.pulse();
+  }
+
+  /// A request that is never finished holds one of few places.
+  void limit_typing() {
+    typing.expires_after(typing_limit);
+    typing.async_wait([self = shared_from_this()](auto error) {
+      if (!error) self->close();
+    });
+  }
+
+  /// A READBUF is owed an answer within the client's time-out, whatever happens. A client of libiio 0.24 sets it on its
+  /// other connection: that is the one from the same address which spoke last.
   void wait_for_samples() {
-    const std::uint32_t ms = server.board().report().timeout_ms;
+    const Session* speaker = timeout_ms >= 0 ? this : nullptr;
+    for (const auto& other : server.sessions)
+      if (timeout_ms < 0 && other->timeout_ms >= 0 && other->peer == peer &&
+          (!speaker || other->active > speaker->active))
+        speaker = other.get();
+    const std::int32_t ms = speaker ? speaker->timeout_ms : 0;
     if (ms == 0) return;
-    deadline.expires_after(std::chrono::milliseconds(ms));
+    deadline.expires_after(milliseconds(ms));
     deadline.async_wait([self = shared_from_this()](auto error) {
       if (error || self->status != Board::Status::pending || !self->socket.is_open()) return;
       auto answer = self->server.board().expire(self->connection);
@@ -152,6 +199,7 @@ struct IiodServer::Impl::Session : std::enable_shared_from_this<Session> {
       if (error) return self->close();
       self->unread.insert(self->unread.end(), self->incoming.begin(),
                           self->incoming.begin() + static_cast<std::ptrdiff_t>(n));
+      if (self->unread.size() > unread_limit) return self->close();
       if (self->status == Board::Status::ready)
         self->consume();
       else
@@ -163,6 +211,7 @@ struct IiodServer::Impl::Session : std::enable_shared_from_this<Session> {
     if (!socket.is_open()) return;
     boost::system::error_code ignored;
     deadline.cancel();
+    typing.cancel();
     socket.close(ignored);
     server.board().close(connection);
     server.drop(this);
@@ -170,8 +219,12 @@ struct IiodServer::Impl::Session : std::enable_shared_from_this<Session> {
 
   Impl& server;
   tcp::socket socket;
-  asio::steady_timer deadline;
-  const unsigned connection;  ///< its number on the board
+  asio::steady_timer deadline, typing;
+  asio::ip::address peer;
+  std::uint64_t active = 0;      ///< when it spoke last, in turns of the server
+  std::int32_t timeout_ms = -1;  ///< as Board::Answer
+  bool was_halfway = true;       ///< a new connection owes a request
+  const unsigned connection;     ///< its number on the board
   Board::Status status = Board::Status::ready;
   std::array<std::uint8_t, 4096> incoming{};
   std::vector<std::uint8_t> unread;
@@ -182,12 +235,55 @@ struct IiodServer::Impl::Session : std::enable_shared_from_this<Session> {
 void IiodServer::Impl::accept() {
   acceptor.async_accept([this](auto error, tcp::socket socket) {
     if (error) return;
-    // a board has memory for so many clients; one more is turned away
+    // a board has memory for so many clients; one more is told so
     if (const int number = free_connection(); number >= 0) {
       sessions.push_back(std::make_shared<Session>(*this, std::move(socket), static_cast<unsigned>(number)));
-      sessions.back()->next();
+      sessions.back()->start();
+    } else if (farewells < most_farewells) {
+      say_farewell(std::move(socket));
     }
     accept();
+  });
+}
+
+/// Tells a client in one sentence that there is no place. What it said is read first: closing over unread bytes would
+/// take the sentence away again.
+void IiodServer::Impl::say_farewell(tcp::socket socket) {
+  struct Farewell {
+    Farewell(tcp::socket s, asio::io_context& io) : socket(std::move(s)), limit(io) {}
+    tcp::socket socket;
+    asio::steady_timer limit;
+    std::array<char, 512> heard{};
+  };
+  ++farewells;
+  auto guest = std::make_shared<Farewell>(std::move(socket), io);
+  guest->limit.expires_after(typing_limit);
+  guest->limit.async_wait([guest](auto) {
+    boost::system::error_code ignored;
+    guest->socket.close(ignored);
+  });
+  asio::async_write(
+      guest->socket, asio::buffer(no_place, std::strlen(no_place)), [this, guest](auto, std::size_t) {
+        boost::system::error_code ignored;
+        guest->socket.shutdown(tcp::socket::shutdown_send, ignored);
+        guest->socket.async_read_some(asio::buffer(guest->heard), [this, guest](auto, std::size_t) {
+          --farewells;
+          guest->limit.cancel();
+        });
+      });
+}
+
+/// Wall time counts for the lease, which must end also while virtual time stands still.
+void IiodServer::Impl::pulse() {
+  if (pulsing || !board().report().lease_held) return;
+  pulsing = true;
+  pulse_timer.expires_after(pulse_period);
+  pulse_timer.async_wait([this, since = Clock::now()](auto error) {
+    pulsing = false;
+    if (error) return;
+    board().rest(std::chrono::duration_cast<milliseconds>(Clock::now() - since).count());
+    work();
+    pulse();
   });
 }
 
@@ -201,12 +297,9 @@ int IiodServer::Impl::free_connection() const {
 
 /// Lets virtual time pass in slices, with the sockets served in between.
 void IiodServer::Impl::work() {
-  if (working) return;
-  working = world->busy();
-  busy = working;
-  if (!working) return;
+  if (working || !world->busy()) return;
+  working = true;
   asio::post(io, [this] {
-    world->host_connected(!sessions.empty());
     world->run(slice);
     working = false;
     if (!world->busy()) wake_readers();
@@ -254,57 +347,6 @@ void IiodServer::serve(bool until_interrupted) {
 
 void IiodServer::stop() {
   impl_->io.stop();
-}
-
-bool IiodServer::busy() const {
-  return impl_->busy;
-}
-
-struct LocalRig::Impl {
-  std::unique_ptr<IiodServer> server;
-  std::thread thread;
-  mutable std::mutex lock;  ///< of `failure`
-  std::string failure;
-};
-
-LocalRig::LocalRig(const SimRigConfig& config, const sim::Specimen& specimen, const BoardOptions& options)
-    : impl_(std::make_unique<Impl>()) {
-  std::string last_error;
-  for (int host = 2; host < 255 && !impl_->server; ++host) {
-    try {
-      impl_->server = std::make_unique<IiodServer>(config, specimen, "127.0.0." + std::to_string(host),
-                                                   iiod_port, options);
-    } catch (const AddressError& e) {
-      last_error = e.what();
-    }
-  }
-  if (!impl_->server) throw RigError("no loopback address is free for a simulated rig: " + last_error);
-  impl_->thread = std::thread([this] {
-    try {
-      impl_->server->serve();
-    } catch (const RigError& e) {
-      const std::lock_guard hold(impl_->lock);
-      impl_->failure = e.what();
-    }
-  });
-}
-
-LocalRig::~LocalRig() {
-  impl_->server->stop();
-  impl_->thread.join();
-}
-
-std::string LocalRig::failure() const {
-  const std::lock_guard hold(impl_->lock);
-  return impl_->failure;
-}
-
-bool LocalRig::busy() const {
-  return impl_->server->busy();
-}
-
-const std::string& LocalRig::address() const {
-  return impl_->server->address();
 }
 
 }  // namespace powbench::rigs

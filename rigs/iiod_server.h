@@ -5,6 +5,7 @@
 #include <string>
 
 #include "rigs/board.h"
+#include "rigs/rig.h"
 #include "rigs/sim_rig_config.h"
 #include "sim/specimen.h"
 
@@ -13,6 +14,11 @@ namespace powbench::rigs {
 /// Port of the IIOD protocol. Several rigs on one machine take several loopback addresses, never several
 /// ports: libiio 0.24 loses the port when it clones a context.
 inline constexpr std::uint16_t iiod_port = 30431;
+
+/// The address cannot be had; another one may.
+struct AddressError : RigError {
+  using RigError::RigError;
+};
 
 /// What tells one start of a simulated board from every other: a hash of its serial number, `seed` and the number of
 /// the start in this process. The same program gives the same sequence at every run.
@@ -36,8 +42,6 @@ class IiodServer {
   /// RigError, with every client cut off, when an emulated board fails.
   void serve(bool until_interrupted = false);
   void stop();
-  /// A shot is running: virtual time passes. From any thread.
-  bool busy() const;
 
  private:
   struct Impl;
@@ -56,8 +60,6 @@ class LocalRig {
   const std::string& address() const;
   /// Why the rig serves no more, or nothing.
   std::string failure() const;
-  /// A shot is running.
-  bool busy() const;
 
  private:
   struct Impl;

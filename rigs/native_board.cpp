@@ -53,7 +53,14 @@ class NativeBoard final : public Board {
     bench_.expire(connection, out);
     return answered(connection, 0, out);
   }
-  void close(unsigned connection) override { bench_.close(connection); }
+  void close(unsigned connection) override {
+    bench_.close(connection);
+    look();
+  }
+  void rest(std::int64_t ms) override {
+    bench_.rest(ms);
+    look();
+  }
   firmware::Bench* native() override { return &bench_; }
 
  private:
@@ -61,7 +68,8 @@ class NativeBoard final : public Board {
 
   Answer answered(unsigned connection, std::size_t used, Collector& out) {
     look();
-    return {used, bench_.status(connection), std::move(out.data)};
+    const auto& c = bench_.connection(connection);
+    return {used, c.status(), c.halfway(), c.timeout_ms(), std::move(out.data)};
   }
   void look() { report_ = bench_.report(); }
 

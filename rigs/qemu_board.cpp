@@ -101,6 +101,12 @@ void QemuBoard::close(unsigned connection) {
   exchange();
 }
 
+void QemuBoard::rest(std::int64_t ms) {
+  begin(Kind::rest);
+  frame_.put(lockstep::Rested{ms});
+  exchange();
+}
+
 lockstep::Cost QemuBoard::cost() {
   begin(Kind::cost);
   exchange();
@@ -147,6 +153,8 @@ Board::Answer QemuBoard::exchange(std::vector<firmware::GateEdge>* edges) {
     report_ = a.report;
     out.used = a.used;
     out.status = a.status;
+    out.halfway = a.halfway;
+    out.timeout_ms = a.timeout_ms;
     ++sequence_;
     return out;
   }

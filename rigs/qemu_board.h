@@ -22,6 +22,7 @@ class QemuBoard final : public Board {
   Answer resume(unsigned connection) override;
   Answer expire(unsigned connection) override;
   void close(unsigned connection) override;
+  void rest(std::int64_t ms) override;
   void adopt_thread() override { process_.share_core(); }
 
   /// From now on every block's instructions are counted (meaningful when the emulator counts them, too).

@@ -15,9 +15,11 @@ class HostedSimRig final : public Rig {
 
   const RigInfo& info() const override { return client_->info(); }
   Shot fire(const Conditions& c, std::chrono::milliseconds limit) override {
-    Shot shot = client_->fire(c, limit);
-    if (std::string why = shot.rig_lost ? server_.failure() : std::string(); !why.empty())
-      shot.reason = std::move(why);
+    return explained(client_->fire(c, limit));
+  }
+  std::optional<Shot> recover(std::chrono::milliseconds limit) override {
+    auto shot = client_->recover(limit);
+    if (shot) shot = explained(std::move(*shot));
     return shot;
   }
   bool abort() override { return client_->abort(); }
@@ -25,6 +27,12 @@ class HostedSimRig final : public Rig {
   bool reconnect() override { return server_.failure().empty() && client_->reconnect(); }
 
  private:
+  Shot explained(Shot shot) const {
+    if (std::string why = shot.rig_lost ? server_.failure() : std::string(); !why.empty())
+      shot.reason = std::move(why);
+    return shot;
+  }
+
   LocalRig server_;
   std::unique_ptr<Rig> client_;  // ends before its server
 };

@@ -3,6 +3,7 @@
 #include <chrono>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <stdexcept>
 #include <string>
 #include <utility>
@@ -49,12 +50,17 @@ class Rig {
  public:
   virtual ~Rig() = default;
   virtual const RigInfo& info() const = 0;
-  /// Arms, fires and reads one closing. Never blocks longer than `limit`; never throws for what a rig may do.
+  /// Arms, fires and reads one closing. A connection that breaks is made anew as long as `limit` allows, and a shot that
+  /// was fired before that is fetched, not fired again. Returns within `limit` and a few seconds (the time-outs of one
+  /// request and one connection); never throws for what a rig may do.
   virtual Shot fire(const Conditions&, std::chrono::milliseconds limit) = 0;
   /// Coil off, whatever the state. False when the rig does not answer.
   virtual bool abort() = 0;
   /// Throws the connection away and makes a new one; false when that fails or another rig answers.
   virtual bool reconnect() = 0;
+  /// After a reconnect: how the last shot ended whose outcome was left open when the connection broke. Nothing is fired
+  /// that may have been fired before. Nothing: no shot was left open.
+  virtual std::optional<Shot> recover(std::chrono::milliseconds limit) = 0;
 };
 
 }  // namespace powbench::rigs

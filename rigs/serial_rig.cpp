@@ -25,10 +25,12 @@ class SerialRig final : public Rig {
   const RigInfo& info() const override { return info_; }
 
   Shot fire(const Conditions& conditions, std::chrono::milliseconds limit) override {
-    Shot shot = client_->fire(conditions, limit);
-    // the bridge knows better than its client why nobody answers any more
-    if (shot.rig_lost)
-      if (const auto why = failure()) shot.reason = *why;
+    return explained(client_->fire(conditions, limit));
+  }
+
+  std::optional<Shot> recover(std::chrono::milliseconds limit) override {
+    auto shot = client_->recover(limit);
+    if (shot) shot = explained(std::move(*shot));
     return shot;
   }
 
@@ -50,6 +52,12 @@ class SerialRig final : public Rig {
   }
 
  private:
+  /// The bridge knows better than its client why nobody answers any more.
+  Shot explained(Shot shot) const {
+    if (shot.rig_lost)
+      if (const auto why = failure()) shot.reason = *why;
+    return shot;
+  }
   std::optional<std::string> failure() const { return bridge_ ? bridge_->failure() : absent_; }
   void learn() {
     info_ = client_->info();

@@ -184,7 +184,9 @@ firmware::Block SimWorld::convert_block(std::span<std::int16_t> scans) {
     sensors_->convert({&states_[i * oversampling], oversampling},
                       scans.subspan(i * channel_count, channel_count));
 
-  firmware::Block block{.first_sample = sample_, .scans = scans, .host_heard = host_connected_};
+  // virtual time passes faster than anyone can speak: an open connection of the owner stands for the heartbeat
+  firmware::Block block{
+      .first_sample = sample_, .scans = scans, .owner_present = board_->report().owner_connected};
   sample_ += block_samples;
   if (config_.faults.lost_samples > 0 && !samples_lost_ && since_on > 0.005) {
     samples_lost_ = true;  // this block's first conversions never arrive

@@ -34,10 +34,6 @@ class SimWorld {
   /// Something is going on that needs virtual time to pass.
   bool busy() const;
 
-  /// A client is connected. In virtual time an open connection is the heartbeat: how often it speaks says
-  /// nothing.
-  void host_connected(bool yes) { host_connected_ = yes; }
-
   /// Lets virtual time pass: `seconds`, or less if nothing is going on any more.
   void run(double seconds);
 
@@ -70,8 +66,7 @@ class SimWorld {
   std::vector<firmware::GateEdge> scheduled_;  ///< all of this shot
   std::vector<SwitchEdge> switched_;           ///< all that took effect in this shot
   double switched_on_ = -1.0;                  ///< plant time of the last on edge, < 0: not yet in this shot
-  bool host_connected_ = true;  ///< a client is there: what the heartbeat of a board would tell
-  bool samples_lost_ = false;   ///< the fault on request has been played
+  bool samples_lost_ = false;                  ///< the fault on request has been played
   std::vector<double> times_;
   std::vector<sim::PlantSample> states_;
   std::vector<std::int16_t> scans_;

@@ -11,9 +11,15 @@ void put_text(ByteSink& out, std::string_view s) {
 }
 
 void put_number(ByteSink& out, std::int64_t value) {
-  Text text;
-  text.put_int(value).put('\n');
-  put_text(out, text.view());
+  // not a Text: this stands on the stack beside one
+  char digits[24];
+  std::size_t at = sizeof digits;
+  std::uint64_t rest = value < 0 ? 0 - static_cast<std::uint64_t>(value) : static_cast<std::uint64_t>(value);
+  digits[--at] = '\n';
+  do digits[--at] = static_cast<char>('0' + rest % 10);
+  while ((rest /= 10) != 0);
+  if (value < 0) digits[--at] = '-';
+  put_text(out, {digits + at, sizeof digits - at});
 }
 
 void put_big_endian(ByteSink& out, std::int32_t value) {
@@ -100,7 +106,7 @@ void Responder::run_line(Connection& c, std::string_view line, ByteSink& out) {
   if (same_word(verb, "TIMEOUT")) {
     const auto ms = parse_int(words[1]);
     if (!ms || *ms < 0 || *ms > 3'600'000) return put_number(out, -einval);
-    timeout_ms_ = static_cast<std::uint32_t>(*ms);
+    c.timeout_ms_ = static_cast<std::int32_t>(*ms);
     return put_number(out, 0);
   }
   if (same_word(verb, "VERSION")) return put_text(out, "0.24.v0.24  \n");
@@ -173,7 +179,8 @@ void Responder::read(const Words& words, ByteSink& out) {
   if (words.count <= next) return read_all(*device, attributes, out);
   const Attribute* attribute = find(attributes, words[next]);
   if (!attribute) return put_number(out, -enoent);
-  Text value;
+  LongText& value = value_;
+  value.clear();
   const int error = read_attribute(context_, *device, *attribute, value);
   if (error < 0) return put_number(out, error);
   value.put('\0');
@@ -187,7 +194,8 @@ void Responder::read_all(const Device& device, std::span<const Attribute> attrib
   for (const bool sending : {false, true}) {
     std::size_t total = 0;
     for (const Attribute& a : attributes) {
-      Text value;
+      LongText& value = value_;
+      value.clear();
       const int error = read_attribute(context_, device, a, value);
       if (error >= 0) value.put('\0');
       const std::size_t size = error < 0 ? 0 : value.view().size();
@@ -257,6 +265,7 @@ int Responder::open(Connection& c, const Words& words) {
   const Device* device = find_device(words[1]);
   if (!device) return -enodev;
   if (!device->buffer) return -einval;
+  if (words.count > 4) return -einval;  // CYCLIC: there is one record, and it does not repeat
   if (c.reader_.device) return -ebusy;
   const auto scans = parse_int(words[2]);
   std::uint32_t mask = 0;
@@ -297,12 +306,12 @@ void Responder::resume(Connection& c, ByteSink& out) {
     // one chunk: never larger than what is still owed, and never promised before it is in memory
     put_number(out, static_cast<std::int64_t>(scans * step));
     if (!r.mask_sent) {
-      Text mask;
+      TextOf<16> mask;
       mask.put_hex32(r.mask).put('\n');
       put_text(out, mask.view());
       r.mask_sent = true;
     }
-    std::uint8_t slice[1536];
+    std::uint8_t slice[512];
     const std::size_t per_slice = sizeof slice / step;
     for (std::size_t done = 0; done < scans;) {
       const auto piece = source.in_place(r.cursor, scans - done, r.mask);

@@ -35,6 +35,10 @@ class Connection {
     closed,   ///< the client said EXIT
   };
   Status status() const { return status_; }
+  /// A request has begun to arrive and is not whole.
+  bool halfway() const { return line_length_ > 0 || line_overflow_ || write_.remaining > 0; }
+  /// Time-out that this client has asked for, ms, 0 = none; negative: it has not asked.
+  std::int32_t timeout_ms() const { return timeout_ms_; }
 
   /// Drops a half-received line or payload. A serial port does so when the line has been silent for 200 ms:
   /// one disturbed length would otherwise swallow every request behind it.
@@ -67,6 +71,7 @@ class Connection {
   };
 
   Status status_ = Status::ready;
+  std::int32_t timeout_ms_ = -1;
   std::array<char, line_capacity> line_{};
   std::size_t line_length_ = 0;
   bool line_overflow_ = false;
@@ -89,10 +94,6 @@ class Responder {
   /// the last scan of a complete record becomes 0: there is nothing to poll for.
   void expire(Connection&, Errno error, ByteSink&);
 
-  /// Time-out last asked for by a client, ms; 0 = none. It acts server-wide: nothing on the wire links a
-  /// client's control connection to its buffer connections.
-  std::uint32_t timeout_ms() const { return timeout_ms_; }
-
  private:
   void run_line(Connection&, std::string_view line, ByteSink&);
   void print(ByteSink&) const;
@@ -110,7 +111,7 @@ class Responder {
 
   const Context& context_;
   const Device* trigger_ = nullptr;
-  std::uint32_t timeout_ms_ = 0;
+  LongText value_;  ///< of the attribute being read: too long for a small stack
 };
 
 }  // namespace powbench::firmware::iiod

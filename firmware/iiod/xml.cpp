@@ -66,7 +66,7 @@ void put_channel(CharSink& out, const Channel& channel) {
   put_attribute(out, "type", channel.output ? "output" : "input");
   out.put('>');
   if (channel.scan_index >= 0) {
-    Text index;
+    TextOf<24> index;
     index.put_int(channel.scan_index);
     out.put("<scan-element");
     put_attribute(out, "index", index.view());

@@ -301,7 +301,7 @@ awaitable<std::int64_t> Session::read_piece(std::size_t& owed, bool& mask_sent) 
   if (!reply.body.empty()) {
     std::string answer = std::to_string(reply.body.size()) + "\n";
     if (!mask_sent) {
-      firmware::Text text;
+      firmware::TextOf<16> text;
       text.put_hex32(mask).put('\n');
       answer += text.view();
       mask_sent = true;

@@ -47,7 +47,7 @@ inline const std::vector<Allowance>& allowances() {
       {"thread", "sim/team.cpp", true, "standard library"},
       {"cholmod.h", "sim/", true, "SuiteSparse"},
       {"fftw3.h", "dsp/fft.cpp", true, "FFTW"},
-      {"iio.h", "rigs/iio_rig.cpp", true, "libiio"},
+      {"iio.h", "rigs/iio_link.cpp", true, "libiio"},
       {"boost/asio", "rigs/iiod_server.cpp", true, "Boost.Asio"},
       {"boost/asio", "rigs/bridge/", false, "Boost.Asio"},
       {"sqlite3.h", "host/store/", false, "SQLite"},

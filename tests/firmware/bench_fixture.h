@@ -22,7 +22,9 @@ struct Bench {
   static constexpr std::int64_t block_samples = 10;
   static constexpr double rate = 100e3;
 
-  explicit Bench(double hertz = 50.0, double start_phase = 0.3) : mains_hertz(hertz), phase(start_phase) {}
+  explicit Bench(double hertz = 50.0, double start_phase = 0.3) : mains_hertz(hertz), phase(start_phase) {
+    controller.lease().claim("t", 3'600'000, "test");  // commands through ask() end in " t"
+  }
 
   static firmware::ControllerConfig make_config() {
     firmware::ControllerConfig c;
@@ -67,7 +69,7 @@ struct Bench {
     firmware::Block block{.first_sample = next - block_samples,
                           .scans = scans,
                           .emergency_stop = emergency_stop,
-                          .host_heard = true};
+                          .owner_present = owner_present};
     if (drop_next > 0) {
       block.first_sample += drop_next;
       block.scans = block.scans.subspan(static_cast<std::size_t>(drop_next) * channel_count);
@@ -97,6 +99,7 @@ struct Bench {
 
   double mains_hertz, phase;
   bool mains_on = true, shorted = false;
+  bool owner_present = true;  ///< stands for a heartbeat in every block
   int current = 8000;
   std::int64_t drop_next = 0;
   std::int64_t next = 0;

@@ -362,9 +362,9 @@ TEST_CASE("on a serial line a read without a record is refused at once, and the 
   CHECK(link.line_errors() == 1);
 
   bench.run(0.3);
-  bench.ask("WRITE iio:device1 arm 1\n1");
+  bench.ask("WRITE iio:device1 arm 3\n1 t");
   bench.run(0.3);
-  bench.ask("WRITE iio:device1 fire 1\n1");
+  bench.ask("WRITE iio:device1 fire 3\n1 t");
   CHECK(send("OPEN iio:device0 100 01\nREADBUF iio:device0 200\n") == "0\n-11\n");
   bench.run(0.4);
   const std::string record = send("READBUF iio:device0 200\n");

@@ -32,8 +32,8 @@ TEST_CASE("the gate edge falls on the commanded angle", "[fire]") {
   for (const double hertz : {45.0, 50.0, 60.0, 65.0}) {
     for (const CentiDegrees angle : {0, 1, 3000, 9000, 17999, 18000, 27000, 35999}) {
       Bench b(hertz);
-      armed(b);
       REQUIRE(b.fire_control().set_closing_angle(angle) == Refusal::accepted);
+      armed(b);
       REQUIRE(b.fire_control().fire() == Refusal::accepted);
       b.run(0.3);
       REQUIRE(b.fire_control().state() == State::captured);
@@ -223,10 +223,10 @@ TEST_CASE("equal shots give equal edges whatever went before", "[fire]") {
   second.fire_control().disarm();
   second.run(0.35);
   for (auto* b : {&first, &second}) {
+    b->fire_control().set_closing_angle(4500);
     b->fire_control().arm();
     const std::int64_t armed_at = b->next;
     b->run(0.2);
-    b->fire_control().set_closing_angle(4500);
     b->fire_control().fire();
     b->run(0.3);
     REQUIRE(b->history.size() == 2);

@@ -240,10 +240,10 @@ TEST_CASE("on request it is the touch that falls on the angle", "[fire]") {
 
 TEST_CASE("touch delay is a set-point like the others", "[fire]") {
   test::Bench b;
-  CHECK(b.ask("WRITE iio:device1 touch_delay_us 4\n5000") == "4\n");
-  CHECK(b.ask("WRITE iio:device1 touch_delay_us 5\n50001") == "-34\n");
-  CHECK(b.ask("WRITE iio:device1 touch_delay_us 2\n-1") == "-34\n");
-  CHECK(b.ask("WRITE iio:device1 touch_delay_us 3\n1.5") == "-22\n");
+  CHECK(b.ask("WRITE iio:device1 touch_delay_us 6\n5000 t") == "6\n");
+  CHECK(b.ask("WRITE iio:device1 touch_delay_us 7\n50001 t") == "-34\n");
+  CHECK(b.ask("WRITE iio:device1 touch_delay_us 4\n-1 t") == "-34\n");
+  CHECK(b.ask("WRITE iio:device1 touch_delay_us 5\n1.5 t") == "-22\n");
   CHECK(b.fire_control().touch_delay_us() == 5000);
 }
 

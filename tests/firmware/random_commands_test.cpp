@@ -38,20 +38,25 @@ struct Host {
 
 /// A whole request that changes something, or a fragment that must change nothing or be completed by the next.
 void speak(Host& host, ShotWatch& watch, Random& random) {
-  static const std::array<std::string, 14> lines{"WRITE iio:device1 arm 1\n1",
-                                                 "WRITE iio:device1 arm 1\n0",
-                                                 "WRITE iio:device1 fire 1\n1",
-                                                 "WRITE trigger0 trigger_now 1\n1",
+  static const std::array<std::string, 19> lines{"WRITE iio:device1 arm 3\n1 t",
+                                                 "WRITE iio:device1 arm 3\n0 t",
+                                                 "WRITE iio:device1 fire 3\n1 t",
+                                                 "WRITE trigger0 trigger_now 3\n1 t",
                                                  "WRITE iio:device1 abort 1\n1",
-                                                 "WRITE iio:device1 hold_time_ms 2\n20",
-                                                 "WRITE iio:device1 hold_time_ms 5\n10001",
-                                                 "WRITE iio:device1 OUTPUT phase0 raw 4\n9000",
-                                                 "WRITE iio:device1 OUTPUT phase0 raw 3\nnan",
-                                                 "WRITE iio:device1 fire 1\n2",
+                                                 "WRITE iio:device1 hold_time_ms 4\n20 t",
+                                                 "WRITE iio:device1 hold_time_ms 7\n10001 t",
+                                                 "WRITE iio:device1 OUTPUT phase0 raw 6\n9000 t",
+                                                 "WRITE iio:device1 OUTPUT phase0 raw 5\nnan t",
+                                                 "WRITE iio:device1 fire 3\n2 t",
                                                  "WRITE iio:device1 fi",
                                                  "re 1\n1",
                                                  "1\n",
-                                                 "READ iio:device1 state\n"};
+                                                 "READ iio:device1 state\n",
+                                                 "WRITE iio:device1 lease 9\nt 3600000",
+                                                 "WRITE iio:device1 lease 5\nt 100",
+                                                 "WRITE iio:device1 lease 3\nt 0",
+                                                 "WRITE iio:device1 lease 5\nx 100",
+                                                 "WRITE iio:device1 fire 3\n1 x"};
   const bool armed = host.bench.fire_control().state() == firmware::State::armed;
   host.say(lines[random.below(lines.size())]);
   if (armed && host.bench.fire_control().state() == firmware::State::firing) watch.fire_accepted(host.bench);

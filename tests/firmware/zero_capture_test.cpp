@@ -28,7 +28,7 @@ struct Offset {
             static_cast<std::int16_t>(offset + std::lrint(amplitude * std::sin(angle)));
         scan[index(Channel::coil_voltage)] = static_cast<std::int16_t>(-offset);
       }
-      const Block block{.first_sample = next, .scans = scans, .host_heard = true};
+      const Block block{.first_sample = next, .scans = scans, .owner_present = true};
       next += 10;
       controller.step(block);
     }

@@ -39,11 +39,17 @@ struct Client {
   std::string write(const std::string& device, const std::string& attribute, const std::string& value) {
     return ask("WRITE " + device + " " + attribute + " " + std::to_string(value.size()) + "\r\n" + value);
   }
+  /// A command of the owner; the first one claims the bench.
   std::string control(const std::string& attribute, const std::string& value) {
-    return write("iio:device1", attribute, value);
+    std::string answer = owner_ ? std::string() : write("iio:device1", "lease", "t 3600000");
+    owner_ = true;
+    return answer + write("iio:device1", attribute, value + " t");
   }
 
   rigs::SimWorld world;
+
+ private:
+  bool owner_ = false;
 };
 
 constexpr rigs::BoardOptions native{};

@@ -11,10 +11,9 @@ TEST_CASE("the emulated board's gate edges take effect at their scheduled ticks"
   Client client(emulated_board);
   int edges = 0;
   for (int centi_degrees = 0; centi_degrees < 36000; centi_degrees += 3000) {
-    client.control("arm", "1");
-    const std::string angle = std::to_string(centi_degrees);
-    client.ask("WRITE iio:device1 OUTPUT phase0 raw " + std::to_string(angle.size()) + "\r\n" + angle);
+    client.control("OUTPUT phase0 raw", std::to_string(centi_degrees));
     client.control("hold_time_ms", "20");
+    client.control("arm", "1");
     client.control("fire", "1");
     while (client.world.busy()) client.world.run(0.010);
     const auto scheduled = client.world.scheduled();

@@ -188,17 +188,18 @@ TEST_CASE("an emergency stop reaches the emulated board", "[pil]") {
                        .mains_lost_counts = 1,
                        .mains_lost_samples = 100'000};
   QemuBoard board(false, config, identity);
-  const std::string arm = "WRITE iio:device1 arm 1\r\n1";
+  const std::string arm = "WRITE iio:device1 lease 9\r\nt 3600000WRITE iio:device1 arm 3\r\n1 t";
   board.feed(0, {reinterpret_cast<const std::uint8_t*>(arm.data()), arm.size()});
   REQUIRE(board.report().state == firmware::State::armed);
   // a front end that lives: samples that differ
   std::vector<std::int16_t> scans(10 * channel_count);
   for (std::size_t i = 0; i < scans.size(); ++i) scans[i] = static_cast<std::int16_t>(i % 7);
   std::vector<firmware::GateEdge> edges;
-  const firmware::Block calm{.first_sample = 0, .scans = scans, .host_heard = true};
+  const firmware::Block calm{.first_sample = 0, .scans = scans, .owner_present = true};
   board.step({&calm, 1}, edges);
   REQUIRE(board.report().state == firmware::State::armed);
-  const firmware::Block stop{.first_sample = 10, .scans = scans, .emergency_stop = true, .host_heard = true};
+  const firmware::Block stop{
+      .first_sample = 10, .scans = scans, .emergency_stop = true, .owner_present = true};
   board.step({&stop, 1}, edges);
   CHECK(board.report().state == firmware::State::fault);
   CHECK(edges.empty());

@@ -69,16 +69,17 @@ TEST_CASE("Debian's tools talk to the emulated board", "[pil]") {
   CHECK(info.find("contactor-daq (label: record) (buffer capable)") != std::string::npos);
   CHECK(info.find("bench,kind: qemu") != std::string::npos);
 
-  attr("-d contactor-ctl arm 1");
-  attr("-c contactor-ctl phase0 raw 9000");
-  attr("-d contactor-ctl fire 1");
+  attr("-d contactor-ctl lease 'k7 30000 anna'");
+  attr("-c contactor-ctl phase0 raw '9000 k7'");
+  attr("-d contactor-ctl arm '1 k7'");
+  attr("-d contactor-ctl fire '1 k7'");
   for (int i = 0; i < 200 && attr("-d contactor-ctl state") != "captured\n"; ++i) {
   }
   REQUIRE(attr("-d contactor-ctl state") == "captured\n");
   CHECK(run("timeout 20 iio_readdev" + uri + "-b 256 -s 512 contactor-daq voltage0 voltage1 | wc -c") ==
         "2048\n");
   CHECK(run("timeout 20 iio_readdev" + uri + "-b 1000 -s 14000 contactor-daq | wc -c") == "336000\n");
-  CHECK(attr("-c contactor-ctl phase0 raw 36000").find("(34)") != std::string::npos);
+  CHECK(attr("-c contactor-ctl phase0 raw '36000 k7'").find("(34)") != std::string::npos);
 }
 
 TEST_CASE("more clients than the board has memory for are turned away, and the others served", "[pil]") {

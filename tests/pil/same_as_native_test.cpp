@@ -19,7 +19,8 @@ struct Trace {
   bool operator==(const Trace&) const = default;
 };
 
-Trace shoot(const BoardOptions& options, const SimRigConfig& config, int centi_degrees) {
+Trace shoot(BoardOptions options, const SimRigConfig& config, int centi_degrees) {
+  options.boot_id = "alike";  // it stands in every sealed shot
   Client client(options, config);
   Trace trace;
   const auto note = [&](const std::string& answer) {
@@ -27,9 +28,10 @@ Trace shoot(const BoardOptions& options, const SimRigConfig& config, int centi_d
     trace.hashes.push_back(client.world.board().report().state_hash);
   };
   for (int shot = 0; shot < 2; ++shot) {
-    note(client.control("arm", "1"));
-    note(client.ask("WRITE iio:device1 OUTPUT phase0 raw 5\r\n" + std::to_string(10000 + centi_degrees)));
+    note(client.control("OUTPUT phase0 raw", std::to_string(10000 + centi_degrees)));
     note(client.control("hold_time_ms", "60"));
+    note(client.control("arm", "1"));
+    note(client.ask("READ iio:device0 sealed_shot\r\n"));
     note(client.control("fire", "1"));
     while (client.world.busy()) {
       client.world.run(0.002);

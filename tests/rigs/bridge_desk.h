@@ -45,8 +45,9 @@ struct Desk {
   /// Fires one shot through a connection of its own and waits until its record is there.
   void shoot() const {
     RawClient c(bridge.address());
-    REQUIRE(c.write("iio:device1 arm", "1") == "1");
-    REQUIRE(c.write("iio:device1 fire", "1") == "1");
+    REQUIRE(c.own() == "14");
+    REQUIRE(c.command("iio:device1 arm", "1") == "3");
+    REQUIRE(c.command("iio:device1 fire", "1") == "3");
     wait_until("a captured shot", [&] { return c.read("iio:device1 state") == "captured"; });
   }
 

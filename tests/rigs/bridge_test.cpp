@@ -33,9 +33,10 @@ TEST_CASE("every kind of request keeps client, bridge and board in step", "[brid
   CHECK(c.read("iio:device1 OUTPUT phase0 raw_available") == "[0 1 35999]");
   CHECK(c.read("iio:device1 absent") == "-2");
   CHECK(c.read("iio:device9 state") == "-19");
-  CHECK(c.write("iio:device1 OUTPUT phase0 raw", "4500") == "4");
-  CHECK(c.write("iio:device1 OUTPUT phase0 raw", "36000") == "-34");
-  CHECK(c.write("iio:device1 fire", "1") == "-11");
+  CHECK(c.own() == "14");
+  CHECK(c.command("iio:device1 OUTPUT phase0 raw", "4500") == "6");
+  CHECK(c.command("iio:device1 OUTPUT phase0 raw", "36000") == "-34");
+  CHECK(c.command("iio:device1 fire", "1") == "-11");
   CHECK(c.ask("WRITE iio:device1 fire many") == "-22");
   CHECK(c.write("iio:device1 fire", std::string(140, '1')) == "-7");
   CHECK(c.write("iio:device1 fire", std::string(100'000, '\n')) == "-7");

@@ -32,8 +32,10 @@ TEST_CASE("iio_info, iio_attr and iio_readdev work through the bridge", "[bridge
   }
   CHECK(info.find("contactor-daq (label: record) (buffer capable)") != std::string::npos);
   CHECK(info.find("boot_id: boot-1") != std::string::npos);
-  CHECK(run("iio_attr" + uri + "-d contactor-ctl fire 1").find("(11)") != std::string::npos);
-  run("iio_attr" + uri + "-c contactor-ctl phase0 raw 9000");
+  CHECK(run("iio_attr" + uri + "-d contactor-ctl fire 1").find("(16)") != std::string::npos);
+  run("iio_attr" + uri + "-d contactor-ctl lease 't 30000 anna'");
+  CHECK(run("iio_attr" + uri + "-d contactor-ctl fire '1 t'").find("(11)") != std::string::npos);
+  run("iio_attr" + uri + "-c contactor-ctl phase0 raw '9000 t'");
   CHECK(run("iio_attr" + uri + "-c contactor-ctl phase0 raw") == "9000\n");
   // no record yet: answered in time, not a broken pipe
   CHECK(run("iio_readdev" + uri + "-T 1000 -b 16 -s 16 contactor-daq voltage0 | wc -c").find("(110)") !=

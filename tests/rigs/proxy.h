@@ -6,7 +6,6 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
-#include <condition_variable>
 #include <cstdint>
 #include <functional>
 #include <list>
@@ -14,8 +13,9 @@
 #include <stdexcept>
 #include <string>
 #include <thread>
+#include <utility>
 
-/// A line with faults between client and rig: forwards bytes on loopback; holds answers back, cuts the line or acts at
+/// A line with faults between client and rig: forwards bytes on loopback; holds an answer back, cuts the line or acts at
 /// a chosen byte. Nothing in it depends on time: a fault happens at a byte or when the test says so.
 namespace powbench::test {
 
@@ -30,10 +30,8 @@ class Proxy {
     {
       const std::lock_guard hold(mutex_);
       stop_ = true;
-      held_ = false;
       hang_up_all();
     }
-    changed_.notify_all();
     shutdown(listener_, SHUT_RDWR);
     acceptor_.join();
     for (auto& l : links_) {
@@ -48,13 +46,10 @@ class Proxy {
 
   const std::string& address() const { return address_; }
 
-  /// Answers wait from now on, until released.
-  void hold_answers(bool hold) {
-    {
-      const std::lock_guard lock(mutex_);
-      held_ = hold;
-    }
-    changed_.notify_all();
+  /// The next answer is late: it stays in the line until its client has hung up.
+  void hold_next_answer() {
+    const std::lock_guard lock(mutex_);
+    hold_next_ = true;
   }
   /// Bytes of answers that have arrived from the rig, over all connections.
   std::uint64_t answered() const {
@@ -138,17 +133,20 @@ class Proxy {
     }
   }
 
-  /// An answer of n bytes has arrived: counts it, acts if its byte is in it, waits while answers are held.
-  void arrived(std::size_t n) {
+  /// An answer of n bytes has arrived: counts it, acts if its byte is in it, waits if it is the one to be late.
+  void arrived(std::size_t n, int client) {
     std::function<void()> action;
+    bool late = false;
     {
       const std::lock_guard lock(mutex_);
+      late = std::exchange(hold_next_, false);
       answered_ += n;
       if (action_ && answered_ >= action_at_) action.swap(action_);
     }
     if (action) action();
-    std::unique_lock lock(mutex_);
-    changed_.wait(lock, [this] { return !held_; });
+    pollfd hung_up{client, POLLRDHUP, 0};
+    while (late && poll(&hung_up, 1, -1) <= 0) {
+    }
   }
 
   /// The sockets stay open until the destructor, so that a number is never another socket's.
@@ -161,7 +159,7 @@ class Proxy {
         if (p[side].revents == 0) continue;
         const ssize_t n = recv(p[side].fd, bytes, sizeof bytes, 0);
         if ((gone = n <= 0)) break;
-        if (side == 1) arrived(static_cast<std::size_t>(n));
+        if (side == 1) arrived(static_cast<std::size_t>(n), client);
         send(side == 0 ? server : client, bytes, static_cast<std::size_t>(n), MSG_NOSIGNAL);
       }
     }
@@ -171,8 +169,7 @@ class Proxy {
   std::string target_, address_;
   int listener_ = -1;
   mutable std::mutex mutex_;  // what follows is shared
-  std::condition_variable changed_;
-  bool stop_ = false, held_ = false;
+  bool stop_ = false, hold_next_ = false;
   int refusals_ = 0;
   std::uint64_t answered_ = 0, action_at_ = 0;
   std::function<void()> action_;

@@ -65,6 +65,10 @@ class RawClient {
     const std::string value = bytes(static_cast<std::size_t>(std::stoi(n)) + 1);
     return value.substr(0, value.find('\0'));
   }
+  /// Claims the bench for as long as any test lasts.
+  std::string own() { return write("iio:device1 lease", "t 3600000 test"); }
+  /// A command of the owner: writes `value` with the token of own().
+  std::string command(const std::string& what, const std::string& value) { return write(what, value + " t"); }
   std::string write(const std::string& what, const std::string& value) {
     say("WRITE " + what + " " + std::to_string(value.size()) + "\r\n" + value);
     return line();

@@ -18,31 +18,32 @@ TEST_CASE("an energised coil is switched off when its last client hangs up", "[r
   LocalRig server({}, {});
   {
     test::RawClient client(server.address());
-    CHECK(client.write("iio:device1 hold_time_ms", "10000") == "5");
-    CHECK(client.write("iio:device1 arm", "1") == "1");
-    CHECK(client.write("iio:device1 OUTPUT phase0 raw", "9000") == "4");
-    CHECK(client.write("iio:device1 fire", "1") == "1");
-    CHECK(server.busy());
+    CHECK(client.own() == "14");
+    CHECK(client.command("iio:device1 hold_time_ms", "10000") == "7");
+    CHECK(client.command("iio:device1 OUTPUT phase0 raw", "9000") == "6");
+    CHECK(client.command("iio:device1 arm", "1") == "3");
+    CHECK(client.command("iio:device1 fire", "1") == "3");
   }
-  // The heartbeat counts in virtual time and a client that looks is a new heartbeat, so nobody looks before the shot
-  // is over. 10 s of holding are far more than the heartbeat allows: a rig that ignores it captures.
-  test::wait_until("the end of the shot", [&] { return !server.busy(); });
+  // 10 s of holding are far more than the heartbeat allows; a client that only looks is none
   test::RawClient client(server.address());
+  test::wait_until("the end of the shot", [&] { return client.read("iio:device1 state") != "firing"; });
   CHECK(client.read("iio:device1 state") == "fault");
   CHECK(client.read("iio:device1 fault").find("host_lost") != std::string::npos);
   CHECK(client.read("iio:device1 last_error").find("silent for 250 ms") != std::string::npos);
-  CHECK(client.write("iio:device1 fire", "1").starts_with("-"));  // latched
-  CHECK(client.write("iio:device1 abort", "1") == "1");
+  CHECK(client.own() == "14");
+  CHECK(client.command("iio:device1 fire", "1").starts_with("-"));  // latched
+  CHECK(client.command("iio:device1 abort", "1") == "3");
   CHECK(client.read("iio:device1 state") == "idle");
-  CHECK(client.write("iio:device1 arm", "1") == "1");
+  CHECK(client.command("iio:device1 arm", "1") == "3");
 }
 
 TEST_CASE("a client that stays holds the coil for all of the time asked for", "[rig][fault]") {
   LocalRig server({}, {});
   test::RawClient client(server.address());
-  client.write("iio:device1 hold_time_ms", "1000");  // four times the heartbeat's time
-  client.write("iio:device1 arm", "1");
-  client.write("iio:device1 fire", "1");
+  client.own();
+  client.command("iio:device1 hold_time_ms", "1000");  // four times the heartbeat's time
+  client.command("iio:device1 arm", "1");
+  client.command("iio:device1 fire", "1");
   std::string state;
   test::wait_until("the end of the shot",
                    [&] { return (state = client.read("iio:device1 state")) != "firing"; });
@@ -76,10 +77,11 @@ void ask(SimWorld& world, const std::string& request) {
 }
 
 void shoot(SimWorld& world, int centi_degrees) {
-  const std::string angle = std::to_string(centi_degrees);
-  ask(world, "WRITE iio:device1 arm 1\r\n1");
+  const std::string angle = std::to_string(centi_degrees) + " t";
+  ask(world, "WRITE iio:device1 lease 9\r\nt 3600000");
   ask(world, "WRITE iio:device1 OUTPUT phase0 raw " + std::to_string(angle.size()) + "\r\n" + angle);
-  ask(world, "WRITE iio:device1 fire 1\r\n1");
+  ask(world, "WRITE iio:device1 arm 3\r\n1 t");
+  ask(world, "WRITE iio:device1 fire 3\r\n1 t");
   while (world.busy()) world.run(0.010);
   REQUIRE(world.board().native()->controller().recorder().complete());
 }
@@ -106,7 +108,7 @@ TEST_CASE("the contact can be asked to touch at an angle of the mains", "[rig][f
     const std::int64_t closing_ns = world.truth().touch_ns;
     REQUIRE(closing_ns != firmware::PlantTruth::none);
     // ... with which the contact is asked to touch where it then did, and the coil finds its own angle
-    const std::string delay = std::to_string(closing_ns / 1000);
+    const std::string delay = std::to_string(closing_ns / 1000) + " t";
     ask(world, "WRITE iio:device1 touch_delay_us " + std::to_string(delay.size()) + "\r\n" + delay);
     const int wanted = static_cast<int>((100 * switched + closing_ns * 18 / 10'000) % 36'000);  // 50 Hz
     world.board().publish({.seed = 5}, {});

@@ -34,9 +34,10 @@ struct Fixture {
 
   Result attr(const std::string& arguments) const { return run("timeout 20 iio_attr" + uri + arguments); }
   void shoot(int centi_degrees) const {
-    REQUIRE(attr("-d contactor-ctl arm 1").status == 0);
-    REQUIRE(attr("-c contactor-ctl phase0 raw " + std::to_string(centi_degrees)).status == 0);
-    REQUIRE(attr("-d contactor-ctl fire 1").status == 0);
+    REQUIRE(attr("-d contactor-ctl lease 'k7 30000 anna'").status == 0);
+    REQUIRE(attr("-c contactor-ctl phase0 raw '" + std::to_string(centi_degrees) + " k7'").status == 0);
+    REQUIRE(attr("-d contactor-ctl arm '1 k7'").status == 0);
+    REQUIRE(attr("-d contactor-ctl fire '1 k7'").status == 0);
     for (int i = 0; i < 200 && attr("-d contactor-ctl state").output != "captured\n"; ++i) {
     }
     REQUIRE(attr("-d contactor-ctl state").output == "captured\n");
@@ -75,9 +76,13 @@ TEST_CASE("iio_attr drives a shot and iio_readdev reads it", "[tools]") {
 
 TEST_CASE("errors reach the tools as Linux error numbers", "[tools]") {
   Fixture f;
-  const Result early = f.attr("-d contactor-ctl fire 1");
+  const Result stranger = f.attr("-d contactor-ctl fire 1");
+  CHECK(stranger.output.find("(16)") != std::string::npos);
+  CHECK(f.attr("-d contactor-ctl last_error").output.find("claim the bench first") != std::string::npos);
+  REQUIRE(f.attr("-d contactor-ctl lease 'k7 30000 anna'").status == 0);
+  const Result early = f.attr("-d contactor-ctl fire '1 k7'");
   CHECK(early.output.find("(11)") != std::string::npos);
-  const Result range = f.attr("-c contactor-ctl phase0 raw 36000");
+  const Result range = f.attr("-c contactor-ctl phase0 raw '36000 k7'");
   CHECK(range.output.find("(34)") != std::string::npos);
   CHECK(f.attr("-d contactor-ctl last_error").output.find("0 .. 35999") != std::string::npos);
   // no record yet: answered in time, not a broken pipe

@@ -84,8 +84,7 @@ class BlockQueue {
   struct Slot {
     std::int64_t first_sample = 0;
     Alarms alarms;
-    bool host_heard = false;  ///< bytes from the host came since the block before
-    bool overrun = false;     ///< something was lost: the scans are not to be trusted
+    bool overrun = false;  ///< something was lost: the scans are not to be trusted
     std::array<std::int16_t, Samples * channel_count> scans{};
 
     Block block() const {
@@ -95,8 +94,7 @@ class BlockQueue {
               .comparator_trip = alarms.cut_off,
               .overrun = overrun,
               .brown_out = alarms.supply_low,
-              .clock_failed = alarms.no_crystal,
-              .host_heard = host_heard};
+              .clock_failed = alarms.no_crystal};
     }
   };
 

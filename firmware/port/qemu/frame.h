@@ -37,6 +37,7 @@ enum class Kind : std::uint16_t {
   expire,         ///< the time of a waiting READBUF is up
   close,          ///< the client is gone
   cost,           ///< asks for Cost
+  rest,           ///< Rested: time that passed for the lease alone
   // board to plant
   more = 64,  ///< protocol bytes; the answer goes on in the next frame
   answer,     ///< Answer, then its edges, then protocol bytes
@@ -101,11 +102,17 @@ struct Published {
 };
 static_assert(sizeof(Published) == 56);
 
+struct Rested {
+  std::int64_t ms;
+};
+
 /// Followed by the edges.
 struct Answer {
   BenchReport report;
-  std::uint32_t used;  ///< bytes of a feed that were taken
+  std::uint32_t used;       ///< bytes of a feed that were taken
+  std::int32_t timeout_ms;  ///< as iiod::Connection::timeout_ms()
   Bench::Status status;
+  bool halfway;   ///< as iiod::Connection::halfway()
   bool has_cost;  ///< a Cost follows the edges
   std::uint16_t edges;
 };

@@ -70,6 +70,9 @@ bool LockstepBoard::handle(std::span<const std::uint8_t> frame) {
     case Kind::close:
       protocol(reader, out);
       break;
+    case Kind::rest:
+      bench_->rest(reader.get<Rested>().ms);
+      break;
     case Kind::cost:
       break;
     default:
@@ -153,9 +156,12 @@ void LockstepBoard::protocol(Reader& in, Sender& out) {
 
 void LockstepBoard::answer(Sender& out, bool with_cost) {
   out.flush();
+  const iiod::Connection& connection = bench_->connection(out.connection_);
   const Answer a{.report = bench_->report(),
                  .used = out.used,
-                 .status = bench_->status(out.connection_),
+                 .timeout_ms = connection.timeout_ms(),
+                 .status = connection.status(),
+                 .halfway = connection.halfway(),
                  .has_cost = with_cost,
                  .edges = edge_count_};
   Writer writer(out_);

@@ -87,7 +87,7 @@ bool Converters::all_there(std::uint32_t flag_of_first) const {
   return false;
 }
 
-bool Converters::collect(Queue& queue, const port::Alarms& alarms, bool host_heard) {
+bool Converters::collect(Queue& queue, const port::Alarms& alarms) {
   const std::uint32_t flags = dma1().isr.read();
   const auto due = order_.next((flags & Dma::half(converters)) != 0, (flags & Dma::full(converters)) != 0);
   using Due = port::HalfOrder::Due;
@@ -115,7 +115,6 @@ bool Converters::collect(Queue& queue, const port::Alarms& alarms, bool host_hea
   }
   slot->first_sample = first;
   slot->alarms = alarms;
-  slot->host_heard = host_heard;
   // it goes on all the same: a converter that fails for good must not keep the control step from learning of it
   slot->overrun = !whole;
   port::assemble(halves, channel_sources, slot->scans);

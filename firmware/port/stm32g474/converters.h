@@ -18,7 +18,7 @@ class Converters {
 
   /// To be called when the last converter's buffer is half full or full: puts the block into the queue, with the
   /// alarms of that time. False when samples were lost.
-  bool collect(Queue& queue, const port::Alarms& alarms, bool host_heard);
+  bool collect(Queue& queue, const port::Alarms& alarms);
 
   /// Samples collected or lost since the start: the newest one was triggered less than 2^16 ticks ago while collect() is
   /// called in time.

@@ -41,7 +41,6 @@ struct Board {
   Serial serial{progress};
   bool may_fire = false;                  ///< the crystal runs
   std::atomic<bool> gate_refused{false};  ///< an on edge met an active cut-off
-  std::atomic<bool> host_heard{false};    ///< bytes have come since the last block
 };
 
 Board& board() {
@@ -84,7 +83,7 @@ void controller_lock(bool held) {
 
 /// What a client sees of the board itself. The texts live as long as the program.
 struct Identity {
-  Text serial, boot, fault;
+  TextOf<96> serial, boot, fault;
   std::array<iiod::ContextAttribute, 9> attributes{};
 };
 
@@ -113,10 +112,7 @@ std::span<const iiod::ContextAttribute> identify(Identity& id, bool crystal, std
   for (;;) {
     if (b.serial.line_error()) link.line_error();
     const auto bytes = b.serial.received();
-    if (!bytes.empty()) {
-      b.host_heard = true;
-      link.take(bytes, b.serial);
-    }
+    if (!bytes.empty()) link.take(bytes, b.serial);
     b.progress.moved(port::Progress::main_loop);
   }
 }
@@ -135,7 +131,7 @@ extern "C" void samples_handler() {
                             .supply_low = supply_low() || cut_by(Cut::supply),
                             .cut_off = cut_off_tripped() || refused,
                             .no_crystal = !b.may_fire};
-  b.converters.collect(b.queue, alarms, b.host_heard.exchange(false));
+  b.converters.collect(b.queue, alarms);
   b.progress.moved(port::Progress::samples);
   scb().icsr.write(Scb::icsr_pendsv_set);
 }
@@ -186,6 +182,7 @@ extern "C" [[noreturn]] void run_bench() {
                               .attributes = identify(identity, crystal, cause),
                               .devices = b.device_list,
                               .lock = controller_lock};
+  b.devices.identify(context.attributes);
   scb().shpr[2].change(0xFFU << 16, std::uint32_t{priority_control} << 16);  // PendSV
   nvic().enable(irq_background, priority_background);
   b.converters.set_up();

@@ -119,7 +119,7 @@ struct World {
       scan[index(Channel::mains_voltage)] = static_cast<std::int16_t>(16000.0F * sin_turns(turns));
       scan[index(Channel::coil_current)] = gate_pin != 0 ? std::int16_t{8000} : std::int16_t{0};
     }
-    const Block block{.first_sample = next, .scans = scans, .host_heard = true};
+    const Block block{.first_sample = next, .scans = scans, .owner_present = true};
     next += 10;
     for (const GateEdge& edge : with_background ? bench.step(block) : bench.control(block)) {
       if (edge.on) on = edge.at;
@@ -151,7 +151,7 @@ int talk(Bench& bench) {
     const auto byte = static_cast<std::uint8_t>(uart().data);
     if (byte == end_of_transmission) return good;
     bench.feed(0, {&byte, 1}, line);
-    if (bench.status(0) == Bench::Status::pending) bench.expire(0, line, iiod::eagain);
+    if (bench.connection(0).status() == Bench::Status::pending) bench.expire(0, line, iiod::eagain);
   }
 }
 
@@ -244,7 +244,7 @@ int interrupt_everywhere(World& world, FireControl& fire, const Recorder& record
     if (recorder.crc() != crc || recorder.overruns() != 0) return wrong_checksum;
     held([&] { return fire.abort(), 0; });
   }
-  Text told;
+  TextOf<> told;
   told.put("background interrupted ").put_unsigned(levels.interrupted).put(" times\n");
   say(told);
   return levels.interrupted > 1000 ? good : never_interrupted;
@@ -322,7 +322,7 @@ int run_bench() {
   World world{*bench};
   if (mode == "preempt") return interrupt_everywhere(world, fire, bench->controller().recorder());
   if (kept.boots == 1) return die(world, fire, mode);
-  Text found;
+  TextOf<> found;
   found.put("start ").put_unsigned(kept.boots).put(": fault ").put(info(fire.fault()).name);
   found.put(" cause ").put_unsigned(survivor.cause).put(" pc ").put_hex32(survivor.program_counter).put("\n");
   say(found);

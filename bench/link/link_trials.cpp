@@ -1,0 +1,179 @@
+#include "bench/link/link_trials.h"
+
+#include <chrono>
+#include <stdexcept>
+
+#include "bench/link/plain_client.h"
+#include "bench/uart_board.h"
+#include "core/phase.h"
+#include "core/random.h"
+#include "rigs/bridge/bridge.h"
+#include "rigs/iio_rig.h"
+#include "rigs/iiod_server.h"
+
+namespace powbench::bench {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+using std::chrono::milliseconds;
+
+constexpr milliseconds shot_limit{4000}, tcp_request{200}, serial_request{1000}, connection{600};
+constexpr int stall_ms = 450;
+constexpr int different_shots = 5;
+
+rigs::SimRigConfig short_record() {
+  rigs::SimRigConfig config;
+  config.record_length = 0.012;
+  config.pretrigger = 0.002;
+  return config;
+}
+
+Conditions conditions(int i) {
+  Conditions c;
+  c.closing_angle = radians(67.0 * (i % different_shots));
+  c.hold_time = 0.005;
+  c.seed = static_cast<std::uint64_t>(i % different_shots) + 1;
+  return c;
+}
+
+/// Equal in everything but the number of the shot and what that stands in.
+bool same(const Record& a, const Record& b) {
+  if (a.crc32 != b.crc32 || a.sample_rate != b.sample_rate || a.fire_sample != b.fire_sample ||
+      a.fire_offset != b.fire_offset || a.overruns != b.overruns || a.rig != b.rig ||
+      a.firmware != b.firmware || a.calibration != b.calibration || a.channels.size() != b.channels.size() ||
+      a.gaps.size() != b.gaps.size())
+    return false;
+  for (std::size_t c = 0; c < a.channels.size(); ++c) {
+    const ChannelRecord &x = a.channels[c], &y = b.channels[c];
+    if (x.raw != y.raw || x.scale != y.scale || x.offset != y.offset || x.delay != y.delay ||
+        x.corner_hertz != y.corner_hertz)
+      return false;
+  }
+  return true;
+}
+
+std::vector<Record> undisturbed(rigs::Rig& rig) {
+  std::vector<Record> records;
+  for (int i = 0; i < different_shots; ++i) {
+    const rigs::Shot shot = rig.fire(conditions(i), std::chrono::seconds(30));
+    if (shot.outcome != Outcome::pass) throw std::runtime_error("no undisturbed record: " + shot.reason);
+    records.push_back(shot.record);
+  }
+  return records;
+}
+
+/// What a trial needs of the line and of the rig behind it.
+struct Bed {
+  std::function<void(const LineFault&)> set;
+  std::function<bool()> struck;
+  std::function<std::uint64_t(bool to_rig)> passed;
+  std::function<int()> operations;       ///< times the coil was energised
+  std::function<bool()> holds_a_record;  ///< complete, of the last shot armed
+  std::vector<LineFault::Kind> kinds;
+};
+
+void judge(FaultRow& row, const rigs::Shot& shot, const Record& wanted, bool fetched) {
+  if (shot.outcome != Outcome::pass) return;
+  if (!same(shot.record, wanted))
+    ++row.silent;
+  else
+    ++(fetched ? row.fetched : row.same);
+}
+
+std::vector<FaultRow> run_trials(rigs::Rig& rig, const Bed& bed, int count, std::uint64_t seed,
+                                 const Progress& progress) {
+  const std::vector<Record> wanted = undisturbed(rig);
+  bed.set({});
+  rig.fire(conditions(0), std::chrono::seconds(30));
+  const std::array<std::uint64_t, 2> traffic{bed.passed(false), bed.passed(true)};
+  std::vector<FaultRow> rows;
+  for (const auto kind : bed.kinds)
+    for (const bool to_rig : {false, true}) rows.push_back({.kind = kind, .to_rig = to_rig});
+  for (int i = 0; i < count; ++i) {
+    Random random(seed + static_cast<std::uint64_t>(i));
+    FaultRow& row = rows[static_cast<std::size_t>(i) % rows.size()];
+    const std::size_t which = random.below(different_shots);
+    // one half into the commands and short answers, which are few bytes among those of the record
+    std::uint64_t span = traffic[row.to_rig ? 1 : 0];
+    if (random.below(2) == 0) span = std::min<std::uint64_t>(span, 3000);
+    const LineFault fault{row.kind, row.to_rig, random.below(span), static_cast<int>(random.below(8))};
+    const int before = bed.operations();
+    bed.set(fault);
+    const auto start = Clock::now();
+    rigs::Shot shot = rig.fire(conditions(static_cast<int>(which)), shot_limit);
+    const double seconds = std::chrono::duration<double>(Clock::now() - start).count();
+    ++row.tried;
+    row.struck += bed.struck() ? 1 : 0;
+    bed.set({});
+    row.longest = std::max(row.longest, seconds);
+    row.late += seconds > trial_deadline() ? 1 : 0;
+    judge(row, shot, wanted[which], false);
+    if (shot.rig_lost) {
+      // as a campaign does: look for the rig, then for what it may still hold
+      for (int tries = 0; tries < 20 && !rig.reconnect(); ++tries) {
+      }
+      if (auto late = rig.recover(shot_limit)) {
+        shot = std::move(*late);
+        judge(row, shot, wanted[which], true);
+      }
+    }
+    const int fired = bed.operations() - before;
+    row.twice += fired > 1 ? 1 : 0;
+    if (shot.outcome != Outcome::pass) {
+      ++row.reported;
+      row.lost += fired > 0 && bed.holds_a_record() ? 1 : 0;
+    }
+    if (progress) progress(i + 1, count);
+  }
+  return rows;
+}
+
+int number_of(PlainClient& client, const std::string& attribute) {
+  return std::stoi(client.read("iio:device1 " + attribute));
+}
+
+}  // namespace
+
+double trial_deadline() {
+  return std::chrono::duration<double>(shot_limit + connection + 2 * serial_request).count();
+}
+
+std::vector<FaultRow> tcp_faults(int count, std::uint64_t seed, const Progress& progress) {
+  using Kind = LineFault::Kind;
+  rigs::LocalRig server(short_record(), {});
+  FaultLine line(server.address(), stall_ms);
+  PlainClient witness(server.address());
+  const auto rig = rigs::connect_iio("ip:" + line.address(), connection, tcp_request);
+  const Bed bed{.set = [&](const LineFault& f) { line.set(f); },
+                .struck = [&] { return line.struck(); },
+                .passed = [&](bool to_rig) { return line.passed(to_rig); },
+                .operations = [&] { return number_of(witness, "operations"); },
+                .holds_a_record =
+                    [&] {
+                      return witness.read("iio:device0 sealed_shot").find(" stage=complete ") !=
+                             std::string::npos;
+                    },
+                .kinds = {Kind::flip, Kind::drop, Kind::close, Kind::delay, Kind::stall, Kind::half_open}};
+  return run_trials(*rig, bed, count, seed, progress);
+}
+
+std::vector<FaultRow> serial_faults(int count, std::uint64_t seed, const Progress& progress) {
+  using Kind = LineFault::Kind;
+  UartBoard board(short_record(), {}, 2e6);
+  rigs::BridgeOptions options;
+  options.port = board.port();
+  options.baud = 2'000'000;
+  options.silence = milliseconds(250);
+  options.probe = milliseconds(200);
+  const rigs::LocalBridge bridge(options);
+  const auto rig = rigs::connect_iio("ip:" + bridge.address(), connection * 5, serial_request);
+  const Bed bed{.set = [&](const LineFault& f) { board.set(f); },
+                .struck = [&] { return board.struck(); },
+                .passed = [&](bool to_rig) { return board.passed(to_rig); },
+                .operations = [&] { return board.operations(); },
+                .holds_a_record = [&] { return board.holds_a_record(); },
+                .kinds = {Kind::flip, Kind::drop, Kind::delay, Kind::stall}};
+  return run_trials(*rig, bed, count, seed, progress);
+}
+
+}  // namespace powbench::bench
