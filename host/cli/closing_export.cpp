@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <fstream>
 
+#include "host/cli/gather.h"
 #include "host/cli/verbs.h"
 #include "host/config/bad_input.h"
 #include "host/config/specimen_file.h"
@@ -34,7 +35,7 @@ Exit export_closing(const ExportArgs& args) {
   check(args);
   const Store store(args.database, Store::Mode::read_only);
   const StoredShot shot = store.shot(args.shot);
-  const sim::Specimen specimen = parse_specimen(store.campaign(shot.campaign).specimen, "stored specimen");
+  const sim::Specimen specimen = stored_specimen(store.campaign(shot.campaign));
   const fs::path folder = args.file.empty() ? "closing" : args.file;
   std::error_code error;
   fs::create_directories(folder, error);

@@ -102,7 +102,7 @@ Source published_source(const FitArgs& args) {
 Source campaign_source(const FitArgs& args) {
   const Store store(args.database, Store::Mode::read_only);
   const CampaignInfo info = store.campaign(args.campaign);
-  const Plan plan = parse_plan(info.plan, "stored plan");
+  const Plan plan = stored_plan(info);
   Conditions conditions;
   conditions.supply_volts = plan.supply_volts;
   conditions.mains_hertz = plan.mains_hertz;
@@ -113,8 +113,7 @@ Source campaign_source(const FitArgs& args) {
       campaign_closings(gather_angles(store, info.id), conditions, deviations(args, {0.002, 0.002, 0.02}));
   if (s.closings.empty())
     throw BadInput({args.database + ": campaign " + std::to_string(info.id) + " holds no measured closing"});
-  s.job.problem.base = args.specimen_file.empty() ? parse_specimen(info.specimen, "stored specimen")
-                                                  : read_specimen(args.specimen_file);
+  s.job.problem.base = args.specimen_file.empty() ? stored_specimen(info) : read_specimen(args.specimen_file);
   s.job.problem.parameters = tolerances(s.job.problem.base);
   s.job.problem.edge = 0;
   return s;

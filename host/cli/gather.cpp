@@ -70,6 +70,28 @@ Provenance provenance(const Store& store, const CampaignInfo& c, const Plan& pla
 
 }  // namespace
 
+namespace {
+
+/// Stored text that cannot be read is damage, not bad input.
+template <class F>
+auto stored_text(const CampaignInfo& c, F&& read) {
+  try {
+    return read();
+  } catch (const std::exception& e) {
+    throw StoreError("campaign " + std::to_string(c.id) + " of the store cannot be read: " + e.what());
+  }
+}
+
+}  // namespace
+
+Plan stored_plan(const CampaignInfo& c) {
+  return stored_text(c, [&] { return parse_plan(c.plan, "stored plan"); });
+}
+
+sim::Specimen stored_specimen(const CampaignInfo& c) {
+  return stored_text(c, [&] { return parse_specimen(c.specimen, "stored specimen"); });
+}
+
 std::vector<AngleGroup> gather_angles(const Store& store, std::int64_t campaign) {
   std::vector<AngleGroup> groups;
   for (const StoredShot& s : store.shots(campaign)) {
@@ -82,7 +104,7 @@ std::vector<AngleGroup> gather_angles(const Store& store, std::int64_t campaign)
 }
 
 Comparison compare_stored(const Store& store, const CampaignInfo& c) {
-  const Plan plan = parse_plan(c.plan, "stored plan");
+  const Plan plan = stored_plan(c);
   return compare(gather_angles(store, c.id), published_rows(), plan_limits(plan));
 }
 
@@ -113,8 +135,8 @@ std::vector<CurveRow> gather_curves(const Store& store, const CampaignInfo& c) {
 }
 
 ReportInput gather_report(const Store& store, const CampaignInfo& c, const std::string& database) {
-  const Plan plan = parse_plan(c.plan, "stored plan");
-  const sim::Specimen specimen = parse_specimen(c.specimen, "stored specimen");
+  const Plan plan = stored_plan(c);
+  const sim::Specimen specimen = stored_specimen(c);
   const RunOptions options = run_options(plan);
   const std::vector<StoredShot> shots = store.shots(c.id);
   ReportInput input;

@@ -2,12 +2,18 @@
 
 #include "host/compare/compare.h"
 #include "host/compare/curves.h"
+#include "host/config/plan_file.h"
+#include "host/config/specimen_file.h"
 #include "host/report/report.h"
 #include "host/store/store.h"
 
 /// From the store to what comparison and report are made of.
 
 namespace powbench::host {
+
+/// What a campaign was begun with. Throws StoreError when it cannot be read: the file is damaged.
+Plan stored_plan(const CampaignInfo&);
+sim::Specimen stored_specimen(const CampaignInfo&);
 
 /// Measured and simulated events of a campaign, by closing angle.
 std::vector<AngleGroup> gather_angles(const Store&, std::int64_t campaign);

@@ -118,13 +118,21 @@ Exit list_campaigns(const ResultArgs& args) {
                          {"reason", s.reason},
                          {"seed", s.conditions.seed},
                          {"record_sha256", s.record_hash}});
+    Json earlier = Json::array();
+    for (const StoredShot& s : store.earlier_attempts(c.id))
+      earlier.push_back({{"number", s.number},
+                         {"attempt", s.attempt},
+                         {"started", s.started},
+                         {"outcome", name(s.outcome)},
+                         {"reason", s.reason}});
     list.push_back({{"id", c.id},
                     {"created", c.created},
                     {"name", c.name},
                     {"plan_hash", c.plan_hash},
                     {"rig", c.rig_identity},
                     {"finished", c.finished},
-                    {"shots", shots}});
+                    {"shots", shots},
+                    {"earlier_attempts", earlier}});
   }
   if (args.json) fmt::print("{}\n", list.dump(2));
   return Exit::pass;
@@ -187,7 +195,7 @@ Exit show_events(const EventsArgs& args) {
   const Store store(args.database, Store::Mode::read_only);
   const StoredShot shot = store.shot(id);
   const CampaignInfo campaign = store.campaign(shot.campaign);
-  RunOptions options = run_options(parse_plan(campaign.plan, "stored plan"));
+  RunOptions options = run_options(stored_plan(campaign));
   const LabRule rule{args.force_percent, args.voltage_percent, args.min_opening_us};
   set_rule(options.extract, rule);
   Record record = store.load_record(id);

@@ -60,6 +60,28 @@ void judge_shot(StoredShot& shot, const Events& events, const RunOptions& option
   shot.reason = reason;
 }
 
+bool has_record(const StoredShot& shot) {
+  return shot.outcome == Outcome::pass || shot.outcome == Outcome::fail;
+}
+
+/// Extracts, judges and stores what one attempt gave.
+StoredShot keep_shot(Store& store, StoredShot shot, const rigs::Shot& result, const RunOptions& options,
+                     Progress& progress) {
+  shot.outcome = result.outcome;
+  shot.reason = result.reason;
+  std::optional<Events> events;
+  if (result.outcome == Outcome::pass) {
+    events = extract_checked(result.record, options);
+    judge_shot(shot, *events, options);
+  }
+  store.store_shot(shot, events ? &result.record : nullptr, events ? &*events : nullptr,
+                   extraction_info(options));
+  if (!shot.reason.empty())
+    progress.say(fmt::format("shot {} at {:.1f} deg: {}: {}", shot.number + 1, shot.angle_deg,
+                             name(shot.outcome), shot.reason));
+  return shot;
+}
+
 void pause_between(double seconds, Clock& clock) {
   for (double left = seconds; left > 0 && !StopOnSignal::asked(); left -= 0.05)
     clock.sleep(std::min(left, 0.05));
@@ -89,7 +111,7 @@ RunSummary run_campaign(Store& store, std::int64_t campaign, std::span<const Pla
   summary.planned = plan.size();
   std::set<int> done;
   for (const StoredShot& s : store.shots(campaign, ShotKind::measured)) {
-    if (s.outcome != Outcome::pass && s.outcome != Outcome::fail) continue;
+    if (!has_record(s)) continue;
     done.insert(s.number);
     ++summary.counts[static_cast<std::size_t>(s.outcome)];
   }
@@ -102,26 +124,24 @@ RunSummary run_campaign(Store& store, std::int64_t campaign, std::span<const Pla
       summary.stopped = "stopped by the operator; go on with --resume";
       break;
     }
-    StoredShot shot = stored(campaign, ShotKind::measured, planned);
+    const StoredShot shot = stored(campaign, ShotKind::measured, planned);
     rigs::Shot result = rig.fire(planned.conditions, options.shot_limit);
-    shot.outcome = result.outcome;
-    shot.reason = result.reason;
-    std::optional<Events> events;
-    if (result.outcome == Outcome::pass) {
-      events = extract_checked(result.record, options);
-      judge_shot(shot, *events, options);
+    StoredShot ended = keep_shot(store, shot, result, options, progress);
+    bool back = true;
+    if (result.rig_lost) {
+      back = find_again(rig, *options.clock, progress);
+      // what was fired before the rig was lost may lie there still
+      if (auto late = back ? rig.recover(options.shot_limit) : std::nullopt) {
+        result = std::move(*late);
+        ended = keep_shot(store, shot, result, options, progress);
+      }
     }
-    store.store_shot(shot, events ? &result.record : nullptr, events ? &*events : nullptr,
-                     extraction_info(options));
-    ++summary.counts[static_cast<std::size_t>(shot.outcome)];
-    failures = events ? 0 : failures + 1;
-    if (!shot.reason.empty())
-      progress.say(fmt::format("shot {} at {:.1f} deg: {}: {}", shot.number + 1, shot.angle_deg,
-                               name(shot.outcome), shot.reason));
+    ++summary.counts[static_cast<std::size_t>(ended.outcome)];
+    failures = has_record(ended) ? 0 : failures + 1;
     progress.update(done.size() + ++fired, fmt::format("{:.0f} deg", shot.angle_deg));
 
     summary.interlock = summary.interlock || result.interlock;
-    if (result.rig_lost && !find_again(rig, *options.clock, progress)) {
+    if (!back) {
       summary.rig_lost = true;
       summary.stopped = "the rig did not come back; what was stored is safe, go on with --resume";
       break;

@@ -2,6 +2,7 @@
 
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <cerrno>
 #include <csignal>
@@ -9,6 +10,7 @@
 #include <cstring>
 #include <filesystem>
 #include <fstream>
+#include <span>
 
 #include "host/store/migrations.h"
 
@@ -40,16 +42,25 @@ void refuse_newer(const std::string& path, int version) {
                      ", this one knows " + std::to_string(Store::schema_version) + "); update the program");
 }
 
+/// Nothing in it that no editor would write.
+bool is_text(std::span<const unsigned char> bytes) {
+  return std::all_of(bytes.begin(), bytes.end(),
+                     [](unsigned char c) { return (c >= ' ' && c != 127) || (c >= '\t' && c <= '\r'); });
+}
+
 void inspect(const std::string& path) {
   const auto size = fs::file_size(path);
   Header h{};
   std::ifstream in(path, std::ios::binary);
   if (!in) throw StoreError(path + ": cannot be read; check its permissions");
   in.read(reinterpret_cast<char*>(h.data()), header_bytes);
-  if (static_cast<std::size_t>(in.gcount()) < header_bytes)
+  const auto there = static_cast<std::size_t>(in.gcount());
+  if (std::memcmp(h.data(), "SQLite format 3", std::min<std::size_t>(there, 16)) != 0)
+    throw StoreError(path + (is_text(std::span(h).first(there))
+                                 ? ": a text file, not a powbench store; name another file"
+                                 : ": not a powbench store; name another file"));
+  if (there < header_bytes)
     throw StoreError(path + ": the file is damaged (cut off); restore it from a copy");
-  if (std::memcmp(h.data(), "SQLite format 3", 16) != 0)
-    throw StoreError(path + ": not a powbench store; name another file");
   if (field(h, 68) != Store::application_id)
     throw StoreError(path + ": a database of another program; name another file");
   refuse_newer(path, static_cast<int>(field(h, 60)));
@@ -117,6 +128,18 @@ Database open_for_reading(const std::string& path) {
 
 namespace {
 
+/// A reader of an older store: the file is migrated first, if it may be written.
+Database bring_up_to_date(const std::string& path, Database old) {
+  if (access(path.c_str(), W_OK) != 0)
+    throw StoreError(path + ": made by an older powbench and cannot be brought up to date: make it writable");
+  { const Database closed = std::move(old); }
+  {
+    Database db(path, SQLITE_OPEN_READWRITE);
+    migrate(db);
+  }
+  return open_for_reading(path);
+}
+
 /// Rows and indices agree: a flipped bit in an index must not hide a shot. Leaves the samples out, they have a hash each.
 void check_structure(Database& db) {
   for (const char* table : {"campaign", "shot", "channel", "events"}) {
@@ -143,11 +166,14 @@ Database open_store(const std::string& path, Store::Mode mode) {
   check_structure(db);
   refuse_newer(path, static_cast<int>(db.number("PRAGMA user_version")));  // it may stand in the log only
   db.write_log_back(true);
-  db.run("PRAGMA foreign_keys = ON");
   if (mode == Store::Mode::read_write) {
     db.run("PRAGMA synchronous = FULL");  // a stored shot survives a power cut; costs one flush a shot
     migrate(db);
+  } else if (db.number("PRAGMA user_version") < Store::schema_version) {
+    return bring_up_to_date(path, std::move(db));
   }
+  db.run(
+      "PRAGMA foreign_keys = ON");  // behind the migrations, which may replace a table that others refer to
   return db;
 }
 

@@ -1,5 +1,6 @@
 #include "host/store/record_rows.h"
 
+#include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "core/crc32.h"
@@ -55,6 +56,7 @@ std::string seal_of(const Record& r, const std::string& content_hash, const std:
   seal.add(content_hash).add(r.sample_rate).add(r.fire_sample).add(r.fire_offset).add(gaps);
   seal.add(static_cast<std::int64_t>(r.overruns)).add(static_cast<std::int64_t>(r.crc32));
   seal.add(static_cast<std::int64_t>(r.shot_id)).add(r.rig).add(r.firmware).add(r.calibration);
+  if (!r.sealed.empty()) seal.add(r.sealed);  // older rows have none
   for (const ChannelRecord& c : r.channels) {
     seal.add(info(c.channel).name).add(c.scale).add(c.offset).add(c.delay).add(c.corner_hertz);
     seal.add(static_cast<int>(c.clip_low)).add(static_cast<int>(c.clip_high));
@@ -68,6 +70,36 @@ Channel channel_named(const std::string& name) {
   throw StoreError("unknown channel '" + name + "' in the store: the file is damaged");
 }
 
+/// A list of [first, count] or [first, count, channel]. The numbers may be anything.
+void take_gaps(const std::string& text, Record& r, std::int64_t samples, const std::string& where) {
+  const auto damaged = [&] { return StoreError(where + ": its gaps make no sense: the file is damaged"); };
+  const auto list = nlohmann::json::parse(text, nullptr, false);
+  if (!list.is_array()) throw damaged();
+  for (const auto& gap : list) {
+    if (!gap.is_array() || gap.size() < 2 || gap.size() > 3) throw damaged();
+    for (const auto& number : gap)
+      if (!number.is_number_integer()) throw damaged();
+    const Gap g{gap[0].get<std::int64_t>(), gap[1].get<std::int64_t>()};
+    if (g.first < 0 || g.count < 0 || g.first > samples || g.count > samples - g.first) throw damaged();
+    if (gap.size() == 2) {
+      r.gaps.push_back(g);
+      continue;
+    }
+    const auto channel = gap[2].get<std::int64_t>();
+    if (channel < 0 || channel >= static_cast<std::int64_t>(r.channels.size())) throw damaged();
+    r.channels[static_cast<std::size_t>(channel)].gaps.push_back(g);
+  }
+}
+
+/// What everybody divides by, or indexes with.
+void check_numbers(const Record& r, const std::string& where) {
+  bool usable = std::isfinite(r.sample_rate) && r.sample_rate > 0.0 && std::isfinite(r.fire_offset);
+  for (const ChannelRecord& c : r.channels)
+    usable = usable && std::isfinite(c.scale) && std::isfinite(c.offset) && std::isfinite(c.delay) &&
+             std::isfinite(c.corner_hertz);
+  if (!usable) throw StoreError(where + ": has a number that is none: the file is damaged");
+}
+
 }  // namespace
 
 std::int64_t insert_record(Database& db, std::int64_t shot, const Record& r) {
@@ -77,11 +109,12 @@ std::int64_t insert_record(Database& db, std::int64_t shot, const Record& r) {
   for (std::size_t k = 0; k < r.channels.size(); ++k)  // a third number: the one channel that lost them
     for (const Gap& g : r.channels[k].gaps) gaps.push_back({g.first, g.count, k});
   const std::string content_hash = sha256_hex(scans);
-  Statement(db,
-            "INSERT INTO record (shot_id, content_hash, sample_rate, samples, fire_sample, fire_offset, "
-            "gaps, overruns, crc32, "
-            "rig_shot_id, rig, firmware, calibration, seal, scans) VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, "
-            "?, ?, ?, ?)")
+  Statement(
+      db,
+      "INSERT INTO record (shot_id, content_hash, sample_rate, samples, fire_sample, fire_offset, "
+      "gaps, overruns, crc32, "
+      "rig_shot_id, rig, firmware, calibration, sealed, seal, scans) VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, "
+      "?, ?, ?, ?, ?, ?)")
       .bind(shot)
       .bind(content_hash)
       .bind(r.sample_rate)
@@ -95,6 +128,7 @@ std::int64_t insert_record(Database& db, std::int64_t shot, const Record& r) {
       .bind(r.rig)
       .bind(r.firmware)
       .bind(r.calibration)
+      .bind(r.sealed)
       .bind(seal_of(r, content_hash, gaps.dump()))
       .bind_blob(scans)
       .run();
@@ -107,7 +141,7 @@ Record select_record(const Database& db, std::int64_t shot) {
   Statement s(db,
               "SELECT id, content_hash, sample_rate, samples, fire_sample, fire_offset, gaps, overruns, "
               "crc32, rig_shot_id, rig, "
-              "firmware, calibration, scans, seal FROM record WHERE shot_id = ?");
+              "firmware, calibration, scans, seal, sealed FROM record WHERE shot_id = ?");
   s.bind(shot);
   const std::string where = db.path() + ": shot " + std::to_string(shot);
   if (!s.step()) throw StoreError(where + " has no record");
@@ -115,15 +149,13 @@ Record select_record(const Database& db, std::int64_t shot) {
   r.sample_rate = s.real(2);
   r.fire_sample = s.integer(4);
   r.fire_offset = s.real(5);
-  for (const auto& gap : nlohmann::json::parse(s.text(6), nullptr, false))
-    if (gap.is_array() && gap.size() == 2)
-      r.gaps.push_back({gap[0].get<std::int64_t>(), gap[1].get<std::int64_t>()});
   r.overruns = static_cast<std::uint32_t>(s.integer(7));
   r.crc32 = static_cast<std::uint32_t>(s.integer(8));
   r.shot_id = static_cast<std::uint64_t>(s.integer(9));
   r.rig = s.text(10);
   r.firmware = s.text(11);
   r.calibration = s.text(12);
+  r.sealed = s.text(15);
 
   Statement c(db,
               "SELECT name, scale, offset, delay, corner_hertz, clip_low, clip_high FROM channel WHERE "
@@ -142,14 +174,15 @@ Record select_record(const Database& db, std::int64_t shot) {
   if (seal_of(r, s.text(1), s.text(6)) != s.text(14))
     throw StoreError(where +
                      ": the record does not match its checksum: the file is damaged; restore it from a copy");
-  for (const auto& gap : nlohmann::json::parse(s.text(6), nullptr, false))
-    if (gap.is_array() && gap.size() == 3 && gap[2].get<std::size_t>() < r.channels.size())
-      r.channels[gap[2].get<std::size_t>()].gaps.push_back(
-          {gap[0].get<std::int64_t>(), gap[1].get<std::int64_t>()});
   const auto scans = s.blob(13);
-  const auto samples = static_cast<std::size_t>(s.integer(3));
-  if (sha256_hex(scans) != s.text(1) || scans.size() != samples * r.channels.size() * 2)
+  const std::size_t scan_bytes = 2 * r.channels.size();
+  const std::size_t samples = scan_bytes == 0 ? 0 : scans.size() / scan_bytes;
+  // the number in the file is compared, never multiplied: it may be anything
+  if (sha256_hex(scans) != s.text(1) || scans.size() != samples * scan_bytes ||
+      s.integer(3) != static_cast<std::int64_t>(samples))
     throw StoreError(where + ": its samples do not match their hash: the record is damaged");
+  take_gaps(s.text(6), r, static_cast<std::int64_t>(samples), where);
+  check_numbers(r, where);
   for (std::size_t k = 0; k < r.channels.size(); ++k) {
     auto& raw = r.channels[k].raw;
     raw.resize(samples);

@@ -56,8 +56,9 @@ std::string seal_of(const CampaignInfo& c) {
 }
 
 std::string seal_of(const StoredShot& s) {
-  return Seal()
-      .add(s.campaign)
+  Seal seal;
+  if (s.attempt > 1) seal.add(s.attempt);  // rows from before there were attempts have none
+  return seal.add(s.campaign)
       .add(name(s.kind))
       .add(s.number)
       .add(s.repeat)
@@ -97,10 +98,14 @@ CampaignInfo campaign_row(const Statement& s) {
   return c;
 }
 
+/// Columns of shot_row(); `shot` is the alias of the table. Of all attempts at a shot the last one is the shot.
+const std::string last_attempt =
+    "shot.attempt = (SELECT max(attempt) FROM shot AS other WHERE other.campaign_id = shot.campaign_id AND "
+    "other.kind = shot.kind AND other.number = shot.number) ";
 const std::string shot_query =
     "SELECT shot.id, campaign_id, kind, number, repeat, angle_deg, conditions, outcome, reason, started, "
     "content_hash, "
-    "shot.seal FROM shot LEFT JOIN record ON record.shot_id = shot.id ";
+    "shot.seal, shot.attempt FROM shot LEFT JOIN record ON record.shot_id = shot.id ";
 
 StoredShot shot_row(const Statement& s) {
   StoredShot shot{.id = s.integer(0),
@@ -113,7 +118,8 @@ StoredShot shot_row(const Statement& s) {
                   .outcome = outcome_from(s.text(7)),
                   .reason = s.text(8),
                   .started = s.text(9),
-                  .record_hash = s.text(10)};
+                  .record_hash = s.text(10),
+                  .attempt = static_cast<int>(s.integer(12))};
   check_seal(seal_of(shot), s.text(11), "shot " + std::to_string(shot.id));
   return shot;
 }
@@ -151,21 +157,17 @@ struct Store::Impl {
         .run();
   }
 
-  /// Makes room for a repeat of a shot that gave no valid record; a valid one is never overwritten.
-  void remove_failed(const StoredShot& shot) {
-    Statement s(db, "SELECT id, outcome FROM shot WHERE campaign_id = ? AND kind = ? AND number = ?");
+  /// The number of the next attempt at this shot; one that gave a valid record has none.
+  int next_attempt(const StoredShot& shot) {
+    Statement s(db,
+                "SELECT outcome, attempt FROM shot WHERE campaign_id = ? AND kind = ? AND number = ? "
+                "ORDER BY attempt DESC LIMIT 1");
     s.bind(shot.campaign).bind(name(shot.kind)).bind(shot.number);
-    if (!s.step()) return;
-    const std::int64_t id = s.integer(0);
-    const Outcome before = outcome_from(s.text(1));
+    if (!s.step()) return 1;
+    const Outcome before = outcome_from(s.text(0));
     if (before == Outcome::pass || before == Outcome::fail)
       throw StoreError("shot " + std::to_string(shot.number) + " is stored already and is not overwritten");
-    if (const auto record = record_of(id)) {
-      for (const char* sql : {"DELETE FROM events WHERE record_id = ?",
-                              "DELETE FROM channel WHERE record_id = ?", "DELETE FROM record WHERE id = ?"})
-        Statement(db, sql).bind(*record).run();
-    }
-    Statement(db, "DELETE FROM shot WHERE id = ?").bind(id).run();
+    return static_cast<int>(s.integer(1)) + 1;
   }
 };
 
@@ -235,14 +237,16 @@ std::int64_t Store::store_shot(const StoredShot& given, const Record* record, co
   StoredShot shot = given;
   if (shot.started.empty()) shot.started = utc_now();
   Transaction t(db);
-  impl_->remove_failed(shot);
-  Statement(db,
-            "INSERT INTO shot (campaign_id, kind, number, repeat, angle_deg, conditions, outcome, reason, "
-            "started, seal) "
-            "VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?)")
+  shot.attempt = impl_->next_attempt(shot);
+  Statement(
+      db,
+      "INSERT INTO shot (campaign_id, kind, number, attempt, repeat, angle_deg, conditions, outcome, reason, "
+      "started, seal) "
+      "VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)")
       .bind(shot.campaign)
       .bind(name(shot.kind))
       .bind(shot.number)
+      .bind(shot.attempt)
       .bind(shot.repeat)
       .bind(shot.angle_deg)
       .bind(to_json(shot.conditions))
@@ -268,8 +272,18 @@ std::vector<StoredShot> Store::shots(std::int64_t campaign) const {
 
 std::vector<StoredShot> Store::shots(std::int64_t campaign, ShotKind kind) const {
   std::vector<StoredShot> list;
-  Statement s(impl_->db, shot_query + "WHERE campaign_id = ? AND kind = ? ORDER BY number");
+  Statement s(impl_->db,
+              shot_query + "WHERE campaign_id = ? AND kind = ? AND " + last_attempt + "ORDER BY number");
   s.bind(campaign).bind(name(kind));
+  while (s.step()) list.push_back(shot_row(s));
+  return list;
+}
+
+std::vector<StoredShot> Store::earlier_attempts(std::int64_t campaign) const {
+  std::vector<StoredShot> list;
+  Statement s(impl_->db, shot_query + "WHERE campaign_id = ? AND NOT " + last_attempt +
+                             "ORDER BY kind, number, attempt");
+  s.bind(campaign);
   while (s.step()) list.push_back(shot_row(s));
   return list;
 }

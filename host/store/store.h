@@ -54,6 +54,7 @@ struct StoredShot {
   std::string reason;
   std::string started;      ///< UTC, ISO 8601
   std::string record_hash;  ///< sha256 of the scans, empty without a record
+  int attempt = 1;          ///< 1 first; the last one is the shot, the ones before are history
 };
 
 /// What store_events needs beside the events.
@@ -66,7 +67,7 @@ class Store {
  public:
   /// Marks the file as a powbench store ("PoWb").
   static constexpr std::uint32_t application_id = 0x506F5762;
-  static constexpr int schema_version = 2;
+  static constexpr int schema_version = 3;
 
   enum class Mode { read_only, read_write };
 
@@ -86,13 +87,15 @@ class Store {
   std::optional<CampaignInfo> find_campaign(const std::string& plan_hash,
                                             const std::string& specimen_hash) const;
 
-  /// Shot, record and events in one transaction. id and record_hash of `shot` are ignored. Returns the shot's id.
-  /// A shot that is there already (same campaign, kind, number) is replaced only if it has no valid record.
+  /// Shot, record and events in one transaction. id, record_hash and attempt of `shot` are ignored. Returns the shot's id.
+  /// A shot that is there already (same campaign, kind, number) gets another attempt, and only if it has no valid record.
   std::int64_t store_shot(const StoredShot& shot, const Record* record, const Events* events,
                           const ExtractionInfo& extraction);
-  /// All shots of a campaign, by kind, then number.
+  /// All shots of a campaign, by kind, then number; of each the last attempt.
   std::vector<StoredShot> shots(std::int64_t campaign) const;
   std::vector<StoredShot> shots(std::int64_t campaign, ShotKind kind) const;
+  /// The attempts before the last ones, which failed.
+  std::vector<StoredShot> earlier_attempts(std::int64_t campaign) const;
   StoredShot shot(std::int64_t id) const;
 
   /// Throws StoreError when the samples do not match their hash.

@@ -48,6 +48,7 @@ class WordRig final : public rigs::Rig {
   }
   bool abort() override { return true; }
   bool reconnect() override { return ++reconnects >= answers_from; }
+  std::optional<rigs::Shot> recover(std::chrono::milliseconds) override { return std::nullopt; }
 
   int fired = 0, reconnects = 0;
   int lost_at = 0;       ///< number of the shot, from 1, at which the line breaks

@@ -70,13 +70,14 @@ inline Record sample_record(std::uint64_t seed, std::size_t samples = 150) {
     c.raw.back() = 32767;
     r.channels.push_back(std::move(c));
   }
-  r.gaps = {{10, 3}, {700, 1}};
+  r.gaps = {{10, 3}, {static_cast<std::int64_t>(samples) - 1, 1}};
   r.overruns = 4;
   r.crc32 = 0xFFFF0001U;
   r.shot_id = 77;
   r.rig = "bench \"A\", SIM-0001";
   r.firmware = "0.1.0";
   r.calibration = "2026-01";
+  r.sealed = "powbench_shot=1 shot=77 seal=00000000";
   return r;
 }
 

@@ -98,6 +98,93 @@ TEST_CASE("a shot with a valid record is there once; one without may be done aga
   CHECK(store.shots(campaign).size() == 3);
 }
 
+TEST_CASE("failed attempts stay as history, whatever comes of the shot later", "[store]") {
+  const Folder folder;
+  Store store(folder.file());
+  const auto campaign = fill(store, 1);
+  for (const char* reason : {"first", "second"}) {
+    StoredShot failed = sample_shot(campaign, 1, Outcome::timeout);
+    failed.reason = reason;
+    store.store_shot(failed, nullptr, nullptr, extraction);
+  }
+  CHECK(store.shots(campaign)[1].reason == "second");
+  CHECK(store.shots(campaign)[1].attempt == 2);
+  const Record record = sample_record(1);
+  store.store_shot(sample_shot(campaign, 1), &record, nullptr, extraction);
+  CHECK_THROWS_AS(store.store_shot(sample_shot(campaign, 1), &record, nullptr, extraction), StoreError);
+  const auto shots = store.shots(campaign);
+  REQUIRE(shots.size() == 2);
+  CHECK(shots[1].outcome == Outcome::pass);
+  CHECK(shots[1].attempt == 3);
+  const auto earlier = store.earlier_attempts(campaign);
+  REQUIRE(earlier.size() == 2);
+  CHECK(earlier[0].reason == "first");
+  CHECK(earlier[1].reason == "second");
+  CHECK(earlier[1].outcome == Outcome::timeout);
+}
+
+TEST_CASE("a store of the schema before attempts is brought up to date, also by a reader", "[store]") {
+  const Folder folder;
+  // as the program before this one wrote it: its migrations, and one shot
+  for (const char* file : {"0001_initial.sql", "0002_sweeps.sql"})
+    sql(folder.file(), bytes_of(std::string(POWBENCH_SOURCE_DIR "/host/store/migrations/") + file));
+  sql(folder.file(),
+      "PRAGMA application_id = " + std::to_string(Store::application_id) + "; PRAGMA user_version = 2");
+  {
+    // rows of today without what is new in them have the seals of that time
+    const Folder today;
+    Store store(today.file());
+    const auto campaign = store.create_campaign(sample_campaign());
+    Record record = sample_record(0);
+    record.sealed.clear();
+    const Events events = sample_events(0);
+    store.store_shot(sample_shot(campaign, 0), &record, &events, extraction);
+    sql(folder.file(),
+        "ATTACH '" + today.file() +
+            "' AS today; INSERT INTO campaign SELECT * FROM today.campaign;"
+            "INSERT INTO shot SELECT id, campaign_id, kind, number, repeat, angle_deg, conditions, outcome, "
+            "reason, started, seal FROM today.shot;"
+            "INSERT INTO record SELECT id, shot_id, content_hash, sample_rate, samples, fire_sample, "
+            "fire_offset, gaps, overruns, crc32, rig_shot_id, rig, firmware, calibration, seal, scans "
+            "FROM today.record; INSERT INTO channel SELECT * FROM today.channel;"
+            "INSERT INTO events SELECT * FROM today.events");
+  }
+  const Store reader(folder.file(), Store::Mode::read_only);
+  const auto shots = reader.shots(1);
+  REQUIRE(shots.size() == 1);
+  CHECK(shots[0].attempt == 1);
+  CHECK(reader.load_record(shots[0].id).crc32 == sample_record(0).crc32);
+  CHECK(same(reader.load_events(shots[0].id).value(), sample_events(0)));
+  CHECK(reader.earlier_attempts(1).empty());
+}
+
+TEST_CASE("numbers that overflow are damage, like a wrong seal", "[store]") {
+  const Folder folder;
+  {
+    Store store(folder.file());
+    fill(store, 1);
+  }
+  const std::string whole = bytes_of(folder.file());
+  for (const char* change :
+       {"samples = 9223372036854775807", "samples = -1", "samples = 1152921504606846976", "gaps = '[[1,2'",
+        "gaps = '[[\"a\", 2]]'", "gaps = '[[-5, 9223372036854775807]]'", "sample_rate = 9e999",
+        "sealed = 'other'", "scans = x'00'", "scans = x''"}) {
+    INFO(change);
+    write_bytes(folder.file(), whole);
+    sql(folder.file(), std::string("UPDATE record SET ") + change);
+    const Store store(folder.file(), Store::Mode::read_only);
+    CHECK_THROWS_AS(store.load_record(1), StoreError);
+  }
+  for (const char* change :
+       {"DELETE FROM channel", "UPDATE channel SET scale = 9e999", "UPDATE channel SET name = 'x'"}) {
+    INFO(change);
+    write_bytes(folder.file(), whole);
+    sql(folder.file(), change);
+    const Store store(folder.file(), Store::Mode::read_only);
+    CHECK_THROWS_AS(store.load_record(1), StoreError);
+  }
+}
+
 TEST_CASE("events of another extraction are kept beside the first", "[store]") {
   const Folder folder;
   Store store(folder.file());
@@ -170,7 +257,11 @@ TEST_CASE("refused files get one sentence and stay as they are", "[store]") {
   };
 
   write_bytes(folder.file("notes.txt"), std::string(5000, 'x'));
-  refuse(folder.file("notes.txt"), "not a powbench store");
+  refuse(folder.file("notes.txt"), "a text file, not a powbench store");
+  write_bytes(folder.file("short.txt"), "angles_deg = [0, 90]\n# \xc3\xa4\n");
+  refuse(folder.file("short.txt"), "a text file, not a powbench store");
+  write_bytes(folder.file("noise.bin"), std::string(5000, '\x01'));
+  refuse(folder.file("noise.bin"), ": not a powbench store");
   sql(folder.file("other.db"), "CREATE TABLE t (x); INSERT INTO t VALUES (1)");
   refuse(folder.file("other.db"), "another program");
   { Store store(folder.file("newer.db")); }
