@@ -418,6 +418,25 @@ TEST_CASE("the watchdog is fed only when every part has moved") {
   CHECK_FALSE(progress.may_feed());  // once for each round
 }
 
+TEST_CASE("an abort is found among the bytes of a line, and nothing else is one") {
+  const auto found = [](std::string_view text) {
+    port::AbortScan scan;
+    int count = 0;
+    for (const char c : text) count += scan.take(static_cast<std::uint8_t>(c)) ? 1 : 0;
+    return count;
+  };
+  CHECK(found("WRITE contactor-ctl abort 1\r\n1") == 1);
+  CHECK(found("write iio:device1 abort 2\n1\n") == 1);
+  CHECK(found("VERSION\r\nREAD contactor-ctl state\r\nWRITE iio:device1 abort 1\r\n1VERSION\r\n") == 1);
+  CHECK(found("WRITE contactor-ctl abort 1\r\n0") == 0);
+  CHECK(found("WRITE contactor-ctl arm 1\r\n1") == 0);
+  CHECK(found("READ contactor-ctl abort \r\n1") == 0);
+  CHECK(found("WRITE contactor-ctl abort 1") == 0);
+  // a line too long for any request, and one behind it
+  CHECK(found(std::string(60, 'x') + " abort 1\n1") == 0);
+  CHECK(found(std::string(60, 'x') + "\nWRITE contactor-ctl abort 1\n1") == 1);
+}
+
 // --- front end ---
 
 TEST_CASE("the board's configuration agrees with its circuit") {

@@ -102,3 +102,32 @@ def lost_samples(image, report):
         report.verdict(f"{name}: gate off", f"{time:.1f} us" if time is not None else "on", time is not None and time <= LIMIT)
         report.verdict(f"{name}: fault", b.ctl("fault"), b.ctl("fault") == "7 samples_lost")
         report.rules.update(b.chip.rules)
+
+
+def abort_while_sending(image, report):
+    """The description is 26 ms on the line, a record half a second: an abort in the middle of either."""
+    for place, request in (("description", "PRINT\r\n"), ("record", None)):
+        b = Bench(image).boot()
+        if request:
+            b.energise(hold_ms=100)
+        else:
+            b.energise(hold_ms=4)
+            b.world.wait_for(lambda: b.ctl("state") == "captured", 100)
+            b.world.ask("OPEN contactor-daq 1000 ff\r\n")
+            request = "READBUF contactor-daq 97600\r\n"
+        b.world.received.clear()
+        b.world.send(request)
+        b.world.wait(8)
+        begun = len(b.world.received)
+        b.world.send("WRITE contactor-ctl abort 1\r\n1")
+        b.cpu.run(b.world.line_free)
+        cause = b.chip.now
+        done = []
+        b.cpu.watch[b.image.symbols["powbench::firmware::FireControl::abort()"] & ~1] = lambda cpu: done.append(cpu.now)
+        b.world.wait(2)
+        time = (done[0] - cause) / US if done else float("inf")
+        report.verdict(f"abort while the {place} is sent: heard", f"{time:.1f} us, {begun} B before it",
+                       begun > 100 and time <= BY_WIRE)
+        if place == "description":
+            time = b.off_after(cause)
+            report.verdict("abort while the description is sent: gate off", time, time is not None and time <= BY_WIRE)

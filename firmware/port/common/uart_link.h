@@ -1,9 +1,12 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <span>
+#include <string_view>
 
 #include "firmware/iiod/responder.h"
+#include "firmware/iiod/words.h"
 
 /// One connection over a line that is never closed: the responder behind a serial port.
 
@@ -35,6 +38,36 @@ class UartLink {
   iiod::Responder& responder_;
   iiod::Connection connection_;
   std::uint32_t line_errors_ = 0;
+};
+
+/// Finds the request to abort among the bytes of a line while the main loop is busy with an answer: `WRITE DEVICE abort N`
+/// and, behind its line end, the value 1. The request itself is answered in its turn; abort may come twice.
+class AbortScan {
+ public:
+  /// True when the byte completes the request.
+  bool take(std::uint8_t byte) {
+    const char c = static_cast<char>(byte);
+    if (value_next_) {
+      value_next_ = false;
+      if (c == '1') return true;
+    }
+    if (c != '\n') {
+      if (length_ < line_.size()) line_[length_] = c;
+      ++length_;
+      return false;
+    }
+    const std::string_view line(line_.data(), length_ <= line_.size() ? length_ : 0);
+    length_ = 0;
+    constexpr std::string_view verb = "WRITE ", name = " abort ";
+    value_next_ = line.find(name) != line.npos && line.size() >= verb.size() &&
+                  iiod::same_word(line.substr(0, verb.size()), verb);
+    return false;
+  }
+
+ private:
+  std::array<char, 48> line_{};
+  std::size_t length_ = 0;
+  bool value_next_ = false;
 };
 
 /// Reads a circular buffer that a peripheral fills. `written`: its write position, 0 .. size - 1. Gives the bytes that

@@ -30,6 +30,8 @@ namespace {
 
 constexpr ControllerConfig configuration = controller_config();
 
+void listen();
+
 struct Board {
   Controller controller{configuration, record_memory};
   BenchDevices devices{controller};
@@ -38,7 +40,8 @@ struct Board {
   Converters converters;
   Converters::Queue queue;
   port::GateTimer gate{time_base};
-  Serial serial{progress};
+  Serial serial{progress, listen};
+  port::AbortScan aborts;
   bool may_fire = false;                  ///< the crystal runs
   std::atomic<bool> gate_refused{false};  ///< an on edge met an active cut-off
 };
@@ -106,10 +109,25 @@ std::span<const iiod::ContextAttribute> identify(Identity& id, bool crystal, std
   return id.attributes;
 }
 
+/// An abort is heard at any time, also while a record is on its way out for half a second.
+void listen() {
+  Board& b = board();
+  for (auto bytes = b.serial.overheard(); !bytes.empty(); bytes = b.serial.overheard()) {
+    b.host_heard = true;
+    for (const std::uint8_t byte : bytes) {
+      if (!b.aborts.take(byte)) continue;
+      controller_lock(true);
+      b.controller.fire_control().abort();
+      controller_lock(false);
+    }
+  }
+}
+
 [[noreturn]] void serve(Board& b, const iiod::Context& context) {
   iiod::Responder responder(context);
   port::UartLink link(responder);
   for (;;) {
+    listen();
     if (b.serial.line_error()) link.line_error();
     const auto bytes = b.serial.received();
     if (!bytes.empty()) link.take(bytes, b.serial);

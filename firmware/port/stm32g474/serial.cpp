@@ -41,6 +41,10 @@ std::span<const std::uint8_t> Serial::received() {
   return reader_.fresh(ring_, written());
 }
 
+std::span<const std::uint8_t> Serial::overheard() {
+  return listener_.fresh(ring_, written());
+}
+
 bool Serial::line_error() {
   if (!usart2().isr.any(Usart::isr_line_errors)) return false;
   usart2().icr.write(Usart::isr_line_errors);
@@ -62,6 +66,7 @@ void Serial::transmit(std::span<const std::uint8_t> bytes) {
       // only bytes that leave are progress: a line that stands still has to end in the watchdog
       if (left != before) progress_.moved(port::Progress::main_loop);
       before = left;
+      listen_();
     }
     channel.ccr.write(0);
     bytes = bytes.subspan(n);
@@ -72,8 +77,7 @@ void Serial::transmit(std::span<const std::uint8_t> bytes) {
 void Serial::put(std::span<const std::uint8_t> bytes) {
   if (bytes.size() >= transmit_by_dma) return transmit(bytes);
   for (const std::uint8_t byte : bytes) {
-    while (!usart2().isr.any(Usart::isr_room)) {
-    }
+    while (!usart2().isr.any(Usart::isr_room)) listen_();
     usart2().tdr.write(byte);
     progress_.moved(port::Progress::main_loop);  // 5 us a byte: a long answer is progress too
   }

@@ -11,14 +11,17 @@ namespace powbench::firmware::stm32g474 {
 
 /// USART2 on the board's virtual serial port, 2 Mbaud 8N1. Bytes come in through a circular buffer; answers leave
 /// through the hardware's FIFO, a record straight from the recorder's memory by DMA. The main loop waits meanwhile: it has
-/// nothing else to do, everything urgent interrupts it, and what is being sent cannot change under the DMA.
+/// nothing else to do, everything urgent interrupts it, and what is being sent cannot change under the DMA. While it waits
+/// it calls `listen`, which must not send.
 class Serial final : public iiod::ByteSink {
  public:
-  explicit Serial(port::Progress& progress) : progress_(progress) {}
+  Serial(port::Progress& progress, void (*listen)()) : progress_(progress), listen_(listen) {}
 
   void set_up();
   /// Bytes received since the last call, in one piece; empty: none.
   std::span<const std::uint8_t> received();
+  /// The same for a second reader, who sees each byte as soon as it is there and takes it from nobody.
+  std::span<const std::uint8_t> overheard();
   /// The line reported an error since the last call; what was received before it is gone.
   bool line_error();
   void put(std::span<const std::uint8_t> bytes) override;
@@ -31,8 +34,9 @@ class Serial final : public iiod::ByteSink {
   void transmit(std::span<const std::uint8_t> bytes);
 
   port::Progress& progress_;
+  void (*listen_)();
   std::array<std::uint8_t, 512> ring_{};
-  port::RingReader reader_;
+  port::RingReader reader_, listener_;
 };
 
 }  // namespace powbench::firmware::stm32g474
