@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "firmware/commands.h"
+#include "firmware/identity.h"
 #include "firmware/sealed_shot.h"
 
 namespace powbench::firmware {
@@ -124,12 +125,18 @@ int read_marks(const void* self, std::uint32_t, Text& out) {
 }
 
 constexpr std::array daq_attributes{
+    Attribute{"board_id",
+              [](const void* s, std::uint32_t, Text& t) { return t.put(bench(s).identity().board_id), 0; }},
     Attribute{"calibration", [](const void* s, std::uint32_t,
                                 Text& t) { return t.put(bench(s).config().calibration_id), 0; }},
+    Attribute{"config_crc32", [](const void* s, std::uint32_t,
+                                 Text& t) { return t.put_hex32(config_crc32(bench(s).config())), 0; }},
     Attribute{"fire_offset_ns",
               [](const void* s, std::uint32_t, Text& t) { return t.put_int(fire_offset_ns(bench(s))), 0; }},
     Attribute{"fire_sample", [](const void* s, std::uint32_t,
                                 Text& t) { return t.put_int(bench(s).recorder().fire_sample()), 0; }},
+    Attribute{"fw_commit",
+              [](const void* s, std::uint32_t, Text& t) { return t.put(bench(s).identity().commit), 0; }},
     Attribute{"gaps",
               [](const void* s, std::uint32_t, Text& t) {
                 if (bench(s).recorder().gaps().empty()) t.put("none");
@@ -139,6 +146,8 @@ constexpr std::array daq_attributes{
                 }
                 return 0;
               }},
+    Attribute{"image_crc32", [](const void* s, std::uint32_t,
+                                Text& t) { return t.put_hex32(bench(s).identity().image_crc32), 0; }},
     Attribute{"mains_frequency",
               [](const void* s, std::uint32_t, Text& t) {
                 return t.put_fixed(

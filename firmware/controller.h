@@ -61,6 +61,13 @@ struct ControllerConfig {
 
 static_assert(std::is_trivially_copyable_v<ControllerConfig>);
 
+/// Which program on which board. What a port does not know reads "none"; the texts live as long as the program.
+struct BuildIdentity {
+  std::string_view commit = "none";  ///< of the sources, "-dirty" behind it when they were changed
+  std::string_view board_id = "none";
+  std::uint32_t image_crc32 = 0;  ///< of the program as linked, as the file that was flashed; 0: not known
+};
+
 /// What makes a configuration unfit to energise a coil, or empty.
 std::string_view config_error(const ControllerConfig&, std::size_t storage_values);
 
@@ -138,6 +145,9 @@ class Controller {
   Refusal capture_zero();
   ZeroCapture::State zero_state() const { return zero_.state(); }
 
+  void identify(const BuildIdentity& build) { identity_ = build; }
+  const BuildIdentity& identity() const { return identity_; }
+
   const ControllerConfig& config() const { return config_; }
   /// Why the configuration is refused; empty: it is not.
   std::string_view config_error() const { return config_error_; }
@@ -173,6 +183,7 @@ class Controller {
   ZeroCapture zero_{config_.zero};
   bool zero_ended_ = false;  ///< a capture has ended, the background has not yet taken it over
   std::string_view config_error_;
+  BuildIdentity identity_;
   std::array<std::int16_t, channel_count> latest_{};
 };
 

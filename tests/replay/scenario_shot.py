@@ -35,6 +35,14 @@ def boot(image, report):
     return b
 
 
+def identity(b, report):
+    """What tells one program, board and configuration from another."""
+    crc = b.world.read(f"{DAQ} image_crc32")
+    report.verdict("identity: checksum of the image", crc, int(crc, 16) == zlib.crc32(b.image.bytes))
+    commit, board = b.world.read(f"{DAQ} fw_commit"), b.world.read(f"{DAQ} board_id")
+    report.verdict("identity: commit and board", f"{commit}, {board}", len(commit) >= 7 and board == "0c0b0a090807060504030201")
+
+
 def serial_line(b, report):
     version = b.world.ask("VERSION\r\n")
     report.verdict("line: VERSION", version.strip(), version.startswith("0.24."))
@@ -165,6 +173,7 @@ def with_offsets(image, report):
 
 def run(image, report):
     b = boot(image, report)
+    identity(b, report)
     serial_line(b, report)
     shot(b, report)
     report.rules.update(b.chip.rules)

@@ -33,6 +33,8 @@ static_assert(port::GateTimer::horizon - port::GateTimer::margin >
 // the end of the hold time is held by a 32-bit count
 static_assert(std::int64_t{11} * core_hertz < (std::int64_t{1} << 32));
 
+inline constexpr std::uintptr_t flash_start = 0x0800'0000;
+
 // ---- memory with parity bits: the first 32 KiB, and the alias of the CCM RAM at the end ----
 
 inline constexpr std::uint32_t parity_low_end = 0x2000'8000, parity_high = 0x2001'8000, ram_end = 0x2002'0000;

@@ -13,6 +13,10 @@ target=(-mcpu=cortex-m4 -mthumb -mfpu=fpv4-sp-d16 -mfloat-abi=hard)
 flags=(-std=c++20 -O2 -g "${target[@]}" -fno-exceptions -fno-rtti -fno-threadsafe-statics -fno-math-errno
   -ffp-contract=off -ffunction-sections -fdata-sections -fstack-usage -fcallgraph-info=su
   -Wall -Wextra -Wpedantic -Wshadow -Wdouble-promotion -Wno-psabi -Werror -I.)
+# who made it: the commit, and whether the sources are those of the commit
+commit=$(git rev-parse --short=12 HEAD 2>/dev/null || echo unknown)
+if [[ $commit != unknown && -n $(git status --porcelain -- core firmware) ]]; then commit+=-dirty; fi
+flags+=("-DPOWBENCH_COMMIT=\"$commit\"")
 # without ccache, which does not keep the call graphs
 
 # the portable core and this port; other ports are programs of their own

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <string_view>
 
+#include "core/crc32.h"
 #include "core/version.h"
 #include "firmware/bench_devices.h"
 #include "firmware/controller.h"
@@ -18,6 +19,8 @@
 #include "firmware/port/stm32g474/registers/core.h"
 #include "firmware/port/stm32g474/serial.h"
 #include "firmware/text.h"
+
+extern "C" const std::uint32_t flash_end[];  // from link.ld
 
 /// The bench on the board. Four levels: the samples interrupt collects a block, the control interrupt runs the
 /// controller on it, the background renews the phase estimate and the checksums, the main loop answers the serial port.
@@ -113,14 +116,19 @@ std::span<const iiod::ContextAttribute> identify(Identity& id, bool crystal, std
 void listen() {
   Board& b = board();
   for (auto bytes = b.serial.overheard(); !bytes.empty(); bytes = b.serial.overheard()) {
-    b.host_heard = true;
     for (const std::uint8_t byte : bytes) {
       if (!b.aborts.take(byte)) continue;
       controller_lock(true);
-      b.controller.fire_control().abort();
+      b.controller.fire_control().stop();  // what goes beyond stopping, the request does in its turn
       controller_lock(false);
     }
   }
+}
+
+/// CRC-32 of the program in flash, the same as of board.bin.
+std::uint32_t image_crc32() {
+  const auto end = reinterpret_cast<std::uintptr_t>(flash_end);
+  return crc32({reinterpret_cast<const std::uint8_t*>(flash_start), end - flash_start});
 }
 
 [[noreturn]] void serve(Board& b, const iiod::Context& context) {
@@ -201,6 +209,8 @@ extern "C" [[noreturn]] void run_bench() {
                               .devices = b.device_list,
                               .lock = controller_lock};
   b.devices.identify(context.attributes);
+  b.controller.identify(
+      {.commit = POWBENCH_COMMIT, .board_id = identity.serial.view(), .image_crc32 = image_crc32()});
   scb().shpr[2].change(0xFFU << 16, std::uint32_t{priority_control} << 16);  // PendSV
   nvic().enable(irq_background, priority_background);
   b.converters.set_up();
