@@ -13,6 +13,7 @@ from cpu import HERTZ, US
 from world import World
 
 CTL, DAQ = "contactor-ctl", "contactor-daq"
+TOKEN = "t"  # of the lease that the commands carry
 
 
 class Image:
@@ -45,13 +46,16 @@ class Bench:
         return self.world.read(f"{CTL} {name}")
 
     def command(self, name, value=1):
-        return self.world.write(f"{CTL} {name}", value)
+        """A command of the lease's owner; 1 when it is accepted, else the error number."""
+        self.world.write(f"{CTL} lease", f"{TOKEN} 3600000 replay")
+        answer = self.world.write(f"{CTL} {name}", f"{value} {TOKEN}")
+        return min(answer, 1)
 
     def state(self):
         return self.ctl("state"), self.ctl("fault")
 
     def arm(self, centi_degrees=3700, hold_ms=50):
-        self.world.write(f"{CTL} OUTPUT phase0 raw", centi_degrees)
+        self.command("OUTPUT phase0 raw", centi_degrees)
         self.command("hold_time_ms", hold_ms)
         answer = self.command("arm")
         self.world.wait(80)

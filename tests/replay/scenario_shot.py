@@ -56,9 +56,9 @@ def serial_line(b, report):
                    devices == ["contactor-daq", "contactor-ctl", "fire"])
     answer = b.world.ask("READBUF iio:device0 100\r\n")
     report.verdict("line: READBUF without a buffer", answer.strip(), answer == "-9\n")
-    b.world.write("contactor-ctl hold_time_ms", "nan")
-    report.verdict("line: not a number is refused", b.world.write("contactor-ctl hold_time_ms", "nan"),
-                   b.world.write("contactor-ctl hold_time_ms", "nan") == -22)
+    b.command("hold_time_ms", "nan")
+    report.verdict("line: not a number is refused", b.command("hold_time_ms", "nan"),
+                   b.command("hold_time_ms", "nan") == -22)
     # a byte that the line has garbled: what was half received is forgotten, the next request is whole
     b.world.send("WRITE contactor-ctl fi")
     b.world.wait(1)

@@ -123,7 +123,7 @@ def abort_while_sending(image, report):
         b.cpu.run(b.world.line_free)
         cause = b.chip.now
         done = []
-        b.cpu.watch[b.image.symbols["powbench::firmware::FireControl::abort()"] & ~1] = lambda cpu: done.append(cpu.now)
+        b.cpu.watch[b.image.symbols["powbench::firmware::FireControl::stop()"] & ~1] = lambda cpu: done.append(cpu.now)
         b.world.wait(2)
         time = (done[0] - cause) / US if done else float("inf")
         report.verdict(f"abort while the {place} is sent: heard", f"{time:.1f} us, {begun} B before it",
