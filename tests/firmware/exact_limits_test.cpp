@@ -19,7 +19,7 @@ struct Blocks {
     for (const int at : high)
       scans[static_cast<std::size_t>(at) * channel_count + index(Channel::coil_current)] =
           static_cast<std::int16_t>(value);
-    const Block block{.first_sample = first, .scans = scans, .host_heard = true};
+    const Block block{.first_sample = first, .scans = scans, .owner_present = true};
     first += 10;
     return block;
   }

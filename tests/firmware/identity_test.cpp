@@ -40,7 +40,7 @@ TEST_CASE("a client can read who made a shot", "[identity]") {
   b.controller.identify({.commit = "abc", .board_id = "17", .image_crc32 = 0x1234ABCD});
   CHECK(b.ask("READ contactor-daq image_crc32\r\n").find("1234abcd") == 2);
   CHECK(b.ask("READ contactor-daq board_id\r\n").find("17") == 2);
-  Text crc;
+  TextOf<16> crc;
   crc.put_hex32(shot_identity(b.controller).config_crc32);
   CHECK(b.ask("READ contactor-daq config_crc32\r\n").find(std::string(crc.view())) == 2);
 }
