@@ -16,6 +16,7 @@ Bench::Bench(const ControllerConfig& config, const Identity& identity, std::span
       context_{.description = identity.model, .attributes = context_attributes_, .devices = device_list_},
       responder_(context_) {
   devices_.identify(context_attributes_);
+  controller_.lease().protect(identity.secret);
 }
 
 BenchReport Bench::report() const {

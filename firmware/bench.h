@@ -20,6 +20,7 @@ namespace powbench::firmware {
 struct Identity {
   std::string_view kind, model, serial, version, specimen;
   std::string_view boot_id{};  ///< changes with every start; empty: the kind stands for it
+  std::string_view secret{};   ///< what every token must begin with; empty: anything
 };
 
 /// What the plant and the server need to know about the bench, after every block and every request.
@@ -68,8 +69,6 @@ class Bench {
   }
   /// Time passes for the lease while nothing is sampled, ms.
   void rest(std::int64_t ms) { controller_.rest(ms); }
-  /// What every token must begin with; the text must outlive the bench.
-  void protect(std::string_view secret) { controller_.lease().protect(secret); }
   const iiod::Connection& connection(unsigned number) const { return connections_[number]; }
 
   const Controller& controller() const { return controller_; }

@@ -266,6 +266,9 @@ int write_lease(void* self, std::uint32_t, std::string_view value) {
       return -iiod::ebusy;
     case Lease::Claim::malformed:
       return -iiod::einval;
+    case Lease::Claim::forbidden:
+      fire.note_stranger("refused: this rig wants its secret and a dot in front of the token");
+      return -iiod::eperm;
     case Lease::Claim::granted:
       break;
   }

@@ -14,18 +14,18 @@ class Lease {
   static constexpr std::int64_t shortest_ms = 100, longest_ms = 3'600'000;
   static constexpr std::size_t longest_token = 48, longest_owner = 40;
 
-  enum class Claim : std::uint8_t { granted, taken, malformed };
+  enum class Claim : std::uint8_t { granted, taken, malformed, forbidden };
 
   /// `samples_per_second`: of the clock that pass() counts.
   explicit Lease(std::int64_t samples_per_second) : rate_(samples_per_second) {}
 
   /// Grants the lease for `ms` (shortest_ms .. longest_ms; checked by the caller) if it is free or already this token's.
-  /// `owner` is what others are told; it may be empty. Malformed: a token or name that is too long or not printable, or a
-  /// token that does not begin with the secret.
+  /// `owner` is what others are told; it may be empty. Malformed: a token or name that is too long or not printable;
+  /// forbidden: a token that does not begin with the secret.
   Claim claim(std::string_view token, std::int64_t ms, std::string_view owner) {
-    if (!usable(token, longest_token) || (!owner.empty() && !usable(owner, longest_owner)) ||
-        !token.starts_with(secret_))
+    if (!usable(token, longest_token) || (!owner.empty() && !usable(owner, longest_owner)))
       return Claim::malformed;
+    if (!token.starts_with(secret_)) return Claim::forbidden;
     if (held() && !is_owner(token)) return Claim::taken;
     if (!held()) ++number_;
     token_size_ = keep(token, token_);

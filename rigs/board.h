@@ -57,8 +57,9 @@ struct BoardOptions {
   Kind kind = Kind::native;
   bool count_instructions = false;  ///< emulated: virtual time advances by instructions, reproducibly
   std::string boot_id{};            ///< tells one start from another; empty: all starts look alike
+  std::string secret{};             ///< what every owner's token must begin with; empty: anything
 };
-inline const BoardOptions emulated_board{BoardOptions::Kind::emulated, false, {}};
+inline const BoardOptions emulated_board{BoardOptions::Kind::emulated, false, {}, {}};
 
 /// Throws RigError when an emulated board cannot be had.
 std::unique_ptr<Board> make_board(const BoardOptions&, const firmware::ControllerConfig&,

@@ -35,7 +35,7 @@ QemuBoard::QemuBoard(bool count_instructions, const firmware::ControllerConfig& 
     : process_(image, count_instructions), outgoing_(lockstep::largest_frame), frame_(outgoing_) {
   const std::string_view texts[] = {config.calibration_id, identity.kind,    identity.model,
                                     identity.serial,       identity.version, identity.specimen,
-                                    identity.boot_id};
+                                    identity.boot_id,      identity.secret};
   lockstep::Configure head{.sample_rate = config.sample_rate,
                            .record_length = config.record_length,
                            .pretrigger = config.pretrigger,

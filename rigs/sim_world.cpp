@@ -65,13 +65,15 @@ SimWorld::SimWorld(const SimRigConfig& config, const sim::Specimen& specimen, co
     : config_(config),
       specimen_(specimen),
       calibration_id_("virtual-" + config.serial),
-      boot_id_(options.boot_id) {
+      boot_id_(options.boot_id),
+      secret_(options.secret) {
   const firmware::Identity identity{.kind = options.kind == BoardOptions::Kind::native ? "sim" : "qemu",
                                     .model = config_.name,
                                     .serial = config_.serial,
                                     .version = program_version,
                                     .specimen = specimen_.name,
-                                    .boot_id = boot_id_};
+                                    .boot_id = boot_id_,
+                                    .secret = secret_};
   board_ = make_board(options, controller_config(config_, calibration_id_), identity);
   const auto per_block = static_cast<std::size_t>(block_samples);
   times_.resize(per_block * oversampling);

@@ -54,7 +54,7 @@ class SimWorld {
 
   SimRigConfig config_;
   sim::Specimen specimen_;
-  std::string calibration_id_, boot_id_;  ///< the board keeps views of them
+  std::string calibration_id_, boot_id_, secret_;  ///< the board keeps views of them
   std::unique_ptr<Board> board_;
 
   std::unique_ptr<sim::Plant> plant_;

@@ -52,11 +52,7 @@ int print_faults(const char* title, const std::vector<FaultRow>& rows, Json& jso
   };
   for (const FaultRow& r : rows) {
     line(name(r.kind), r.to_rig ? "rig" : "host", r);
-    for (auto field :
-         {&FaultRow::tried, &FaultRow::struck, &FaultRow::same, &FaultRow::fetched, &FaultRow::reported,
-          &FaultRow::silent, &FaultRow::lost, &FaultRow::twice, &FaultRow::late})
-      sum.*field += r.*field;
-    sum.longest = std::max(sum.longest, r.longest);
+    sum += r;
     json.push_back({{"fault", name(r.kind)},
                     {"towards", r.to_rig ? "rig" : "host"},
                     {"tried", r.tried},

@@ -2,6 +2,7 @@
 
 #include <chrono>
 #include <stdexcept>
+#include <thread>
 
 #include "bench/link/plain_client.h"
 #include "bench/uart_board.h"
@@ -20,6 +21,7 @@ using std::chrono::milliseconds;
 constexpr milliseconds shot_limit{4000}, tcp_request{200}, serial_request{1000}, connection{600};
 constexpr int stall_ms = 450;
 constexpr int different_shots = 5;
+constexpr int tcp_rigs = 4;  // side by side: most of a trial is waiting
 
 rigs::SimRigConfig short_record() {
   rigs::SimRigConfig config;
@@ -80,8 +82,9 @@ void judge(FaultRow& row, const rigs::Shot& shot, const Record& wanted, bool fet
     ++(fetched ? row.fetched : row.same);
 }
 
+/// Trials first, first + step, ... below `count`: what each does depends on its number alone.
 std::vector<FaultRow> run_trials(rigs::Rig& rig, const Bed& bed, int count, std::uint64_t seed,
-                                 const Progress& progress) {
+                                 const Progress& progress, int first = 0, int step = 1) {
   const std::vector<Record> wanted = undisturbed(rig);
   bed.set({});
   rig.fire(conditions(0), std::chrono::seconds(30));
@@ -89,7 +92,7 @@ std::vector<FaultRow> run_trials(rigs::Rig& rig, const Bed& bed, int count, std:
   std::vector<FaultRow> rows;
   for (const auto kind : bed.kinds)
     for (const bool to_rig : {false, true}) rows.push_back({.kind = kind, .to_rig = to_rig});
-  for (int i = 0; i < count; ++i) {
+  for (int i = first; i < count; i += step) {
     Random random(seed + static_cast<std::uint64_t>(i));
     FaultRow& row = rows[static_cast<std::size_t>(i) % rows.size()];
     const std::size_t which = random.below(different_shots);
@@ -123,7 +126,7 @@ std::vector<FaultRow> run_trials(rigs::Rig& rig, const Bed& bed, int count, std:
       ++row.reported;
       row.lost += fired > 0 && bed.holds_a_record() ? 1 : 0;
     }
-    if (progress) progress(i + 1, count);
+    if (progress) progress(i + step, count);
   }
   return rows;
 }
@@ -132,13 +135,8 @@ int number_of(PlainClient& client, const std::string& attribute) {
   return std::stoi(client.read("iio:device1 " + attribute));
 }
 
-}  // namespace
-
-double trial_deadline() {
-  return std::chrono::duration<double>(shot_limit + connection + 2 * serial_request).count();
-}
-
-std::vector<FaultRow> tcp_faults(int count, std::uint64_t seed, const Progress& progress) {
+/// One rig, one line and one client.
+std::vector<FaultRow> tcp_share(int count, std::uint64_t seed, const Progress& progress, int first) {
   using Kind = LineFault::Kind;
   rigs::LocalRig server(short_record(), {});
   FaultLine line(server.address(), stall_ms);
@@ -154,7 +152,26 @@ std::vector<FaultRow> tcp_faults(int count, std::uint64_t seed, const Progress& 
                              std::string::npos;
                     },
                 .kinds = {Kind::flip, Kind::drop, Kind::close, Kind::delay, Kind::stall, Kind::half_open}};
-  return run_trials(*rig, bed, count, seed, progress);
+  return run_trials(*rig, bed, count, seed, progress, first, tcp_rigs);
+}
+
+}  // namespace
+
+double trial_deadline() {
+  return std::chrono::duration<double>(shot_limit + connection + 2 * serial_request).count();
+}
+
+std::vector<FaultRow> tcp_faults(int count, std::uint64_t seed, const Progress& progress) {
+  std::array<std::vector<FaultRow>, tcp_rigs> shares;
+  std::vector<std::thread> threads;
+  for (int t = 0; t < tcp_rigs; ++t)
+    threads.emplace_back([&, t] {
+      shares[static_cast<std::size_t>(t)] = tcp_share(count, seed, t == 0 ? progress : Progress(), t);
+    });
+  for (auto& thread : threads) thread.join();
+  for (int t = 1; t < tcp_rigs; ++t)
+    for (std::size_t r = 0; r < shares[0].size(); ++r) shares[0][r] += shares[static_cast<std::size_t>(t)][r];
+  return shares[0];
 }
 
 std::vector<FaultRow> serial_faults(int count, std::uint64_t seed, const Progress& progress) {

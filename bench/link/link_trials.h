@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <functional>
@@ -27,6 +28,15 @@ struct FaultRow {
   int twice = 0;       ///< the coil was energised more than once
   int late = 0;        ///< answered later than the deadline
   double longest = 0;  ///< s
+
+  FaultRow& operator+=(const FaultRow& other) {
+    for (auto field :
+         {&FaultRow::tried, &FaultRow::struck, &FaultRow::same, &FaultRow::fetched, &FaultRow::reported,
+          &FaultRow::silent, &FaultRow::lost, &FaultRow::twice, &FaultRow::late})
+      this->*field += other.*field;
+    longest = std::max(longest, other.longest);
+    return *this;
+  }
 };
 
 using Progress = std::function<void(int done, int of)>;

@@ -85,6 +85,10 @@ void add_rig_verbs(CLI::App& app) {
   rig->add_option(
       "--listen", serve->address,
       "loopback address instead of the rig file's (127.0.0.7 without one); the port is always 30431");
+  rig->add_flag(
+      "--open-to-network", serve->to_network,
+      "serve on an address that others reach: they see and stop the rig, and fire it with the secret in "
+      "POWBENCH_RIG_SECRET");
 }
 
 void add_bridge_verb(CLI::App& app) {
@@ -97,6 +101,10 @@ void add_bridge_verb(CLI::App& app) {
       ->capture_default_str();
   serve->add_option("--listen", bridge->address, "loopback address to serve on; the port is always 30431")
       ->capture_default_str();
+  serve->add_flag(
+      "--open-to-network", bridge->to_network,
+      "serve on an address that others reach: they see and stop the rig, and fire it with the secret in "
+      "POWBENCH_RIG_SECRET");
 }
 
 void add_plan_verbs(CLI::App& app) {

@@ -1,15 +1,29 @@
 #include <fmt/format.h>
 
 #include <chrono>
+#include <cstdlib>
 #include <nlohmann/json.hpp>
 
 #include "host/cli/scene.h"
 #include "host/cli/verbs.h"
 #include "rigs/bridge/bridge.h"
+#include "rigs/exposure.h"
 #include "rigs/iiod_server.h"
 #include "rigs/registry.h"
 
 namespace powbench::host {
+
+namespace {
+
+/// Of a server on `address`; the secret is taken from the environment, where no list of programs shows it.
+rigs::Exposure exposure_of(const std::string& address, bool to_network) {
+  const char* secret = to_network ? std::getenv("POWBENCH_RIG_SECRET") : nullptr;
+  rigs::Exposure exposure{to_network, secret ? secret : ""};
+  rigs::check_exposure(address, exposure);
+  return exposure;
+}
+
+}  // namespace
 
 Exit list_rigs(bool json) {
   nlohmann::ordered_json list = nlohmann::ordered_json::array();
@@ -56,12 +70,13 @@ Exit serve_rig(const ServeArgs& args) {
   const RigFile file = args.rig_file.empty() ? RigFile{} : read_rig(args.rig_file);
   const sim::Specimen specimen =
       args.specimen_file.empty() ? load_specimen(file) : read_specimen(args.specimen_file);
+  const std::string address = args.address.empty() ? file.listen : args.address;
   rigs::BoardOptions board = args.emulated ? rigs::emulated_board : rigs::BoardOptions{};
   const auto now = std::chrono::system_clock::now().time_since_epoch().count();
   board.boot_id = rigs::next_boot_id(file.config.serial,
                                      args.boot_seed != 0 ? args.boot_seed : static_cast<std::uint64_t>(now));
-  rigs::IiodServer server(file.config, specimen, args.address.empty() ? file.listen : args.address,
-                          rigs::iiod_port, board);
+  board.secret = rigs::token_prefix(exposure_of(address, args.to_network));
+  rigs::IiodServer server(file.config, specimen, address, rigs::iiod_port, board);
   fmt::print(stderr, "{} on ip:{} (port {}), specimen {}\nstop with Ctrl-C; try: iio_info -u ip:{}\n",
              file.config.name, server.address(), rigs::iiod_port, specimen.name, server.address());
   server.serve(true);
@@ -74,6 +89,7 @@ Exit serve_bridge(const BridgeArgs& args) {
   options.port = args.port;
   options.baud = args.baud;
   options.address = args.address;
+  options.token_prefix = rigs::token_prefix(exposure_of(args.address, args.to_network));
   rigs::Bridge bridge(options);
   fmt::print(stderr, "{} on {} at {} baud -> ip:{} (port {})\nstop with Ctrl-C; try: iio_info -u ip:{}\n",
              bridge.board(), options.port, options.baud, bridge.address(), options.tcp_port,

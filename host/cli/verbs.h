@@ -24,6 +24,7 @@ struct ServeArgs {
   std::string address;          ///< "" = the rig file's
   std::uint64_t boot_seed = 0;  ///< of the boot_id; 0: another one at every start
   bool emulated = false;        ///< firmware on an emulated board
+  bool to_network = false;      ///< an address that others reach is meant
 };
 Exit serve_rig(const ServeArgs&);
 
@@ -31,6 +32,7 @@ struct BridgeArgs {
   std::string port;
   unsigned baud = 2'000'000;
   std::string address = "127.0.0.9";
+  bool to_network = false;  ///< an address that others reach is meant
 };
 Exit serve_bridge(const BridgeArgs&);
 

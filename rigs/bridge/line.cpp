@@ -213,6 +213,9 @@ awaitable<bool> Line::check_board() {
   auto reply = co_await transfer(request, text, options_.silence);
   if (!reply || reply->status <= 0) co_return false;
   if (reply->body != description_) {
+    // the line has no checksum: what is new has to come twice alike
+    const auto again = co_await transfer(request, text, options_.silence);
+    if (!again || again->body != reply->body) co_return false;
     const bool another = !description_.empty();
     description_ = std::move(reply->body);
     if (another) on_new_board();

@@ -8,9 +8,10 @@ namespace powbench::rigs {
 
 /// Where a bridge stands. The times are what a board at 921600 baud needs, with room.
 struct BridgeOptions {
-  std::string port;           ///< "/dev/ttyACM0"
-  unsigned baud = 2'000'000;  ///< 8 data bits, no parity, 1 stop bit
-  std::string address;        ///< loopback address to serve on; "" = the first free one from 127.0.0.2 on
+  std::string port;            ///< "/dev/ttyACM0"
+  unsigned baud = 2'000'000;   ///< 8 data bits, no parity, 1 stop bit
+  std::string address;         ///< loopback address to serve on; "" = the first free one from 127.0.0.2 on
+  std::string token_prefix{};  ///< what a lease claimed through this bridge must begin with; empty: anything
   std::uint16_t tcp_port = 30431;  ///< libiio 0.24 knows no other when it clones a context
 
   std::chrono::milliseconds silence{500};  ///< an answer that pauses for longer is lost

@@ -200,6 +200,11 @@ awaitable<void> Session::write(std::string line, Words words) {
     co_await send_number(-firmware::iiod::e2big);
     co_return;
   }
+  // whoever may not claim the bench can do nothing that energises
+  if (words[2] == "lease" && !payload.starts_with(hub_.options.token_prefix)) {
+    co_await send_number(-firmware::iiod::eperm);
+    co_return;
+  }
   const std::string request = to_board(line) + payload;
   const Expected expected{Shape::number, payload.size(), 0};
   const Reply reply = co_await hub_.line.ask(request, expected);
@@ -231,7 +236,13 @@ awaitable<void> Session::open(std::string line, Words words) {
   hub_.owners[id] = this;
   const std::string request = to_board(line);
   const Expected number;
-  const Reply reply = co_await hub_.line.ask(request, number);
+  Reply reply = co_await hub_.line.ask(request, number);
+  if (reply.status == -firmware::iiod::ebusy) {
+    // nobody here has it open: an earlier CLOSE was damaged on the line
+    const std::string close = "CLOSE " + id + "\n";
+    co_await hub_.line.ask(close, number);
+    reply = co_await hub_.line.ask(request, number);
+  }
   if (reply.status < 0)
     hub_.owners.erase(id);
   else

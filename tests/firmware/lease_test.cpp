@@ -73,9 +73,9 @@ TEST_CASE("the words of a lease are checked", "[lease]") {
   CHECK(b.read("iio:device1 lease") == "unnamed, 100 ms left");
   CHECK(b.write("lease", "t 0") == "3\n");
   CHECK(b.read("iio:device1 lease") == "free");
-  b.controller.lease().protect("open sesame");
-  CHECK(b.write("lease", "t 100") == "-22\n");
   b.controller.lease().protect("sesame.");
+  CHECK(b.write("lease", "t 100") == "-1\n");
+  CHECK(b.write("lease", "sesame 100") == "-1\n");
   CHECK(b.write("lease", "sesame.t 100") == "12\n");
 }
 

@@ -48,11 +48,18 @@ class WordRig final : public rigs::Rig {
   }
   bool abort() override { return true; }
   bool reconnect() override { return ++reconnects >= answers_from; }
-  std::optional<rigs::Shot> recover(std::chrono::milliseconds) override { return std::nullopt; }
+  std::optional<rigs::Shot> recover(std::chrono::milliseconds) override {
+    if (!holds_a_record) return std::nullopt;
+    rigs::Shot shot;
+    shot.outcome = Outcome::pass;
+    shot.record = sample_record(static_cast<std::uint64_t>(fired));
+    return shot;
+  }
 
   int fired = 0, reconnects = 0;
-  int lost_at = 0;       ///< number of the shot, from 1, at which the line breaks
-  int answers_from = 1;  ///< the first attempt to reconnect that succeeds
+  int lost_at = 0;              ///< number of the shot, from 1, at which the line breaks
+  bool holds_a_record = false;  ///< of the shot at which the line broke
+  int answers_from = 1;         ///< the first attempt to reconnect that succeeds
   std::function<void(int)> on_fire;
 
  private:
@@ -116,6 +123,22 @@ TEST_CASE("a lost rig is looked for five times in 3.75 s, and the campaign goes 
     CHECK(summary.exit_code() == Exit::rig_fault);
   }
   CHECK(c.clock.naps == std::vector<double>{0.25, 0.5, 1.0, 2.0});
+}
+
+TEST_CASE("what was fired before the rig was lost is fetched, and the failed attempt stays as history",
+          "[run]") {
+  Campaign c(3);
+  c.rig.lost_at = 2;
+  c.rig.holds_a_record = true;
+  const RunSummary summary = c.run();
+  CHECK(c.rig.fired == 3);
+  CHECK(summary.done() == 3);
+  CHECK(summary.exit_code() == Exit::pass);
+  CHECK(c.store.shots(1).size() == 3);
+  const auto earlier = c.store.earlier_attempts(1);
+  REQUIRE(earlier.size() == 1);
+  CHECK(earlier[0].number == 1);
+  CHECK(earlier[0].reason == "the rig went away");
 }
 
 TEST_CASE("a stop during a shot ends the campaign behind it; the shot is stored", "[run]") {

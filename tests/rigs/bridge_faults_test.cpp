@@ -144,6 +144,31 @@ TEST_CASE("a board that is reset in the middle of an upload closes the connectio
   CHECK(again.ask("OPEN iio:device0 16 00000001") == "0");
 }
 
+TEST_CASE("a bit that flips in the description is not believed", "[bridge]") {
+  const auto described = [](const bench::LineFault& fault) {
+    bench::UartBoard board(short_record(), {}, 2e6);
+    board.set(fault);
+    const rigs::LocalBridge bridge(Desk::options(board.port(), 2e6, 2000ms));
+    RawClient c(bridge.address());
+    const std::size_t n = std::stoul(c.ask("PRINT"));
+    return c.bytes(n + 1);
+  };
+  const std::string right = described({});
+  for (const std::uint64_t byte : {14, 700, 3000, 6000}) {
+    INFO(byte);
+    CHECK((described({bench::LineFault::Kind::flip, false, byte, 1}) == right));
+  }
+}
+
+TEST_CASE("a CLOSE that is damaged on the line does not lock the buffer for good", "[bridge]") {
+  Desk desk;
+  RawClient c(desk.bridge.address());
+  REQUIRE(c.ask("OPEN iio:device0 16 00000001") == "0");
+  desk.board.corrupt_request("CLOSE iio:devic", 0);  // the board hears of a device it does not have
+  c.ask("CLOSE iio:device0");
+  CHECK(c.ask("OPEN iio:device0 16 00000001") == "0");
+}
+
 TEST_CASE("a rig that was reset while nobody looked is noticed, and found again", "[bridge]") {
   Desk desk(2e6, 150ms);
   const auto rig = rigs::connect_iio("ip:" + desk.bridge.address());

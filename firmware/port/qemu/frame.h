@@ -61,13 +61,13 @@ struct Header {
 };
 static_assert(sizeof(Header) == 16);
 
-/// Followed by four structures and seven texts. The sizes let a board of other sources refuse.
+/// Followed by four structures and eight texts. The sizes let a board of other sources refuse.
 struct Configure {
   std::int64_t sample_rate, record_length, pretrigger;
   std::uint32_t calibration_bytes, phase_bytes, fire_bytes, interlock_bytes;
   std::uint32_t block_bytes, answer_bytes, edge_bytes;
-  std::uint16_t text_bytes[7];  ///< calibration, kind, model, serial, version, specimen, boot
-  std::uint16_t reserved[3];
+  std::uint16_t text_bytes[8];  ///< calibration, kind, model, serial, version, specimen, boot, secret
+  std::uint16_t reserved[2];
 };
 static_assert(sizeof(Configure) == 72);
 

@@ -117,7 +117,8 @@ bool LockstepBoard::configure(Reader& in) {
                           .serial = text[3],
                           .version = text[4],
                           .specimen = text[5],
-                          .boot_id = text[6]};
+                          .boot_id = text[6],
+                          .secret = text[7]};
   bench_.emplace(config, identity, storage_.first(scans * channel_count));
   return true;
 }
