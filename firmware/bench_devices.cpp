@@ -289,8 +289,9 @@ int read_zero_capture(const void* self, std::uint32_t, Text& out) {
   return out.put(words[static_cast<std::size_t>(bench(self).zero_state())]), 0;
 }
 int write_zero_capture(void* self, std::uint32_t, std::string_view value) {
+  if (const int error = admit(bench(self), value); error != 0) return error;
   if (parse_int(value) != 1) return -iiod::einval;
-  return to_errno(static_cast<Controller*>(self)->capture_zero());
+  return to_errno(bench(self).capture_zero());
 }
 
 /// The latched fault: its number in docs/faults.md and its name, or "0 none".

@@ -60,9 +60,9 @@ TEST_CASE("two samples beyond the trip level trip, wherever they lie, and one do
 TEST_CASE("after the off edge nothing is armed until the current has ended", "[fire]") {
   test::Bench b;
   b.run(0.2);
+  REQUIRE(b.fire_control().set_hold_time_ms(20) == Refusal::accepted);
   REQUIRE(b.fire_control().arm() == Refusal::accepted);
   b.run(0.2);
-  REQUIRE(b.fire_control().set_hold_time_ms(20) == Refusal::accepted);
   REQUIRE(b.fire_control().fire() == Refusal::accepted);
   while (b.history.size() < 2) b.step();
   b.shorted = true;  // the switch goes on conducting for a while
@@ -82,9 +82,9 @@ TEST_CASE("a switch that stays closed is a fault 25 ms after the off edge, not s
           "[fault]") {
   test::Bench b;
   b.run(0.2);
+  REQUIRE(b.fire_control().set_hold_time_ms(50) == Refusal::accepted);
   REQUIRE(b.fire_control().arm() == Refusal::accepted);
   b.run(0.2);
-  REQUIRE(b.fire_control().set_hold_time_ms(50) == Refusal::accepted);
   REQUIRE(b.fire_control().fire() == Refusal::accepted);
   while (b.history.size() < 2) b.step();
   const std::int64_t off = b.history.back().at.sample;

@@ -103,3 +103,16 @@ TEST_CASE("what cannot be a zero is none: too far away, or a current", "[fault]"
   CHECK(flowing.fire.arm() == Refusal::wrong_state);
   CHECK(flowing.fire.last_error().find("coil current with gate") == 0);
 }
+
+TEST_CASE("the zero is captured by wire, for the owner and at rest only", "[fault]") {
+  test::Bench b;
+  CHECK(b.ask("READ contactor-ctl zero_capture\r\n").find("none") != std::string::npos);
+  const auto write = [&](std::string_view name, std::string_view value) {
+    return b.ask("WRITE contactor-ctl " + std::string(name) + " " + std::to_string(value.size()) + "\r\n" +
+                 std::string(value));
+  };
+  CHECK(write("zero_capture", "1") == "-16\n");  // nobody's
+  REQUIRE(write("lease", "t 60000 test") == "12\n");
+  CHECK(write("zero_capture", "1 t") == "3\n");
+  CHECK(write("zero_capture", "2 t") == "-22\n");
+}
