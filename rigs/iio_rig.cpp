@@ -233,7 +233,9 @@ Record IioRig::finish(OpenShot& shot, Clock::time_point deadline) {
         if (!again || r.error != EAGAIN) throw;  // the first one was only late, and has arrived by now
       }
     }
-    if (!wait_while_firing(deadline) || Clock::now() > deadline) {
+    // behind the deadline a record that is there is still read, but nothing is waited for or fired again
+    const bool late = Clock::now() > deadline && read_state() == "armed";
+    if (late || !wait_while_firing(deadline)) {
       abort();
       throw Failed{Outcome::timeout, "the rig did not finish in time"};
     }
