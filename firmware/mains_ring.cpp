@@ -3,9 +3,7 @@
 namespace powbench::firmware {
 
 namespace {
-constexpr int slope_base = 2;           ///< samples the slope of the line is taken over
-constexpr float median_step = 0.0004F;  ///< of nominal amplitude: a tenth of it in 25 ms
-constexpr float usual_factor = 4.0F;
+constexpr int slope_base = 2;    ///< samples the slope of the line is taken over
 constexpr float wander = 0.02F;  ///< of nominal amplitude and sample
 
 float magnitude(float x) {
@@ -18,7 +16,6 @@ void MainsRing::reset() {
   open_ = 0;
   returned_ = 0;
   quiet_ = slope_base + 2;
-  usual_ = 0.0F;
 }
 
 void MainsRing::push(float raw) {
@@ -33,8 +30,7 @@ void MainsRing::push(float raw) {
     anchor_ = back(2);
     slope_ = (back(2) - back(2 + slope_base)) / static_cast<float>(slope_base);
     depth_ = magnitude(raw - (anchor_ + 2.0F * slope_));
-    usual_ += depth_ > usual_ ? median_step : -median_step;
-    if (depth_ <= notch_threshold || depth_ <= usual_factor * usual_) return;
+    if (depth_ <= notch_threshold) return;
     raw_[0] = back(1);
     raw_[1] = raw;
     open_ = 2;
@@ -49,9 +45,7 @@ void MainsRing::push(float raw) {
   const float distance = magnitude(raw - line);
   if (distance > depth_) depth_ = distance;
   // The line leaves the wave the further the longer the notch.
-  const float least = usual_factor * usual_;
-  const float reach =
-      (notch_threshold > least ? notch_threshold : least) + wander * static_cast<float>(open_);
+  const float reach = notch_threshold + wander * static_cast<float>(open_);
   const bool back_again = distance <= reach || distance <= 0.5F * depth_;
   returned_ = back_again ? returned_ + 1 : 0;
   if (returned_ == 2) {

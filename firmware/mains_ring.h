@@ -10,14 +10,14 @@ namespace powbench::firmware {
 
 /// Waveform in units of the nominal amplitude, newest sample last; bounded history.
 ///
-/// Notch repair: a sample further than `notch_threshold`, and than four times the median of such distances, from the
-/// line through the last good samples opens a notch. (Ripple of a converter is no notch: it is there all the time.) While it is open the line stands in for the samples. It closes at the second sample back within
+/// Notch repair: a sample further than `notch_threshold` from the line through the last good samples opens a
+/// notch. While it is open the line stands in for the samples. It closes at the second sample back within
 /// half of its depth; the notch, with one sample on either side, is then replaced by the parabola through the
 /// good samples around it. A step that lasts longer than `longest_notch` is no notch: the raw samples are put
 /// back.
 class MainsRing {
  public:
-  static constexpr int capacity = 512;  ///< samples; a power of two: two cycles of 43 Hz at 10 kS/s
+  static constexpr int capacity = 1024;                ///< samples; a power of two
   static constexpr float notch_threshold = 0.08F;      ///< of nominal amplitude
   static constexpr int longest_notch = 6;              ///< samples
   static constexpr int final_age = longest_notch + 2;  ///< samples this old and older do not change any more
@@ -45,7 +45,6 @@ class MainsRing {
   float depth_ = 0;   ///< largest distance from the line in the open notch
   float anchor_ = 0;  ///< last good sample before the notch
   float slope_ = 0;   ///< per sample
-  float usual_ = 0;   ///< median distance of a sample from the line
 };
 
 }  // namespace powbench::firmware

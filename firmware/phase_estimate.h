@@ -31,20 +31,7 @@ struct PhaseEstimate {
   float amplitude = 0;       ///< counts, peak
   std::uint16_t faults = static_cast<std::uint16_t>(PhaseFault::warming_up);
 
-  float variance = 0;        ///< turns^2: square of the standard uncertainty of the phase at `sample` ...
-  float variance_ahead = 0;  ///< ... and at `ahead_seconds` after it
-
-  /// Nothing is wrong with the mains, and the bound at `horizon` (s after `sample`) is within `tolerance` (turns).
-  bool valid(float horizon, float tolerance) const {
-    return faults == 0 && coverage_factor * deviation(horizon) <= tolerance;
-  }
-  bool valid() const { return valid(ahead_seconds, usual_tolerance); }
-  /// Standard uncertainty of the phase `horizon` s after `sample`, turns.
-  float deviation(float horizon) const;
-
-  static constexpr float ahead_seconds = 0.020F;
-  static constexpr float usual_tolerance = 1.0F / 360;  ///< turns
-  static constexpr float coverage_factor = 3.0F;
+  bool valid() const { return faults == 0; }
 };
 
 /// Before anything is known.
