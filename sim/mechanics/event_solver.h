@@ -110,14 +110,16 @@ class EventSolver {
   bool stiff() const { return m_.stiff_steps >= 15 && m_.pending == 0; }
   Real last_step() const { return m_.time - begin_; }
 
-  /// State at `t` in [begin, end]; writes padded(size() + 2) values.
+  /// State at `t` in [begin, end]; writes padded(size() + 2) values. `out` needs no alignment of its own.
   void state(Real t, Real* out) {
     if (t >= m_.time) {
       std::copy_n(m_.y, rows_, out);
       return;
     }
     prepare_dense();
-    dop853::dense_state(rows_, share_of(t), start_, dense_, capacity, out);
+    alignas(dop853::alignment) Real y[capacity];
+    dop853::dense_state(rows_, share_of(t), start_, dense_, capacity, y);
+    std::copy_n(y, rows_, out);
   }
 
   /// Passes end(): switches what ended the step, then takes the next one. False: the step cannot be made small
