@@ -3,7 +3,7 @@
 #include <memory>
 #include <string>
 
-#include "bench/link/fault_line.h"
+#include "rigs/fault_line.h"
 #include "rigs/sim_rig_config.h"
 #include "sim/specimen.h"
 
@@ -12,6 +12,8 @@
 /// once, as on a UART.
 
 namespace powbench::bench {
+
+using rigs::LineFault;
 
 class UartBoard {
  public:

@@ -1,7 +1,9 @@
 #pragma once
 
+#include <chrono>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -58,8 +60,10 @@ struct BoardOptions {
   bool count_instructions = false;  ///< emulated: virtual time advances by instructions, reproducibly
   std::string boot_id{};            ///< tells one start from another; empty: all starts look alike
   std::string secret{};             ///< what every owner's token must begin with; empty: anything
+  /// Silence after which a client makes room for another; unset: 10 s.
+  std::optional<std::chrono::milliseconds> idle{};
 };
-inline const BoardOptions emulated_board{BoardOptions::Kind::emulated, false, {}, {}};
+inline const BoardOptions emulated_board{BoardOptions::Kind::emulated, false, {}, {}, {}};
 
 /// Throws RigError when an emulated board cannot be had.
 std::unique_ptr<Board> make_board(const BoardOptions&, const firmware::ControllerConfig&,

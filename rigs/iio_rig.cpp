@@ -83,6 +83,8 @@ class IioRig final : public Rig {
   Shot attempt(Clock::time_point deadline);
   void arm(OpenShot&, Clock::time_point deadline);
   Record finish(OpenShot&, Clock::time_point deadline);
+  [[noreturn]] void give_up();
+  std::optional<Record> kept(const OpenShot&);
   std::string claim(Clock::time_point until);
   void set_conditions(const Conditions&);
   SealedShot read_sealed();
@@ -224,6 +226,8 @@ Record IioRig::finish(OpenShot& shot, Clock::time_point deadline) {
     refuse_other_set_points(s, shot.conditions);
     if (s.complete()) return read_record(s, shot.conditions);
     if (s.stage == "armed") {
+      // behind the deadline a record that is there is still read, but nothing is fired
+      if (Clock::now() > deadline && read_state() == "armed") give_up();
       if (const std::string whose = claim(Clock::now()); !whose.empty()) throw Failed{Outcome::error, whose};
       const bool again = shot.may_have_fired;
       shot.may_have_fired = true;
@@ -233,13 +237,24 @@ Record IioRig::finish(OpenShot& shot, Clock::time_point deadline) {
         if (!again || r.error != EAGAIN) throw;  // the first one was only late, and has arrived by now
       }
     }
-    // behind the deadline a record that is there is still read, but nothing is waited for or fired again
-    const bool late = Clock::now() > deadline && read_state() == "armed";
-    if (late || !wait_while_firing(deadline)) {
-      abort();
-      throw Failed{Outcome::timeout, "the rig did not finish in time"};
-    }
+    if (!wait_while_firing(deadline)) give_up();
   }
+}
+
+void IioRig::give_up() {
+  abort();
+  throw Failed{Outcome::timeout, "the rig did not finish in time"};
+}
+
+/// The record of a shot that has failed, where the rig has completed it all the same: in the moment between the last look
+/// and the stop, or behind an answer that arrived as a refusal.
+std::optional<Record> IioRig::kept(const OpenShot& shot) {
+  if (!shot.may_have_fired) return std::nullopt;
+  if (!link_) throw LinkBroken{0, "the rig went away while it was told to stop"};
+  const SealedShot s = read_sealed();
+  if (s.boot != shot.boot || s.shot != shot.number || !s.complete()) return std::nullopt;
+  refuse_other_set_points(s, shot.conditions);
+  return read_record(s, shot.conditions);
 }
 
 Record IioRig::read_record(const SealedShot& sealed, const Conditions& conditions) {
@@ -275,25 +290,30 @@ Failed IioRig::trip() {
 /// One go at the open shot over the link there is. Throws LinkBroken.
 Shot IioRig::attempt(Clock::time_point deadline) {
   Shot shot;
+  OpenShot& open = *open_;
+  std::optional<Record> record;
   try {
-    OpenShot& open = *open_;
     if (!open.may_have_fired) arm(open, deadline);
-    shot.record = finish(open, deadline);
-    shot.outcome = Outcome::pass;
-    if (shot.record.overruns > 0 || !shot.record.gaps.empty()) {
-      shot.outcome = Outcome::error;
-      shot.reason = "samples were lost inside the record";
-    }
+    record = finish(open, deadline);
   } catch (const Failed& f) {
     shot.outcome = f.outcome;
     shot.reason = f.reason;
     shot.interlock = f.interlock;
+    record = kept(open);
   } catch (const Refusal& r) {
     const std::string why = last_error();
     read_state();  // an answer out of step would be no state
     shot.outcome = Outcome::error;
     shot.interlock = r.error == EPERM;
     shot.reason = sentence(r) + (why.empty() || why == "no error" ? "" : ": " + why);
+    record = kept(open);
+  }
+  if (record) {
+    shot = Shot{};
+    shot.record = std::move(*record);
+    const bool lossy = shot.record.overruns > 0 || !shot.record.gaps.empty();
+    shot.outcome = lossy ? Outcome::error : Outcome::pass;
+    if (lossy) shot.reason = "samples were lost inside the record";
   }
   open_.reset();
   return shot;
@@ -312,7 +332,8 @@ std::optional<Shot> IioRig::recover(milliseconds limit) {
   lost.reason = "not connected to the rig";
   auto pause = milliseconds(20);
   for (int breaks = 0; breaks < most_breaks;) {
-    if (!link_ && !connect_same(std::min(limit_, limit))) {
+    const auto left = std::chrono::duration_cast<milliseconds>(deadline - Clock::now());
+    if (!link_ && !connect_same(std::min(limit_, std::max(left, least_connection)))) {
       // a shot that was not fired can wait for whoever looks for the rig; one that was is worth looking for
       if (!open_->may_have_fired || Clock::now() + pause > deadline) break;
       std::this_thread::sleep_for(pause);

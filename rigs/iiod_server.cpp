@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "core/random.h"
+#include "rigs/fault_line.h"
 #include "rigs/rig.h"
 #include "rigs/sim_world.h"
 
@@ -29,6 +30,8 @@ constexpr double slice = 0.010;           // s of virtual time between two looks
 constexpr milliseconds pulse_period{50};  // wall time between two accounts of it, while there is a lease
 constexpr milliseconds typing_limit{
     1000};  // from the first byte of a request to its last, and from connecting on
+// a client that has said nothing for this long makes room when all places are taken
+constexpr milliseconds idle_limit{10'000};
 constexpr std::size_t unread_limit = 1 << 16;  // bytes a client may send ahead while it is owed samples
 constexpr std::size_t answer_limit = 1 << 16;  // answers collected before the client has to take them
 constexpr std::size_t most_farewells = 64;     // clients being told at one time that there is no place
@@ -52,23 +55,23 @@ struct IiodServer::Impl {
 
   Impl(const SimRigConfig& config, const sim::Specimen& specimen, std::string where, std::uint16_t port,
        const BoardOptions& options)
-      : acceptor(io), signals(io), pulse_timer(io), address(std::move(where)) {
-    try {
-      const tcp::endpoint endpoint(asio::ip::make_address(address), port);
-      acceptor.open(endpoint.protocol());
-      acceptor.set_option(tcp::acceptor::reuse_address(true));
-      acceptor.bind(endpoint);
-      acceptor.listen();
-    } catch (const boost::system::system_error& e) {
-      throw AddressError("cannot serve on " + address + " port " + std::to_string(port) + ": " +
-                         e.code().message() + "; choose another loopback address, such as 127.0.0.8");
-    }
+      : acceptor(io),
+        signals(io),
+        pulse_timer(io),
+        address(std::move(where)),
+        idle(options.idle.value_or(idle_limit)) {
+    if (config.faults.line.seed == 0)
+      listen(address, port);
+    else
+      listen_behind(config.faults.line, port);
     // behind the address: a board is not started for nothing
     BoardOptions started = options;
     if (started.boot_id.empty()) started.boot_id = next_boot_id(config.serial);
     world = std::make_unique<SimWorld>(config, specimen, started);
   }
 
+  void listen(const std::string& where, std::uint16_t port);
+  void listen_behind(const BadLine&, std::uint16_t port);
   void accept();
   void work();
   void drop(const Session* session);
@@ -76,6 +79,7 @@ struct IiodServer::Impl {
   void say_farewell(tcp::socket socket);
   void pulse();
   int free_connection() const;
+  void make_room();
   Board& board() { return world->board(); }
 
   std::unique_ptr<SimWorld> world;
@@ -84,10 +88,12 @@ struct IiodServer::Impl {
   asio::signal_set signals;
   asio::steady_timer pulse_timer;
   std::string address;
+  std::unique_ptr<FaultLine> line;  ///< the one that `address` leads to, where a bad one is asked for
   std::vector<std::shared_ptr<Session>> sessions;
   std::size_t farewells = 0;
   std::uint64_t turns = 0;  ///< requests or pieces of them so far
   bool working = false, pulsing = false;
+  const milliseconds idle;
 };
 
 /// One client connection: bytes in, answers out, in order.
@@ -111,10 +117,12 @@ struct IiodServer::Impl::Session : std::enable_shared_from_this<Session> {
     std::vector<std::uint8_t> bytes;
     bool halfway = false;
     active = ++server.turns;
+    spoke = Clock::now();
     while (at < unread.size() && status == Board::Status::ready && bytes.size() < answer_limit) {
       const auto from = unread.begin() + static_cast<std::ptrdiff_t>(at);
       const auto line_end = std::find(from, unread.end(), std::uint8_t{'\n'});
       const auto length = static_cast<std::size_t>(line_end - from) + (line_end == unread.end() ? 0 : 1);
+      writes = writes || (length > 5 && std::equal(from, from + 5, "WRITE"));
       auto answer = server.board().feed(connection, std::span(unread).subspan(at, length));
       at += answer.used;
       status = answer.status;
@@ -221,10 +229,12 @@ struct IiodServer::Impl::Session : std::enable_shared_from_this<Session> {
   tcp::socket socket;
   asio::steady_timer deadline, typing;
   asio::ip::address peer;
-  std::uint64_t active = 0;      ///< when it spoke last, in turns of the server
-  std::int32_t timeout_ms = -1;  ///< as Board::Answer
-  bool was_halfway = true;       ///< a new connection owes a request
-  const unsigned connection;     ///< its number on the board
+  std::uint64_t active = 0;                ///< when it spoke last, in turns of the server
+  Clock::time_point spoke = Clock::now();  ///< the same, or when it came
+  bool writes = false;                     ///< it has commanded something: it may be the owner
+  std::int32_t timeout_ms = -1;            ///< as Board::Answer
+  bool was_halfway = true;                 ///< a new connection owes a request
+  const unsigned connection;               ///< its number on the board
   Board::Status status = Board::Status::ready;
   std::array<std::uint8_t, 4096> incoming{};
   std::vector<std::uint8_t> unread;
@@ -232,10 +242,43 @@ struct IiodServer::Impl::Session : std::enable_shared_from_this<Session> {
   bool reading = false;
 };
 
+void IiodServer::Impl::listen(const std::string& where, std::uint16_t port) try {
+  const tcp::endpoint endpoint(asio::ip::make_address(where), port);
+  acceptor.open(endpoint.protocol());
+  acceptor.set_option(tcp::acceptor::reuse_address(true));
+  acceptor.bind(endpoint);
+  acceptor.listen();
+} catch (const boost::system::system_error& e) {
+  boost::system::error_code ignored;
+  acceptor.close(ignored);
+  throw AddressError("cannot serve on " + where + " port " + std::to_string(port) + ": " +
+                     e.code().message() + "; choose another loopback address, such as 127.0.0.8");
+}
+
+/// On a loopback address that nobody is told, with the bad line in front of it.
+void IiodServer::Impl::listen_behind(const BadLine& bad, std::uint16_t port) {
+  std::string inner;
+  for (int host = 1; host < 255 && inner.empty(); ++host) {
+    const std::string where = "127.0.3." + std::to_string(host);
+    try {
+      listen(where, port);
+      inner = where;
+    } catch (const AddressError&) {
+      if (host == 254) throw;
+    }
+  }
+  try {
+    line = std::make_unique<FaultLine>(inner, bad_line_stall_ms, bad, address);
+  } catch (const std::runtime_error& e) {
+    throw AddressError(e.what());
+  }
+}
+
 void IiodServer::Impl::accept() {
   acceptor.async_accept([this](auto error, tcp::socket socket) {
     if (error) return;
     // a board has memory for so many clients; one more is told so
+    if (free_connection() < 0) make_room();
     if (const int number = free_connection(); number >= 0) {
       sessions.push_back(std::make_shared<Session>(*this, std::move(socket), static_cast<unsigned>(number)));
       sessions.back()->start();
@@ -244,6 +287,17 @@ void IiodServer::Impl::accept() {
     }
     accept();
   });
+}
+
+/// Closes the client that has been silent the longest, if that is long enough and it is not the owner.
+void IiodServer::Impl::make_room() {
+  std::shared_ptr<Session> silent;
+  for (const auto& session : sessions) {
+    const bool in_use =
+        session->status == Board::Status::pending || (session->writes && board().report().lease_held);
+    if (!in_use && (!silent || session->active < silent->active)) silent = session;
+  }
+  if (silent && Clock::now() - silent->spoke >= idle) silent->close();
 }
 
 /// Tells a client in one sentence that there is no place. What it said is read first: closing over unread bytes would

@@ -6,6 +6,7 @@
 
 #include "core/channel_set.h"
 #include "core/units.h"
+#include "rigs/fault_line.h"
 #include "sim/supply/supply_modes.h"
 
 /// Everything a rig file can say about the simulated rig. Plain values in SI; defaults are a plausible bench.
@@ -82,6 +83,7 @@ struct FaultConfig {
   bool coil_open = false;         ///< coil circuit interrupted: no current flows
   bool laser_dropout = false;     ///< laser reads its last value for 2 ms around the core impact
   double mains_dip = 1.0;         ///< factor on the supply from the moment the rig is armed
+  BadLine line;                   ///< between the rig and its clients
 };
 
 struct SimRigConfig {

@@ -18,7 +18,9 @@ namespace {
 using Clock = std::chrono::steady_clock;
 using std::chrono::milliseconds;
 
-constexpr milliseconds shot_limit{4000}, tcp_request{200}, serial_request{1000}, connection{600};
+constexpr milliseconds shot_limit{4000};
+// of one request, and of a connection: a bridge needs the time of its own first look at the board
+constexpr milliseconds tcp_request{200}, tcp_connection{600}, serial_request{1000}, serial_connection{3000};
 constexpr int stall_ms = 450;
 constexpr int different_shots = 5;
 constexpr int tcp_rigs = 4;  // side by side: most of a trial is waiting
@@ -110,7 +112,9 @@ std::vector<FaultRow> run_trials(rigs::Rig& rig, const Bed& bed, int count, std:
     bed.set({});
     row.longest = std::max(row.longest, seconds);
     row.late += seconds > trial_deadline() ? 1 : 0;
+    const int silent = row.silent;
     judge(row, shot, wanted[which], false);
+    std::string said = shot.reason;
     if (shot.rig_lost) {
       // as a campaign does: look for the rig, then for what it may still hold
       for (int tries = 0; tries < 20 && !rig.reconnect(); ++tries) {
@@ -118,14 +122,19 @@ std::vector<FaultRow> run_trials(rigs::Rig& rig, const Bed& bed, int count, std:
       if (auto late = rig.recover(shot_limit)) {
         shot = std::move(*late);
         judge(row, shot, wanted[which], true);
+        said += ", then: " + shot.reason;
       }
     }
     const int fired = bed.operations() - before;
+    const bool lost = shot.outcome != Outcome::pass && fired > 0 && bed.holds_a_record();
     row.twice += fired > 1 ? 1 : 0;
-    if (shot.outcome != Outcome::pass) {
-      ++row.reported;
-      row.lost += fired > 0 && bed.holds_a_record() ? 1 : 0;
-    }
+    row.reported += shot.outcome != Outcome::pass ? 1 : 0;
+    row.lost += lost ? 1 : 0;
+    const bool late = seconds > trial_deadline();
+    if (late || lost || fired > 1 || row.silent > silent)
+      row.wrong.push_back("trial " + std::to_string(i) + " of seed " + std::to_string(seed) + ", " +
+                          std::to_string(seconds) + " s, fired " + std::to_string(fired) + " times" +
+                          (lost ? ", record lost" : "") + ": " + said);
     if (progress) progress(i + step, count);
   }
   return rows;
@@ -139,9 +148,9 @@ int number_of(PlainClient& client, const std::string& attribute) {
 std::vector<FaultRow> tcp_share(int count, std::uint64_t seed, const Progress& progress, int first) {
   using Kind = LineFault::Kind;
   rigs::LocalRig server(short_record(), {});
-  FaultLine line(server.address(), stall_ms);
+  rigs::FaultLine line(server.address(), stall_ms);
   PlainClient witness(server.address());
-  const auto rig = rigs::connect_iio("ip:" + line.address(), connection, tcp_request);
+  const auto rig = rigs::connect_iio("ip:" + line.address(), tcp_connection, tcp_request);
   const Bed bed{.set = [&](const LineFault& f) { line.set(f); },
                 .struck = [&] { return line.struck(); },
                 .passed = [&](bool to_rig) { return line.passed(to_rig); },
@@ -158,7 +167,7 @@ std::vector<FaultRow> tcp_share(int count, std::uint64_t seed, const Progress& p
 }  // namespace
 
 double trial_deadline() {
-  return std::chrono::duration<double>(shot_limit + connection + 2 * serial_request).count();
+  return std::chrono::duration<double>(shot_limit + rigs::least_connection + 2 * serial_request).count();
 }
 
 std::vector<FaultRow> tcp_faults(int count, std::uint64_t seed, const Progress& progress) {
@@ -183,7 +192,7 @@ std::vector<FaultRow> serial_faults(int count, std::uint64_t seed, const Progres
   options.silence = milliseconds(250);
   options.probe = milliseconds(200);
   const rigs::LocalBridge bridge(options);
-  const auto rig = rigs::connect_iio("ip:" + bridge.address(), connection * 5, serial_request);
+  const auto rig = rigs::connect_iio("ip:" + bridge.address(), serial_connection, serial_request);
   const Bed bed{.set = [&](const LineFault& f) { board.set(f); },
                 .struck = [&] { return board.struck(); },
                 .passed = [&](bool to_rig) { return board.passed(to_rig); },

@@ -7,27 +7,30 @@
 #include <string>
 #include <vector>
 
-#include "bench/link/fault_line.h"
+#include "rigs/fault_line.h"
 
 /// What becomes of shots when the line to the rig, or the other host on it, misbehaves. Each trial is one shot of the real
 /// client at the real server, and everything in it follows from a seed.
 
 namespace powbench::bench {
 
+using rigs::LineFault;
+
 /// What came of the shots under one kind of fault.
 struct FaultRow {
   LineFault::Kind kind = LineFault::Kind::none;
   bool to_rig = false;
   int tried = 0;
-  int struck = 0;      ///< the fault fell into the shot
-  int same = 0;        ///< complete at once, and equal to the undisturbed record
-  int fetched = 0;     ///< the same, after the connection had been reported lost
-  int reported = 0;    ///< no record, and said so
-  int silent = 0;      ///< a record that differs, taken for good
-  int lost = 0;        ///< the rig holds the complete record, the host never got it
-  int twice = 0;       ///< the coil was energised more than once
-  int late = 0;        ///< answered later than the deadline
-  double longest = 0;  ///< s
+  int struck = 0;                    ///< the fault fell into the shot
+  int same = 0;                      ///< complete at once, and equal to the undisturbed record
+  int fetched = 0;                   ///< the same, after the connection had been reported lost
+  int reported = 0;                  ///< no record, and said so
+  int silent = 0;                    ///< a record that differs, taken for good
+  int lost = 0;                      ///< the rig holds the complete record, the host never got it
+  int twice = 0;                     ///< the coil was energised more than once
+  int late = 0;                      ///< answered later than the deadline
+  double longest = 0;                ///< s
+  std::vector<std::string> wrong{};  ///< one sentence for each trial that did what must not happen
 
   FaultRow& operator+=(const FaultRow& other) {
     for (auto field :
@@ -35,6 +38,7 @@ struct FaultRow {
           &FaultRow::silent, &FaultRow::lost, &FaultRow::twice, &FaultRow::late})
       this->*field += other.*field;
     longest = std::max(longest, other.longest);
+    wrong.insert(wrong.end(), other.wrong.begin(), other.wrong.end());
     return *this;
   }
 };
@@ -45,7 +49,7 @@ using Progress = std::function<void(int done, int of)>;
 std::vector<FaultRow> tcp_faults(int count, std::uint64_t seed, const Progress& = {});
 /// The same on a paced serial line of 2 Mbaud behind the bridge; flip, drop, delay and stall.
 std::vector<FaultRow> serial_faults(int count, std::uint64_t seed, const Progress& = {});
-/// Deadline of the trials: the limit of the shot, one connection and two requests.
+/// Deadline of the trials: the limit of the shot, one connection behind it and two requests.
 double trial_deadline();
 
 /// Two hosts whose requests take turns by a seeded schedule.

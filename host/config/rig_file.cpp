@@ -92,6 +92,12 @@ void declare_deviations(FileKind& kind, rigs::SimRigConfig& c) {
   kind.yes_no("coil_open", c.faults.coil_open, "coil circuit interrupted");
   kind.yes_no("laser_dropout", c.faults.laser_dropout,
               "laser holds its value for 2 ms around the core impact");
+  kind.seed("line_seed", c.faults.line.seed,
+            "of a line to the rig on which bits flip, bytes vanish or come late, and connections close or go "
+            "dead; 0: a "
+            "good line");
+  kind.number("line_every_bytes", c.faults.line.mean_bytes, {1e3, 1e12},
+              "towards the host between two such faults, on average; towards the rig a hundredth");
   kind.number("mains_dip_percent", c.faults.mains_dip, {0, 150}, "supply from arming on, of its set-point");
 }
 

@@ -14,6 +14,7 @@ void check_rows(const std::vector<FaultRow>& rows) {
     INFO(name(r.kind) << (r.to_rig ? " towards the rig" : " towards the host") << ": " << r.tried
                       << " tried, " << r.same << " same, " << r.fetched << " fetched, " << r.reported
                       << " reported");
+    for (const std::string& sentence : r.wrong) UNSCOPED_INFO(sentence);
     CHECK(r.silent == 0);
     CHECK(r.lost == 0);
     CHECK(r.twice == 0);

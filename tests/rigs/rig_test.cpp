@@ -7,6 +7,8 @@
 #include "rigs/iiod_server.h"
 #include "rigs/registry.h"
 #include "tests/rigs/proxy.h"
+#include "tests/rigs/raw_client.h"
+#include "tests/waiting.h"
 
 using namespace powbench;
 using namespace powbench::rigs;
@@ -139,4 +141,64 @@ TEST_CASE("a server that vanishes is noticed and found again", "[rig]") {
   line.cut(false);
   REQUIRE(rig->reconnect());
   CHECK(rig->fire(at(30), 5s).outcome == Outcome::pass);
+}
+
+TEST_CASE("behind its limit a shot is not fired", "[rig]") {
+  LocalRig server({}, {});
+  const auto rig = connect_iio("ip:" + server.address());
+  const Shot late = rig->fire(at(30), 0s);
+  CHECK(late.outcome == Outcome::timeout);
+  test::RawClient witness(server.address());
+  CHECK(witness.read("iio:device1 operations") == "0");
+  CHECK(witness.read("iio:device1 state") == "idle");
+  CHECK(rig->fire(at(30), 60s).outcome == Outcome::pass);
+}
+
+TEST_CASE("behind its limit a record that is there is fetched, not fired again", "[rig]") {
+  LocalRig server({}, {});
+  const auto undisturbed = connect_iio("ip:" + server.address())->fire(at(30), 60s);
+  REQUIRE(undisturbed.outcome == Outcome::pass);
+  test::Proxy line(server.address());
+  const auto rig = connect_iio("ip:" + line.address());
+  // somewhere in the 126 kB of the record the line ends, and stays away for as long as the shot may take
+  line.at_answer_byte(100'000, [&] { line.cut(true); });
+  const Shot gone = rig->fire(at(30), 500ms);
+  CHECK(gone.rig_lost);
+  line.cut(false);
+  REQUIRE(rig->reconnect());
+  const auto late = rig->recover(0s);
+  REQUIRE(late);
+  CHECK(late->outcome == Outcome::pass);
+  CHECK(same(late->record, undisturbed.record));
+  test::RawClient witness(server.address());
+  CHECK(witness.read("iio:device1 operations") == "2");
+}
+
+TEST_CASE("a bad line on request ends no campaign and lets no wrong record through", "[rig]") {
+  const Shot good = open("sim:", {}, {})->fire(at(30), 60s);
+  SimRigConfig config;
+  config.faults.line = {.seed = 3, .mean_bytes = 100e3};
+  std::unique_ptr<Rig> rig;
+  while (!rig) {
+    try {
+      rig = open("sim:", config, {});
+    } catch (const RigError&) {
+      // the line may strike while it connects: another seed, another start
+      ++config.faults.line.seed;
+    }
+  }
+  int passed = 0;
+  for (int i = 0; i < 12; ++i) {
+    Shot shot = rig->fire(at(30), 20s);
+    for (int tries = 0; shot.rig_lost && tries < 5; ++tries)
+      if (rig->reconnect())
+        if (auto late = rig->recover(20s)) shot = *late;
+    if (shot.outcome != Outcome::pass) {
+      CHECK_FALSE(shot.reason.empty());
+      continue;
+    }
+    ++passed;
+    CHECK(same(shot.record, good.record));
+  }
+  CHECK(passed > 0);
 }

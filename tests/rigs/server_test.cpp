@@ -50,6 +50,38 @@ TEST_CASE("a client that stays holds the coil for all of the time asked for", "[
   CHECK(state == "captured");
 }
 
+TEST_CASE("when all places are taken, the client that has been silent makes room, but never the owner",
+          "[rig]") {
+  BoardOptions board;
+  board.idle = std::chrono::milliseconds(0);
+  LocalRig server({}, {}, board);
+  std::vector<std::unique_ptr<test::RawClient>> clients;
+  for (unsigned i = 0; i < firmware::Bench::max_connections; ++i) {
+    clients.push_back(std::make_unique<test::RawClient>(server.address()));
+    CHECK(clients.back()->read("iio:device1 state") == "idle");
+  }
+  CHECK(clients[0]->own() == "14");
+  CHECK(clients[1]->read("iio:device1 state") == "idle");
+  test::RawClient late(server.address());
+  CHECK(late.write("iio:device1 abort", "1") == "1");
+  CHECK(clients[2]->read("iio:device1 state") == "(gone)");  // silent the longest
+  CHECK(clients[0]->read("iio:device1 state") == "idle");
+  CHECK(clients[1]->read("iio:device1 state") == "idle");
+}
+
+TEST_CASE("clients that speak keep their places", "[rig]") {
+  LocalRig server({}, {});
+  std::vector<std::unique_ptr<test::RawClient>> clients;
+  for (unsigned i = 0; i < firmware::Bench::max_connections; ++i) {
+    clients.push_back(std::make_unique<test::RawClient>(server.address()));
+    CHECK(clients.back()->read("iio:device1 state") == "idle");
+  }
+  test::RawClient late(server.address());
+  CHECK(late.line() == "-16");
+  CHECK(late.line().find("all connections of this rig are taken") == 0);
+  for (auto& client : clients) CHECK(client->read("iio:device1 state") == "idle");
+}
+
 TEST_CASE("no two starts of a simulated rig have the same boot_id", "[rig]") {
   std::set<std::string> seen;
   for (int i = 0; i < 3; ++i) seen.insert(open("sim:", {}, {})->info().boot_id);

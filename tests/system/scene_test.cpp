@@ -10,7 +10,7 @@ using Catch::Contains;
 
 namespace {
 
-const char* const plan_text = "angles_deg = [60]\nrepeats = 1\n";
+const char* const one_angle_plan = "angles_deg = [60]\nrepeats = 1\n";
 
 double touch_of(const host::Store& store, const std::string& identity) {
   for (const auto& c : store.campaigns()) {
@@ -29,7 +29,7 @@ double touch_of(const host::Store& store, const std::string& identity) {
 
 TEST_CASE("a scene by name and by accuracy: said, run through the sensors, stored apart", "[system]") {
   Folder folder;
-  const std::string plan = folder.write("p.plan.toml", plan_text), db = folder.file("a.db");
+  const std::string plan = folder.write("p.plan.toml", one_angle_plan), db = folder.file("a.db");
   const auto told = run(folder, {"sim", plan, "--db", db, "--progress", "none"});
   REQUIRE(told.status == 0);
   CHECK_THAT(told.err, Contains("touch ms") && Contains("60 degrees") && Contains("events agree") &&
@@ -62,7 +62,7 @@ TEST_CASE("a scene by name and by accuracy: said, run through the sensors, store
 
 TEST_CASE("wishes that cannot be granted are refused with what is allowed", "[system]") {
   Folder folder;
-  const std::string plan = folder.write("p.plan.toml", plan_text), db = folder.file("a.db");
+  const std::string plan = folder.write("p.plan.toml", one_angle_plan), db = folder.file("a.db");
   const auto status = [&](std::vector<std::string> more, const char* says) {
     std::vector<std::string> arguments{"sim", plan, "--db", db, "--progress", "none"};
     arguments.insert(arguments.end(), more.begin(), more.end());
@@ -74,7 +74,7 @@ TEST_CASE("wishes that cannot be granted are refused with what is allowed", "[sy
   CHECK(status({"--fields", "field4d"}, "circuit, table, field2d, field3d") == 2);
   CHECK(status({"--accuracy", "many"}, "--accuracy = many") == 2);
   const std::string wrong =
-      folder.write("w.plan.toml", std::string(plan_text) + "[wanted]\nfields = \"tabel\"\n");
+      folder.write("w.plan.toml", std::string(one_angle_plan) + "[wanted]\nfields = \"tabel\"\n");
   const auto r = run(folder, {"sim", wrong, "--db", db, "--progress", "none"});
   CHECK(r.status == 2);
   CHECK_THAT(r.err, Contains("wanted") && Contains("tabel") && Contains("table"));

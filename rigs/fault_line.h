@@ -4,10 +4,10 @@
 #include <memory>
 #include <string>
 
-/// A line between a client and a rig that does one wrong thing at one byte, on request. Which thing, which direction and
-/// which byte follow from a seed, so that a seed that fails is a test case.
+/// A line between a client and a rig that does one wrong thing at one byte, on request: once, or again and again. Which
+/// thing, which direction and which byte follow from a seed, so that a seed that fails is a test case.
 
-namespace powbench::bench {
+namespace powbench::rigs {
 
 struct LineFault {
   enum class Kind : std::uint8_t {
@@ -16,7 +16,7 @@ struct LineFault {
     drop,       ///< the byte is swallowed
     close,      ///< both sides are closed behind the byte
     delay,      ///< the byte and what follows come 20 ms later
-    stall,      ///< the byte and what follows come later than the client waits
+    stall,      ///< the same, far later
     half_open,  ///< from the byte on nothing passes either way, and nobody is told
   };
   static constexpr int kinds = 7;
@@ -28,11 +28,20 @@ struct LineFault {
 };
 const char* name(LineFault::Kind);
 
+/// A line that is bad all the time.
+struct BadLine {
+  std::uint64_t seed = 0;     ///< 0: a good one
+  double mean_bytes = 200e3;  ///< of one direction, from one fault to the next, on average
+};
+
+inline constexpr int bad_line_stall_ms = 450;  ///< what a stall on it lasts
+
 /// Forwards bytes between loopback addresses, in one thread; ends with the object.
 class FaultLine {
  public:
-  /// To the rig at `target`; `stall_ms`: what a stall lasts.
-  FaultLine(std::string target, int stall_ms);
+  /// From `address`, or where that is empty from the first free loopback address of 127.0.2.0, to the rig at `target`;
+  /// `stall_ms`: what a stall lasts. Throws std::runtime_error, in one sentence, when the address cannot be had.
+  FaultLine(std::string target, int stall_ms, const BadLine& = {}, const std::string& address = {});
   ~FaultLine();
   FaultLine(const FaultLine&) = delete;
   FaultLine& operator=(const FaultLine&) = delete;
@@ -50,4 +59,4 @@ class FaultLine {
   std::unique_ptr<Impl> impl_;
 };
 
-}  // namespace powbench::bench
+}  // namespace powbench::rigs

@@ -1,4 +1,4 @@
-#include "bench/link/fault_line.h"
+#include "rigs/fault_line.h"
 
 #include <arpa/inet.h>
 #include <fcntl.h>
@@ -18,7 +18,9 @@
 #include <thread>
 #include <vector>
 
-namespace powbench::bench {
+#include "core/random.h"
+
+namespace powbench::rigs {
 namespace {
 
 using Clock = std::chrono::steady_clock;
@@ -57,10 +59,21 @@ const char* name(LineFault::Kind kind) {
 }
 
 struct FaultLine::Impl {
-  Impl(std::string to, int ms)
-      : target(std::move(to)), stall_ms(ms), wake(eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC)) {
-    for (int host = 1; host < 250 && listener < 0; ++host) listen_on("127.0.2." + std::to_string(host));
-    if (listener < 0) throw std::runtime_error("no loopback address is free for the line");
+  Impl(std::string to, int ms, const BadLine& bad, const std::string& where)
+      : target(std::move(to)),
+        stall_ms(ms),
+        wake(eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC)),
+        bad_line(bad),
+        random(bad.seed) {
+    if (!where.empty()) listen_on(where);
+    for (int host = 1; where.empty() && host < 250 && listener < 0; ++host)
+      listen_on("127.0.2." + std::to_string(host));
+    if (listener < 0) {
+      close(wake);
+      throw std::runtime_error("cannot serve on " + (where.empty() ? "any loopback address" : where) +
+                               " port " + std::to_string(port) + ": it is taken; choose another address");
+    }
+    if (bad.seed != 0) fault = draw();
     thread = std::thread([this] { run(); });
   }
   ~Impl() {
@@ -101,6 +114,7 @@ struct FaultLine::Impl {
   void take(Pair&, int side);
   void give(Pair&, int side);
   void strike(Pair&, int side, std::string& bytes);
+  LineFault draw();
 
   std::string target, address;
   int stall_ms, listener = -1, wake;
@@ -111,6 +125,8 @@ struct FaultLine::Impl {
   LineFault fault;
   bool struck = false, changed = false;
   std::array<std::uint64_t, 2> count{};  ///< bytes from client, from rig
+  const BadLine bad_line;
+  Random random;
   std::thread thread;
 };
 
@@ -131,6 +147,17 @@ void FaultLine::Impl::welcome() {
   pairs.push_back(std::move(p));
 }
 
+/// The next fault of a bad line, counted from now. Few bytes go towards the rig: there the distance is a hundredth.
+LineFault FaultLine::Impl::draw() {
+  LineFault next;
+  next.kind = static_cast<LineFault::Kind>(1 + random.below(LineFault::kinds - 1));
+  next.to_rig = random.below(2) == 0;
+  next.byte =
+      static_cast<std::uint64_t>(2.0 * random.uniform() * bad_line.mean_bytes / (next.to_rig ? 100 : 1));
+  next.bit = static_cast<int>(random.below(8));
+  return next;
+}
+
 /// `bytes` have just come from `side`; does to them what the fault says, if it is their turn.
 void FaultLine::Impl::strike(Pair& p, int side, std::string& bytes) {
   using Kind = LineFault::Kind;
@@ -141,14 +168,15 @@ void FaultLine::Impl::strike(Pair& p, int side, std::string& bytes) {
   if (struck || fault.kind == Kind::none || fault.to_rig != (side == 0) || fault.byte >= count[at] ||
       fault.byte < first)
     return;
-  struck = true;
+  struck = bad_line.seed == 0;
+  const LineFault now = fault;
   const auto offset = static_cast<std::size_t>(fault.byte - first);
   const auto later = [&](int ms) { p.not_before[at] = Clock::now() + std::chrono::milliseconds(ms); };
-  switch (fault.kind) {
+  switch (now.kind) {
     case Kind::none:
       break;
     case Kind::flip:
-      bytes[offset] = static_cast<char>(bytes[offset] ^ (1 << fault.bit));
+      bytes[offset] = static_cast<char>(bytes[offset] ^ (1 << now.bit));
       break;
     case Kind::drop:
       bytes.erase(offset, 1);
@@ -168,6 +196,9 @@ void FaultLine::Impl::strike(Pair& p, int side, std::string& bytes) {
       p.mute = true;
       break;
   }
+  if (bad_line.seed == 0) return;
+  count = {};
+  fault = draw();
 }
 
 void FaultLine::Impl::take(Pair& p, int side) {
@@ -244,8 +275,8 @@ void FaultLine::Impl::run() {
   }
 }
 
-FaultLine::FaultLine(std::string target, int stall_ms)
-    : impl_(std::make_unique<Impl>(std::move(target), stall_ms)) {}
+FaultLine::FaultLine(std::string target, int stall_ms, const BadLine& bad, const std::string& address)
+    : impl_(std::make_unique<Impl>(std::move(target), stall_ms, bad, address)) {}
 FaultLine::~FaultLine() = default;
 
 const std::string& FaultLine::address() const {
@@ -273,4 +304,4 @@ bool FaultLine::struck() const {
   return impl_->struck;
 }
 
-}  // namespace powbench::bench
+}  // namespace powbench::rigs
