@@ -1,6 +1,9 @@
 #pragma once
 
+#include <cmath>
+#include <limits>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "core/events.h"
@@ -23,10 +26,31 @@ struct ComparisonRow {
   double highest = std::numeric_limits<double>::quiet_NaN();
   bool two_modes = false;  ///< the repeats fall into two groups: the mean describes neither
   double simulated = std::numeric_limits<double>::quiet_NaN();
+  double u_simulated =
+      std::numeric_limits<double>::quiet_NaN();  ///< propagated from the inputs; NaN = not known
   double published_measurement = std::numeric_limits<double>::quiet_NaN();
   double published_simulation = std::numeric_limits<double>::quiet_NaN();
-  Outcome outcome = Outcome::pass;  ///< against the plan's limits
+  Outcome outcome = Outcome::not_judged;  ///< against the plan's limits on the quantity
+  Outcome against_simulation =
+      Outcome::not_judged;  ///< against the plan's largest difference from the simulation
+
+  /// U of simulated - measured, 95 %: k sqrt(u^2 + u_simulated^2); NaN when u is unknown.
+  double expanded_difference() const {
+    const double s = std::isfinite(u_simulated) ? u_simulated : 0.0;
+    return coverage * std::sqrt(measured.u * measured.u + s * s);
+  }
+  /// |simulated - measured| / U; NaN when either is unknown. Up to 1 the two agree.
+  double difference_over_U() const {
+    const double U = expanded_difference();
+    return U > 0 ? std::fabs(simulated - measured.value) / U : std::numeric_limits<double>::quiet_NaN();
+  }
 };
+
+/// "agrees" up to a difference of U, else "differs"; "not known" without both values and an uncertainty.
+inline std::string_view agreement(double difference_over_U) {
+  if (!std::isfinite(difference_over_U)) return "not known";
+  return difference_over_U <= 1 ? "agrees" : "differs";
+}
 
 struct Comparison {
   std::vector<ComparisonRow> rows;  ///< ordered by quantity, then angle

@@ -4,27 +4,47 @@
 #include <cstdint>
 #include <string_view>
 
-/// How a shot, a check or a program ended. The same five words everywhere: store, report, JUnit, command line.
+/// How a shot, a check or a program ended. The same words everywhere: store, report, JUnit, command line.
 
 namespace powbench {
 
 enum class Outcome : std::uint8_t {
-  pass,     ///< measured, inside the limits
-  fail,     ///< measured, outside the limits
-  error,    ///< no valid measurement: rig fault, lost server, interlock
-  timeout,  ///< the rig did not finish in time
-  aborted,  ///< stopped by the operator
+  pass,          ///< measured, inside the limits
+  fail,          ///< measured, outside the limits
+  error,         ///< no valid measurement: rig fault, lost server, interlock
+  timeout,       ///< the rig did not finish in time
+  aborted,       ///< stopped by the operator
+  not_judged,    ///< measured, and no limit says what would be right; never a pass
+  not_observed,  ///< the record does not show what a limit is about
 };
 
-inline constexpr std::array<std::string_view, 5> outcome_names{"PASS", "FAIL", "ERROR", "TIMEOUT", "ABORTED"};
+inline constexpr std::array<std::string_view, 7> outcome_names{
+    "PASS", "FAIL", "ERROR", "TIMEOUT", "ABORTED", "NOT JUDGED", "NOT OBSERVED"};
 constexpr std::string_view name(Outcome o) {
   return outcome_names[static_cast<std::size_t>(o)];
 }
 
+/// There is a valid measurement, whatever was judged of it.
+constexpr bool measured(Outcome o) {
+  return o == Outcome::pass || o == Outcome::fail || o == Outcome::not_judged || o == Outcome::not_observed;
+}
+
+/// The worse of two: FAIL, ERROR, TIMEOUT, ABORTED, NOT OBSERVED, NOT JUDGED, PASS.
+constexpr Outcome worse(Outcome a, Outcome b) {
+  constexpr std::array<int, 7> rank{0, 6, 5, 4, 3, 1, 2};
+  return rank[static_cast<std::size_t>(a)] >= rank[static_cast<std::size_t>(b)] ? a : b;
+}
+
+/// Who bears the uncertainty of a value near its limit (JCGM 106:2012, 8).
+enum class Decision : std::uint8_t {
+  simple,   ///< the value itself decides
+  guarded,  ///< the value with its U = 2 u on either side must be inside
+};
+
 /// Exit codes of the command line.
 enum class Exit : int {
   pass = 0,
-  outside_limits = 1,
+  outside_limits = 1,  ///< or a limited quantity was not observed
   bad_input = 2,
   rig_fault = 3,  ///< rig unreachable or at fault
   timeout = 4,

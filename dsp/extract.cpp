@@ -15,8 +15,6 @@ namespace powbench::dsp {
 
 namespace {
 
-constexpr double angle_tolerance = radians(1.0);
-
 /// s: the coil is switched off, or the record ends.
 double closing_end(const Record& record) {
   const double t_end = record.samples() ? record.time(record.samples() - 1) : 0.0;
@@ -46,14 +44,19 @@ Events extract_events(const Record& record, const ExtractOptions& o) {
   e.pvdf_b = film_train(record, Channel::pvdf_b, o, hertz, e.core.seat);
   e.contact_voltage = contact_voltage_train(record, o);
 
-  const double commanded = record.conditions.closing_angle + (record.conditions.polarity < 0 ? pi : 0.0);
-  if (e.coil.closing_angle.known() &&
-      std::abs(wrap_half_turn(e.coil.closing_angle.value - commanded)) > angle_tolerance)
-    e.coil.flags |= flag_angle_off;
   cross_check(e.contact_voltage, e.pvdf_a, e.pvdf_b, closing_end(record));
   if (record.calibration.empty()) e.flags |= flag_no_calibration;
   conclude(e, record, o);
   return e;
+}
+
+void check_angle(Events& e, const Conditions& c, double tolerance) {
+  for (std::uint32_t* flags : {&e.coil.flags, &e.flags})
+    *flags &= ~static_cast<std::uint32_t>(flag_angle_off);
+  const double commanded = c.closing_angle + (c.polarity < 0 ? pi : 0.0);
+  if (!(tolerance > 0) || !std::isfinite(commanded) || !e.coil.closing_angle.known()) return;
+  if (std::abs(wrap_half_turn(e.coil.closing_angle.value - commanded)) <= tolerance) return;
+  for (std::uint32_t* flags : {&e.coil.flags, &e.flags}) *flags |= flag_angle_off;
 }
 
 void conclude(Events& e, const Record& record, const ExtractOptions& o) {

@@ -12,6 +12,10 @@ namespace powbench::dsp {
 /// No number is silent: `conclude` has been applied.
 Events extract_events(const Record&, const ExtractOptions& = {});
 
+/// Sets `angle_off` where the angle reached is further than `tolerance` (rad) from the commanded one, clears it elsewhere; nothing is
+/// off without a tolerance (0), a commanded angle or an angle found. The only place that decides it; extract_events does not.
+void check_angle(Events&, const Conditions&, double tolerance);
+
 /// What follows from the trains, the core and the coil of `record`: doubt admitted (dsp/doubt.h), the pole by force and its
 /// disagreement with the contact-voltage, the two trains, the common flags. To be called again when a train was replaced;
 /// a second call without a change changes nothing.

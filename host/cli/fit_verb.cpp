@@ -108,6 +108,18 @@ Source campaign_source(const FitArgs& args) {
   conditions.mains_hertz = plan.mains_hertz;
   conditions.ambient = plan.ambient;
   conditions.hold_time = plan.hold_time;
+  if (info.origin == Origin::import) {
+    // nobody asked for a voltage: what was measured counts, or nothing
+    double sum = 0;
+    int n = 0;
+    for (const AngleGroup& g : gather_angles(store, info.id))
+      for (const Events& e : g.measured) sum += e.coil.supply_volts.value, ++n;
+    conditions.supply_volts = n > 0 ? sum / n : std::nan("");
+    if (!std::isfinite(conditions.supply_volts))
+      throw BadInput(
+          {args.database + ": campaign " + std::to_string(info.id) +
+           ": the supply voltage of these imports is not known; a file needs mains_voltage for it"});
+  }
   Source s;
   s.closings =
       campaign_closings(gather_angles(store, info.id), conditions, deviations(args, {0.002, 0.002, 0.02}));

@@ -105,7 +105,8 @@ std::vector<AngleGroup> gather_angles(const Store& store, std::int64_t campaign)
 
 Comparison compare_stored(const Store& store, const CampaignInfo& c) {
   const Plan plan = stored_plan(c);
-  return compare(gather_angles(store, c.id), published_rows(), plan_limits(plan));
+  return compare(gather_angles(store, c.id), published_rows(), plan_limits(plan), plan.decision,
+                 plan.limits_vs_simulation);
 }
 
 std::vector<CurveRow> gather_curves(const Store& store, const CampaignInfo& c) {
@@ -143,6 +144,9 @@ ReportInput gather_report(const Store& store, const CampaignInfo& c, const std::
   input.campaign = c.name;
   input.specimen = specimen.name;
   input.planned = expand(plan, specimen.name).size();
+  input.origin = c.origin;
+  input.decision = plan.decision;
+  input.most_from_simulation = plan.limits_vs_simulation;
   input.angle_tolerance = plan.angle_tolerance;
   input.provenance = provenance(store, c, plan, shots, database);
   input.limits = options.limits;
@@ -158,11 +162,17 @@ ReportInput gather_report(const Store& store, const CampaignInfo& c, const std::
       waves = waveforms(record, options.extract);
       if (events && s.kind == ShotKind::measured) vibration.add(s.number + 1, record, *events);
     }
+    // judged anew by the plan that is stored, so that a store of an earlier program says what is known today
+    Judgement judged{s.outcome, s.reason};
+    if (events && measured(s.outcome)) {
+      judged = judge_shot(*events, s.conditions, options);
+      if (judged.reason.empty() && judged.outcome == Outcome::not_judged) judged.reason = s.reason;
+    }
     if (s.kind == ShotKind::measured)
       input.shots.push_back({.index = s.number + 1,
                              .conditions = s.conditions,
-                             .outcome = s.outcome,
-                             .reason = s.reason,
+                             .outcome = judged.outcome,
+                             .reason = judged.reason,
                              .events = events,
                              .waveforms = std::move(waves),
                              .record_hash = s.record_hash});

@@ -5,11 +5,11 @@
 
 #include "core/phase.h"
 #include "core/version.h"
-#include "dsp/extract.h"
 #include "host/cli/scene.h"
 #include "host/cli/show.h"
 #include "host/cli/verbs.h"
 #include "host/cli/vibration.h"
+#include "host/compare/compare.h"
 #include "host/export/events_json.h"
 #include "host/import/waveform.h"
 #include "host/store/hash.h"
@@ -26,15 +26,25 @@ Imported read(const std::string& file, const std::string& calibration) {
                      calibration.empty() ? std::nullopt : std::optional<std::filesystem::path>(calibration));
 }
 
-/// Events; where no closing angle was commanded, the one reached is taken for it.
-Events extract_imported(Imported& in, const dsp::ExtractOptions& options) {
-  Events e = dsp::extract_events(in.record, options);
-  if (in.angle_commanded) return e;
-  e.flags &= ~static_cast<std::uint32_t>(flag_angle_off);
-  e.coil.flags &= ~static_cast<std::uint32_t>(flag_angle_off);
-  if (e.coil.closing_angle.known())
+/// Events; where no closing angle was commanded, the one reached is taken for it, and without either there is none.
+Events extract_imported(Imported& in, const RunOptions& options) {
+  Events e = extract_checked(in.record, options);
+  if (!in.angle_commanded && e.coil.closing_angle.known())
     in.record.conditions.closing_angle = wrap_turn(e.coil.closing_angle.value);
   return e;
+}
+
+/// Why the record shows no closing angle; "" when it does.
+std::string no_angle_reason(const Imported& in, const Events& e) {
+  if (e.coil.closing_angle.known()) return "";
+  std::string missing;
+  for (const Channel c : {Channel::mains_voltage, Channel::coil_voltage})
+    if (in.record.find(c) == nullptr) missing += (missing.empty() ? "" : " and ") + std::string(info(c).name);
+  return "closing angle not found: " +
+         (missing.empty() ? "no step of the coil voltage behind two periods of the mains"
+                          : "the file has no " + missing) +
+         (in.angle_commanded ? "; the commanded one stands for it"
+                             : "; closing_angle_deg in the calibration file can give it");
 }
 
 /// What stands for the plan of imported records: as far as it matters, what their calibration says.
@@ -60,6 +70,7 @@ std::int64_t campaign_of(Store& store, const Scene& scene) {
       return c.id;
   CampaignInfo info = campaign_info(scene, "", "waveform files");
   info.rig_uri = imported_uri;
+  info.origin = Origin::import;
   const std::int64_t id = store.create_campaign(info);
   store.set_finished(id, true);
   return id;
@@ -81,7 +92,8 @@ Exit import_waveform_file(const ImportArgs& args) {
   Imported in = read(args.file, args.calibration);
   const Scene scene = imported_scene(in);
   const RunOptions options = run_options(scene.plan);
-  const Events events = extract_imported(in, options.extract);
+  const Events events = extract_imported(in, options);
+  const std::string no_angle = no_angle_reason(in, events);
   Record& record = in.record;
   record.conditions.seed = identity(record);
   Store store(args.database);
@@ -95,16 +107,19 @@ Exit import_waveform_file(const ImportArgs& args) {
   if (!there) {
     shot.campaign = campaign;
     shot.conditions = record.conditions;
-    shot.angle_deg = to_centi_degrees(record.conditions.closing_angle) / 100.0;
-    shot.outcome = Outcome::pass;
+    shot.angle_deg = stored_degrees(record.conditions.closing_angle);
+    shot.outcome = Outcome::not_judged;
+    shot.reason = no_angle;
     shot.id = store.store_shot(shot, &record, &events, {dsp::to_text(options.extract), program_version});
   }
   for (const std::string& note : in.notes) fmt::print(stderr, "{}: {}\n", args.file, note);
+  if (!no_angle.empty()) fmt::print(stderr, "{}: {}\n", args.file, no_angle);
   fmt::print(stderr, "{}: {} shot {} of {}; next: powbench events {} --db {}\n", args.file,
              there ? "is already" : "stored as", shot.id, args.database, shot.id, args.database);
   if (args.json)
     fmt::print("{}\n", nlohmann::ordered_json{{"shot", shot.id},
                                               {"campaign", campaign},
+                                              {"origin", name(Origin::import)},
                                               {"samples", record.samples()},
                                               {"sample_rate", record.sample_rate},
                                               {"notes", in.notes}}
@@ -118,7 +133,9 @@ Exit show_file_events(const EventsArgs& args) {
   Imported in = read(args.shot, args.calibration);
   const LabRule rule{args.force_percent, args.voltage_percent, args.min_opening_us};
   set_rule(in.options, rule);
-  Events events = extract_imported(in, in.options);
+  RunOptions run = run_options(Plan{});
+  run.extract = in.options;
+  Events events = extract_imported(in, run);
   apply_rule(events, in.record, in.options, rule);
   for (const std::string& note : in.notes) fmt::print(stderr, "{}: {}\n", args.shot, note);
   if (args.json) {

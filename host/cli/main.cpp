@@ -127,8 +127,7 @@ void add_plan_verbs(CLI::App& app) {
   auto run = std::make_shared<RunArgs>();
   CLI::App* acquire = verb(app, "run", "Fire a plan on a rig and store every shot", run, run_plan);
   acquire->add_option("plan", run->plan, "plan file (TOML)")->required();
-  acquire->add_option("--rig", run->rig, "rig: ip:ADDRESS, sim: or sim:RIG.toml, serial:PORT,BAUD, usb:...")
-      ->capture_default_str();
+  acquire->add_option("--rig", run->rig, "rig: ip:ADDRESS, sim: or sim:RIG.toml, serial:PORT,BAUD, usb:...");
   acquire->add_option("--db", run->database, "store to write; made if missing")->capture_default_str();
   acquire->add_flag(
       "--resume", run->resume,
@@ -405,7 +404,7 @@ int main(int argc, char** argv) {
       "conditions and lays both side by side.\n\n"
       "Start with:  powbench demo                      everything once, without hardware\n"
       "             powbench plan template plan        a commented plan to edit\n"
-      "             powbench run PLAN --db lab.db      acquire;  then sim, compare, report"};
+      "             powbench run PLAN --rig sim: --db lab.db   acquire;  then sim, compare, report"};
   app.name("powbench");
   app.set_version_flag("--version", std::string("powbench ") + program_version);
   app.require_subcommand(1);
@@ -431,6 +430,9 @@ int main(int argc, char** argv) {
     return leave(chosen());
   } catch (const BadInput& e) {
     fmt::print(stderr, "{}\n", e.what());
+    return leave(Exit::bad_input);
+  } catch (const WrongStore& e) {
+    fmt::print(stderr, "powbench: {}\n", e.what());
     return leave(Exit::bad_input);
   } catch (const StoreError& e) {
     fmt::print(stderr, "powbench: {}\n", e.what());

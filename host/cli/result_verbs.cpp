@@ -38,10 +38,20 @@ std::string shown_unit(const std::string& unit) {
   return unit == "s" ? "ms" : unit == "m" ? "mm" : unit == "A" ? "mA" : unit;
 }
 
+std::string degrees_text(double angle) {
+  return std::isfinite(angle) ? fmt::format("{:.1f}", degrees(angle)) : "-";
+}
+
+bool limited(const std::vector<Limit>& limits, const std::string& quantity) {
+  for (const Limit& l : limits)
+    if (l.quantity == quantity) return true;
+  return false;
+}
+
 Json row_json(const ComparisonRow& r) {
   return {{"quantity", r.quantity},
           {"unit", r.unit},
-          {"closing_angle_deg", degrees(r.closing_angle)},
+          {"closing_angle_deg", number(degrees(r.closing_angle))},
           {"repeats", r.repeats},
           {"measured", number(r.measured.value)},
           {"u_measured", number(r.measured.u)},
@@ -49,6 +59,10 @@ Json row_json(const ComparisonRow& r) {
           {"simulated", number(r.simulated)},
           {"published_measurement", number(r.published_measurement)},
           {"published_simulation", number(r.published_simulation)},
+          {"u_simulated", number(r.u_simulated)},
+          {"difference_over_U", number(r.difference_over_U())},
+          {"agreement", agreement(r.difference_over_U())},
+          {"against_simulation", name(r.against_simulation)},
           {"outcome", name(r.outcome)}};
 }
 
@@ -56,7 +70,7 @@ Json curve_json(const CurveRow& r) {
   const CurveDeviation& d = r.median;
   return {{"quantity", r.quantity},
           {"unit", r.unit},
-          {"closing_angle_deg", degrees(r.closing_angle)},
+          {"closing_angle_deg", number(degrees(r.closing_angle))},
           {"repeats", r.repeats},
           {"measured", number(d.measured)},
           {"simulated", number(d.simulated)},
@@ -76,8 +90,8 @@ void print_curves(const std::vector<CurveRow>& rows) {
       "curve", "deg", "n", "largest", "at ms", "measured", "simulated", "%", "rms %", "late ms");
   for (const CurveRow& r : rows) {
     const CurveDeviation& d = r.median;
-    fmt::print("{:<9} {:>7.1f}  {:>3} {:>10} {:>8.1f} {:>10} {:>10} {:>8.1f} {:>8.2f} {:>8.3f} {}\n",
-               r.quantity, degrees(r.closing_angle), r.repeats, shown(d.largest, r.unit), d.at * 1e3,
+    fmt::print("{:<9} {:>7}  {:>3} {:>10} {:>8.1f} {:>10} {:>10} {:>8.1f} {:>8.2f} {:>8.3f} {}\n", r.quantity,
+               degrees_text(r.closing_angle), r.repeats, shown(d.largest, r.unit), d.at * 1e3,
                shown(d.measured, r.unit), shown(d.simulated, r.unit), d.share() * 100, d.rms_share * 100,
                d.late * 1e3, shown_unit(r.unit));
   }
@@ -103,8 +117,9 @@ Exit list_campaigns(const ResultArgs& args) {
     const auto measured = store.shots(c.id, ShotKind::measured);
     const auto simulated = store.shots(c.id, ShotKind::simulated);
     if (!args.json) {
-      fmt::print("{:>4}  {}  {:<20} {:>5} shots, {:>4} simulated  {}\n", c.id, c.created, c.name,
-                 measured.size(), simulated.size(), c.finished ? "finished" : "unfinished");
+      fmt::print("{:>4}  {}  {:<15}  {:<20} {:>5} shots, {:>4} simulated  {}\n", c.id, c.created,
+                 name(c.origin), c.name, measured.size(), simulated.size(),
+                 c.finished ? "finished" : "unfinished");
       continue;
     }
     Json shots = Json::array();
@@ -113,7 +128,7 @@ Exit list_campaigns(const ResultArgs& args) {
         shots.push_back({{"id", s.id},
                          {"kind", name(s.kind)},
                          {"number", s.number},
-                         {"angle_deg", s.angle_deg},
+                         {"angle_deg", number(s.angle_deg)},
                          {"outcome", name(s.outcome)},
                          {"reason", s.reason},
                          {"seed", s.conditions.seed},
@@ -128,6 +143,7 @@ Exit list_campaigns(const ResultArgs& args) {
     list.push_back({{"id", c.id},
                     {"created", c.created},
                     {"name", c.name},
+                    {"origin", name(c.origin)},
                     {"plan_hash", c.plan_hash},
                     {"rig", c.rig_identity},
                     {"finished", c.finished},
@@ -211,7 +227,9 @@ Exit show_events(const EventsArgs& args) {
     fmt::print("{}\n", out.dump(2));
     return Exit::pass;
   }
-  fmt::print("shot {}, {}, commanded {:.2f} deg, method {}\n", shot.id, name(shot.kind), shot.angle_deg,
+  fmt::print("{}, {} shot {}, {}, method {}\n", name(campaign.origin), name(shot.kind), shot.id,
+             std::isfinite(shot.angle_deg) ? fmt::format("closing angle {:.2f} deg", shot.angle_deg)
+                                           : std::string("closing angle not known"),
              events.method);
   print_events(events);
   for (const std::string& line : band_lines(record, events, options.extract)) fmt::print("  {}\n", line);
@@ -223,22 +241,27 @@ Exit compare_campaign(const ResultArgs& args) {
   const CampaignInfo campaign = store.campaign(args.campaign);
   const Comparison comparison = compare_stored(store, campaign);
   const std::vector<CurveRow> curves = gather_curves(store, campaign);
+  const std::vector<Limit> limits = plan_limits(stored_plan(campaign));
   bool failed = false;
   Json list = Json::array();
   if (!args.json)
-    fmt::print("{:<9} {:>7}  {:>3} {:>10} {:>8} {:>8} {:>10} {:>10} {:>10}  {}\n", "quantity", "deg", "n",
-               "measured", "u", "scatter", "simulated", "publ.meas", "publ.sim", "");
+    fmt::print("{}, campaign {}, {}\n{:<9} {:>7}  {:>3} {:>10} {:>8} {:>8} {:>10} {:>7} {:<9} {:>4} {}\n",
+               name(campaign.origin), campaign.id, campaign.name, "quantity", "deg", "n", "measured", "u",
+               "scatter", "simulated", "diff./U", "", "", "limits");
   for (const ComparisonRow& r : comparison.rows) {
-    failed = failed || r.outcome == Outcome::fail;
+    failed = failed || r.outcome == Outcome::fail || r.against_simulation == Outcome::fail ||
+             (r.outcome == Outcome::not_observed && limited(limits, r.quantity));
     if (args.json) {
       list.push_back(row_json(r));
       continue;
     }
-    fmt::print("{:<9} {:>7.1f}  {:>3} {:>10} {:>8} {:>8} {:>10} {:>10} {:>10}  {} {}\n", r.quantity,
-               degrees(r.closing_angle), r.repeats, shown(r.measured.value, r.unit),
+    const double E = r.difference_over_U();
+    fmt::print("{:<9} {:>7}  {:>3} {:>10} {:>8} {:>8} {:>10} {:>7} {:<9} {:>4} {}{}\n", r.quantity,
+               degrees_text(r.closing_angle), r.repeats, shown(r.measured.value, r.unit),
                shown(r.measured.u, r.unit), shown(r.scatter, r.unit), shown(r.simulated, r.unit),
-               shown(r.published_measurement, r.unit), shown(r.published_simulation, r.unit),
-               shown_unit(r.unit), name(r.outcome));
+               std::isfinite(E) ? fmt::format("{:.2f}", E) : "-",
+               std::isfinite(r.simulated) ? agreement(E) : "", shown_unit(r.unit), name(r.outcome),
+               r.against_simulation == Outcome::fail ? ", FAIL against the simulation" : "");
   }
   if (args.json) {
     for (const CurveRow& r : curves) list.push_back(curve_json(r));
@@ -262,19 +285,25 @@ Exit write_report(const ReportArgs& args) {
   if (args.json)
     fmt::print("{}\n", Json{{"report", (folder / "report.html").string()},
                             {"junit", (folder / "junit.xml").string()},
-                            {"verdict", name(outcome)}}
+                            {"verdict", name(outcome)},
+                            {"origin", name(campaign.origin)}}
                            .dump(2));
-  fmt::print(stderr, "{} ({}): {} and {}\n", campaign.name, name(outcome), (folder / "report.html").string(),
-             (folder / "junit.xml").string());
-  return Exit::pass;
+  fmt::print(stderr, "{}, {}: {}; {} and {}\n", campaign.name, name(campaign.origin), name(outcome),
+             (folder / "report.html").string(), (folder / "junit.xml").string());
+  return outcome == Outcome::fail || outcome == Outcome::not_observed ? Exit::outside_limits : Exit::pass;
 }
 
 Exit export_shot(const ExportArgs& args) {
   if (args.to != "csv") return export_closing(args);
   const Store store(args.database, Store::Mode::read_only);
   Record record = store.load_record(args.shot);
-  record.conditions = store.shot(args.shot).conditions;
-  const std::string text = to_csv(record);
+  const StoredShot shot = store.shot(args.shot);
+  record.conditions = shot.conditions;
+  const CampaignInfo campaign = store.campaign(shot.campaign);
+  const std::string text =
+      fmt::format("# {}, campaign {}, {} shot {}\n{}",
+                  shot.kind == ShotKind::measured ? name(campaign.origin) : "SIMULATION ONLY", campaign.id,
+                  name(shot.kind), shot.id, to_csv(record));
   if (args.file.empty()) {
     fmt::print("{}", text);
     return Exit::pass;

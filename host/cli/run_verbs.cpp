@@ -10,15 +10,19 @@ namespace powbench::host {
 
 namespace {
 
-void print_summary(const RunSummary& s, std::int64_t campaign, bool json) {
+void print_summary(const RunSummary& s, std::int64_t campaign, Origin origin, bool json) {
   if (json) {
-    nlohmann::ordered_json j = {{"campaign", campaign}, {"planned", s.planned}, {"done", s.done()}};
+    nlohmann::ordered_json j = {
+        {"campaign", campaign}, {"origin", name(origin)}, {"planned", s.planned}, {"done", s.done()}};
     for (std::size_t i = 0; i < outcome_names.size(); ++i) j[std::string(outcome_names[i])] = s.counts[i];
     j["stopped"] = s.stopped.empty() ? nlohmann::ordered_json(nullptr) : nlohmann::ordered_json(s.stopped);
     fmt::print("{}\n", j.dump(2));
   }
-  fmt::print(stderr, "campaign {}: {} of {} shots recorded ({} PASS, {} FAIL), {} without a record\n",
-             campaign, s.done(), s.planned, s.count(Outcome::pass), s.count(Outcome::fail),
+  std::string counts;
+  for (const Outcome o : {Outcome::pass, Outcome::fail, Outcome::not_observed, Outcome::not_judged})
+    if (s.count(o) > 0) counts += fmt::format("{}{} {}", counts.empty() ? "" : ", ", s.count(o), name(o));
+  fmt::print(stderr, "campaign {}, {}: {} of {} shots recorded{}, {} without a record\n", campaign,
+             name(origin), s.done(), s.planned, counts.empty() ? "" : " (" + counts + ")",
              s.count(Outcome::error) + s.count(Outcome::timeout) + s.count(Outcome::aborted));
   if (!s.stopped.empty()) fmt::print(stderr, "{}\n", s.stopped);
 }
@@ -27,6 +31,11 @@ void print_summary(const RunSummary& s, std::int64_t campaign, bool json) {
 
 Exit run_plan(const RunArgs& args) {
   const Scene scene = load_scene(args.plan, args.seed);
+  if (args.rig.empty())
+    throw BadInput(
+        {"run: no rig is named; --rig sim: is a simulated one, ip:ADDRESS, serial:PORT,BAUD and usb:... fire "
+         "a "
+         "contactor (powbench rigs lists them)"});
   if (args.dry_run) {
     rig_file(args.rig);
     fmt::print(stderr, "{} shots would be fired; nothing was done\n", scene.shots.size());
@@ -37,6 +46,7 @@ Exit run_plan(const RunArgs& args) {
   // the rig first: a campaign that could not begin leaves no trace
   const auto rig = open_rig(args.rig, scene.specimen);
   const std::string identity = rig->info().model + ", " + rig->info().serial;
+  const Origin origin = origin_of_kind(rig->info().kind);
   const auto begun = store.find_campaign(scene.plan_hash, scene.specimen_hash);
   std::int64_t campaign = 0;
   if (args.resume && begun) {
@@ -47,14 +57,16 @@ Exit run_plan(const RunArgs& args) {
   } else {
     if (begun && !begun->finished)
       fmt::print(stderr, "campaign {} of this plan is unfinished; --resume would go on with it\n", begun->id);
-    campaign = store.create_campaign(campaign_info(scene, args.rig, identity));
+    CampaignInfo info = campaign_info(scene, args.rig, identity);
+    info.origin = origin;
+    campaign = store.create_campaign(info);
   }
   RunOptions options = run_options(scene.plan);
   options.max_failures = args.max_failures;
   Progress progress("acquire", scene.shots.size(), progress_style(args.progress));
   const RunSummary summary = run_campaign(store, campaign, scene.shots, *rig, options, progress);
   progress.finish();
-  print_summary(summary, campaign, args.json);
+  print_summary(summary, campaign, origin, args.json);
   return summary.exit_code();
 }
 

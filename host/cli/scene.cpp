@@ -59,6 +59,7 @@ RunOptions run_options(const Plan& plan) {
   options.extract.crosstalk_a = plan.crosstalk_a;
   options.extract.crosstalk_b = plan.crosstalk_b;
   options.limits = plan_limits(plan);
+  options.decision = plan.decision;
   options.angle_tolerance = plan.angle_tolerance;
   options.pause = plan.pause;
   options.shot_limit += std::chrono::milliseconds(static_cast<int>(plan.hold_time * 1000.0));

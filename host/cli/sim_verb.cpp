@@ -110,6 +110,11 @@ Json choice_json(const sim::SceneChoice& c) {
           {"looked_at", steps}};
 }
 
+CampaignInfo only_simulated(CampaignInfo info) {
+  info.origin = Origin::simulation;
+  return info;
+}
+
 /// Beside the measurement of this plan where nothing is simulated yet, else in a campaign of the same identity.
 std::int64_t campaign_for(Store& store, const Scene& scene, const std::string& identity) {
   for (const CampaignInfo& c : store.campaigns()) {
@@ -117,7 +122,7 @@ std::int64_t campaign_for(Store& store, const Scene& scene, const std::string& i
     if (c.rig_identity == identity) return c.id;
     if (!c.rig_uri.empty() && store.shots(c.id, ShotKind::simulated).empty()) return c.id;
   }
-  return store.create_campaign(campaign_info(scene, "", identity));
+  return store.create_campaign(only_simulated(campaign_info(scene, "", identity)));
 }
 
 /// Of the plant of the simulated rig, beside the measurement of this plan if there is one.
@@ -125,7 +130,8 @@ std::int64_t plain_campaign(Store& store, const Scene& scene) {
   std::optional<std::int64_t> campaign;
   for (const CampaignInfo& c : store.campaigns())
     if (c.plan_hash == scene.plan_hash && c.specimen_hash == scene.specimen_hash) campaign = c.id;
-  return campaign ? *campaign : store.create_campaign(campaign_info(scene, "", "simulation only"));
+  return campaign ? *campaign
+                  : store.create_campaign(only_simulated(campaign_info(scene, "", "simulation only")));
 }
 
 RecordMaker maker_of(const sim::SceneChoice& choice, const std::string& name) {

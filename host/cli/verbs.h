@@ -46,7 +46,7 @@ Exit print_template(const std::string& kind);
 
 struct RunArgs {
   std::string plan;
-  std::string rig = "sim:";
+  std::string rig;
   std::string database = "powbench.db";
   bool resume = false;
   bool dry_run = false;

@@ -10,6 +10,11 @@
 namespace powbench::host {
 namespace {
 
+/// Hundredths of a degree; an unknown angle stands behind all others.
+CentiDegrees place(double angle) {
+  return std::isfinite(angle) ? to_centi_degrees(angle) : full_turn_centi;
+}
+
 std::vector<Measured> values_of(const Quantity& q, const std::vector<Events>& all) {
   std::vector<Measured> values;
   for (const auto& events : all) values.push_back(q.of(events));
@@ -19,24 +24,38 @@ std::vector<Measured> values_of(const Quantity& q, const std::vector<Events>& al
 void add_published(ComparisonRow& row, std::span<const PublishedRow> published) {
   for (const auto& p : published) {
     if (p.quantity != row.quantity || !std::isfinite(p.theta_deg)) continue;
-    if (to_centi_degrees(radians(p.theta_deg)) != to_centi_degrees(row.closing_angle)) continue;
+    if (!same_angle(radians(p.theta_deg), row.closing_angle)) continue;
     row.published_measurement = p.measurement * si_per(p.unit);
     row.published_simulation = p.simulation * si_per(p.unit);
   }
 }
 
-Outcome outcome_of(const std::string& quantity, const std::vector<Measured>& values,
-                   const std::vector<Limit>& limits) {
-  if (values.empty()) return Outcome::error;
-  for (const auto& limit : limits)
-    if (limit.quantity == quantity)
-      for (const auto& m : values)
-        if (!limit.allows(m)) return Outcome::fail;
-  return Outcome::pass;
+Outcome outcome_of(const ComparisonRow& row, const std::vector<Measured>& values,
+                   const std::vector<Limit>& limits, Decision rule) {
+  bool limited = false;
+  Outcome worst = Outcome::pass;
+  for (const auto& limit : limits) {
+    if (limit.quantity != row.quantity) continue;
+    limited = true;
+    if (values.empty()) return Outcome::error;
+    for (const auto& m : values) worst = worse(worst, limit.of(m, rule));
+  }
+  if (limited) return worst;
+  return row.repeats == 0 ? Outcome::not_observed : Outcome::not_judged;
+}
+
+/// The mean against the simulation; guarded: with the U of their difference.
+Outcome simulation_outcome(const ComparisonRow& row, Decision rule, double most) {
+  if (!std::isfinite(most) || !std::isfinite(row.simulated)) return Outcome::not_judged;
+  if (!row.measured.known()) return Outcome::not_observed;
+  const double guard = rule == Decision::guarded ? row.expanded_difference() : 0.0;
+  if (!std::isfinite(guard)) return Outcome::not_judged;
+  const double difference = std::fabs(row.simulated - row.measured.value) + guard;
+  return difference > most * std::fabs(row.measured.value) ? Outcome::fail : Outcome::pass;
 }
 
 ComparisonRow row_of(const Quantity& q, const AngleGroup& group, std::span<const PublishedRow> published,
-                     const std::vector<Limit>& limits) {
+                     const std::vector<Limit>& limits, Decision rule, double most_from_simulation) {
   const auto measured = values_of(q, group.measured);
   const Repeats r = repeats_of(measured);
   ComparisonRow row;
@@ -52,7 +71,8 @@ ComparisonRow row_of(const Quantity& q, const AngleGroup& group, std::span<const
   row.highest = r.highest;
   row.two_modes = r.two_modes;
   row.simulated = repeats_of(values_of(q, group.simulated)).mean;
-  row.outcome = outcome_of(row.quantity, measured, limits);
+  row.outcome = outcome_of(row, measured, limits, rule);
+  row.against_simulation = simulation_outcome(row, rule, most_from_simulation);
   add_published(row, published);
   return row;
 }
@@ -60,26 +80,37 @@ ComparisonRow row_of(const Quantity& q, const AngleGroup& group, std::span<const
 }  // namespace
 
 double effective_angle(const Conditions& c) {
+  if (!std::isfinite(c.closing_angle)) return c.closing_angle;
   return wrap_turn(c.closing_angle + (c.polarity < 0 ? pi : 0.0));
 }
 
+double stored_degrees(double angle) {
+  return std::isfinite(angle) ? to_centi_degrees(angle) / 100.0 : std::numeric_limits<double>::quiet_NaN();
+}
+
+bool same_angle(double a, double b) {
+  return place(a) == place(b);
+}
+
 AngleGroup& group_at(std::vector<AngleGroup>& groups, double closing_angle) {
-  const auto centi = to_centi_degrees(closing_angle);
+  const auto wanted = place(closing_angle);
   auto at = std::find_if(groups.begin(), groups.end(),
-                         [&](const AngleGroup& g) { return to_centi_degrees(g.closing_angle) >= centi; });
-  if (at == groups.end() || to_centi_degrees(at->closing_angle) != centi)
-    at = groups.insert(at, AngleGroup{wrap_turn(closing_angle), {}, {}});
+                         [&](const AngleGroup& g) { return place(g.closing_angle) >= wanted; });
+  if (at == groups.end() || place(at->closing_angle) != wanted)
+    at = groups.insert(
+        at, AngleGroup{std::isfinite(closing_angle) ? wrap_turn(closing_angle) : closing_angle, {}, {}});
   return *at;
 }
 
 Comparison compare(std::vector<AngleGroup> groups, std::span<const PublishedRow> published,
-                   const std::vector<Limit>& limits) {
+                   const std::vector<Limit>& limits, Decision rule, double most_from_simulation) {
   std::stable_sort(groups.begin(), groups.end(), [](const AngleGroup& a, const AngleGroup& b) {
-    return a.closing_angle < b.closing_angle;
+    return place(a.closing_angle) < place(b.closing_angle);
   });
   Comparison all;
   for (const auto& quantity : quantity_table)
-    for (const auto& group : groups) all.rows.push_back(row_of(quantity, group, published, limits));
+    for (const auto& group : groups)
+      all.rows.push_back(row_of(quantity, group, published, limits, rule, most_from_simulation));
   return all;
 }
 

@@ -13,22 +13,31 @@ namespace powbench::host {
 
 /// Everything known about one closing angle.
 struct AngleGroup {
-  double closing_angle = 0.0;     ///< rad, [0, 2 pi)
+  double closing_angle = 0.0;     ///< rad, [0, 2 pi); NaN = not known
   std::vector<Events> measured;   ///< of every shot with a valid measurement
   std::vector<Events> simulated;  ///< same conditions, simulated; the mean counts, usually of one
 };
 
-/// Phase of the coil voltage asked for, polarity included: closing_angle, or closing_angle + pi. rad, [0, 2 pi).
+/// Phase of the coil voltage asked for, polarity included: closing_angle, or closing_angle + pi. rad, [0, 2 pi); NaN when none is
+/// known.
 double effective_angle(const Conditions&);
+
+/// Degrees to 0.01, as they are stored; NaN stays NaN.
+double stored_degrees(double angle);
+
+/// Equal to 0.01 deg, or both unknown.
+bool same_angle(double a, double b);
 
 /// Puts the shot into the group of its angle (equal to 0.01 deg), which is created in ascending order when missing.
 AngleGroup& group_at(std::vector<AngleGroup>&, double closing_angle);
 
 /// One row per quantity of the quantity table and angle, ordered by quantity, then angle; see `Repeats` for the
 /// statistics. Published values come from rows with the same symbol and the same angle, excluded ones included (the
-/// report marks them). outcome: fail when any repeat is outside the limit of its quantity or does not show it, error
-/// when the angle has no valid measurement at all, else pass.
+/// report marks them). outcome: the worst of the repeats against the limit of their quantity, ERROR when the angle has no
+/// valid measurement at all; without a limit NOT JUDGED, or NOT OBSERVED when no repeat shows the quantity. `most_from_simulation`: largest
+/// |simulated - measured| as a share of the measured mean; NaN = no such limit.
 Comparison compare(std::vector<AngleGroup> groups, std::span<const PublishedRow> published,
-                   const std::vector<Limit>& limits);
+                   const std::vector<Limit>& limits, Decision = Decision::simple,
+                   double most_from_simulation = std::numeric_limits<double>::quiet_NaN());
 
 }  // namespace powbench::host

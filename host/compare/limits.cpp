@@ -33,9 +33,18 @@ std::string unit_shown(const Quantity& q) {
 
 }  // namespace
 
-bool Limit::allows(const Measured& m) const {
-  if (!m.known()) return false;
-  return !(m.value < low) && !(m.value > high);
+std::string_view decision_text(Decision d) {
+  return d == Decision::simple
+             ? "Simple acceptance: a value passes when it lies inside its limit, whatever its uncertainty."
+             : "Guarded acceptance: a value passes when it lies inside its limit by its expanded "
+               "uncertainty U or more.";
+}
+
+Outcome Limit::of(const Measured& m, Decision rule) const {
+  if (!m.known()) return Outcome::not_observed;
+  const double guard = rule == Decision::guarded ? 2 * m.u : 0.0;
+  if (!std::isfinite(guard)) return Outcome::not_judged;
+  return m.value - guard < low || m.value + guard > high ? Outcome::fail : Outcome::pass;
 }
 
 std::string range_text(const Limit& limit) {
@@ -48,17 +57,26 @@ std::string range_text(const Limit& limit) {
   return "any value";
 }
 
-Judgement judge(const Events& events, const std::vector<Limit>& limits) {
+Judgement judge(const Events& events, const std::vector<Limit>& limits, Decision rule) {
   Judgement j;
+  if (!limits.empty()) j.outcome = Outcome::pass;
   for (const auto& limit : limits) {
     const Quantity& q = quantity_of(limit);
     const Measured m = q.of(events);
-    if (limit.allows(m)) continue;
-    j.outcome = Outcome::fail;
+    const Outcome o = limit.of(m, rule);
+    j.outcome = worse(j.outcome, o);
+    if (o == Outcome::pass) continue;
     if (!j.reason.empty()) j.reason += "; ";
     j.reason += limit.quantity;
-    j.reason +=
-        m.known() ? fmt::format(" = {} {}", plain(shown(q, m.value)), unit_shown(q)) : " not observed";
+    if (!m.known())
+      j.reason += " not observed";
+    else if (o == Outcome::not_judged)
+      j.reason += fmt::format(" = {} {} without an uncertainty", plain(shown(q, m.value)), unit_shown(q));
+    else if (rule == Decision::guarded)
+      j.reason +=
+          fmt::format(" = {} {} with U = {:.2g}", plain(shown(q, m.value)), unit_shown(q), shown(q, 2 * m.u));
+    else
+      j.reason += fmt::format(" = {} {}", plain(shown(q, m.value)), unit_shown(q));
     j.reason += fmt::format(", allowed {}", range_text(limit));
   }
   return j;

@@ -39,6 +39,8 @@ FileKind kind_of(Plan& p) {
   kind.number("ambient_degC", p.ambient, {-50, 150}, "ambient and coil temperature at the start");
   kind.choice("polarity", p.polarity, {"positive", "negative", "alternate"},
               "negative fires half a period later; alternate changes from shot to shot");
+  kind.choice("decision_rule", p.decision, {"simple", "guarded"},
+              "of the limits: simple, the value decides; guarded, it must be inside by its uncertainty U");
   kind.number("angle_tolerance_deg", p.angle_tolerance, {0.01, 90},
               "a shot further off its angle does not count");
   kind.number("crosstalk_a_percent", p.crosstalk_a, {-50, 50},

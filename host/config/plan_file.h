@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "core/channel_set.h"
+#include "core/outcome.h"
 #include "core/quantities.h"
 #include "core/units.h"
 #include "host/config/bad_input.h"
@@ -40,6 +41,7 @@ struct Plan {
   double pause = 0.0;                    ///< s between two shots, for the coil to cool down
   double ambient = 20.0 + zero_celsius;  ///< K
   Polarity polarity = Polarity::positive;
+  Decision decision = Decision::simple;   ///< of the limits
   double angle_tolerance = radians(1.0);  ///< rad: a shot whose reached angle is further off does not count
   double crosstalk_a = 0.0, crosstalk_b = 0.0;  ///< share of the other film's force that film a, b shows
   double limits_vs_simulation = std::numeric_limits<double>::quiet_NaN();  ///< relative; NaN = no such limit

@@ -55,7 +55,8 @@ FileKind kind_of(Calibration& k, const std::vector<Channel>& channels, bool fore
               Need::optional);
   kind.number("sample_rate_hertz", k.sample_rate, {1e3, 1e9},
               "instead of the time column's stamps; the first sample keeps its time", Need::optional);
-  kind.number("mains_hertz", k.mains_hertz, {40, 70}, "nominal mains frequency");
+  kind.number("mains_hertz", k.mains_hertz, {40, 70},
+              "nominal mains frequency; without it 50 Hz is assumed to look for it", Need::optional);
   kind.number("closing_angle_deg", k.closing_angle, {0, 360}, "commanded; without it none is checked",
               Need::optional);
   if (foreign) declare_columns(kind, k.columns);

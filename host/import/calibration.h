@@ -35,7 +35,7 @@ struct Calibration {
   double switch_on = 0.0;                                         ///< s, on the time column
   double hold_time = std::numeric_limits<double>::quiet_NaN();    ///< s; NaN = to the end of the record
   double sample_rate = std::numeric_limits<double>::quiet_NaN();  ///< Hz, instead of the time column
-  double mains_hertz = 50.0;                                      ///< nominal
+  double mains_hertz = std::numeric_limits<double>::quiet_NaN();  ///< nominal; NaN = not given
   double closing_angle = std::numeric_limits<double>::quiet_NaN();  ///< rad, commanded
   std::array<ChannelCalibration, channel_count> channels{};
   ForeignColumns columns;

@@ -279,7 +279,8 @@ class Importer {
 
   void set_conditions(Record& r, const std::string& today) {
     Conditions& c = r.conditions;
-    c.mains_hertz = k_.mains_hertz;
+    c.mains_hertz = k_.mains_hertz;  // what nobody gave stays unknown
+    c.supply_volts = c.ambient = c.closing_angle = std::numeric_limits<double>::quiet_NaN();
     c.specimen = "imported";
     const double end = r.samples() ? r.time(r.samples() - 1) : 0.0;
     c.hold_time = std::isnan(k_.hold_time) ? std::max(end, 1e-3) : k_.hold_time;
@@ -292,7 +293,7 @@ class Importer {
     else if (r.calibration.empty())
       note(fmt::format("calibration '{}' was valid until {}: the results are flagged no_calibration", k_.id,
                        k_.valid_until));
-    out_.options.mains_hertz = k_.mains_hertz;
+    if (std::isfinite(k_.mains_hertz)) out_.options.mains_hertz = k_.mains_hertz;
     out_.options.crosstalk_a = k_.of(Channel::pvdf_a).crosstalk;
     out_.options.crosstalk_b = k_.of(Channel::pvdf_b).crosstalk;
   }

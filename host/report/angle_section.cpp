@@ -109,8 +109,12 @@ Markup curve_table(const std::vector<CurveRow>& rows) {
 
 Markup angle_section(const ReportInput& input, const AngleView& view, const Range& window_ms) {
   Markup out;
-  out.open("section", {{"class", "page angle"}, {"id", fmt::format("angle-{:.2f}", degrees(view.angle))}});
-  out.open("h2").text("Closing angle ").text(angle_text(view.angle));
+  out.open("section", {{"class", "page angle"},
+                       {"id", std::isfinite(view.angle) ? fmt::format("angle-{:.2f}", degrees(view.angle))
+                                                        : "angle-unknown"}});
+  out.open("h2")
+      .text("Closing angle ")
+      .text(std::isfinite(view.angle) ? angle_text(view.angle) : "not known");
   int valid = 0;
   for (const auto* shot : view.shots) valid += shot->events.has_value() ? 1 : 0;
   out.element("span", fmt::format(" {} of {} shots measured", valid, view.shots.size()),

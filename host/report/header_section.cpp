@@ -8,24 +8,34 @@ namespace {
 
 /// "230 V, 50 Hz" from the shots; every value that occurs.
 std::string conditions_text(const ReportInput& input) {
-  Range volts, hertz;
+  Range volts, hertz, measured_volts, measured_hertz;
   for (const auto& s : input.shots) {
     volts.include(s.conditions.supply_volts);
     hertz.include(s.conditions.mains_hertz);
+    if (!s.events) continue;
+    measured_volts.include(s.events->coil.supply_volts.value);
+    measured_hertz.include(s.events->coil.mains_hertz.value);
   }
-  const auto text = [](const Range& r, std::string_view unit) {
-    return r.empty()      ? std::string()
-           : r.span() > 0 ? fmt::format("{:g}..{:g} {}", r.low, r.high, unit)
-                          : fmt::format("{:g} {}", r.low, unit);
+  const auto text = [](const Range& asked, const Range& found, std::string_view unit, std::string_view what) {
+    const Range& r = asked.empty() ? found : asked;
+    if (r.empty()) return fmt::format("{} not known", what);
+    const std::string value = fixed(r.high, 2) == fixed(r.low, 2)
+                                  ? fmt::format("{:.6g} {}", r.low, unit)
+                                  : fmt::format("{:.5g} to {:.5g} {}", r.low, r.high, unit);
+    return asked.empty() ? value + " measured" : value;
   };
-  if (volts.empty()) return "";
-  return fmt::format("{}, {}", text(volts, "V"), text(hertz, "Hz"));
+  if (input.shots.empty()) return "";
+  return fmt::format("{}, {}", text(volts, measured_volts, "V", "supply voltage"),
+                     text(hertz, measured_hertz, "Hz", "mains frequency"));
 }
 
 }  // namespace
 
 std::string_view badge_class(Outcome o) {
-  return o == Outcome::pass ? "badge pass" : o == Outcome::fail ? "badge fail" : "badge error";
+  return o == Outcome::pass         ? "badge pass"
+         : o == Outcome::fail       ? "badge fail"
+         : o == Outcome::not_judged ? "badge open"
+                                    : "badge error";
 }
 
 Markup header_section(const ReportInput& input) {
@@ -43,11 +53,14 @@ Markup header_section(const ReportInput& input) {
   if (!input.provenance.started.empty()) line += fmt::format("  \xC2\xB7  {}", input.provenance.started);
   if (!input.provenance.finished.empty()) line += fmt::format(" to {}", input.provenance.finished);
   out.element("p", line, {{"class", "subtitle"}});
+  out.open("p", {{"class", "origin"}}).element("b", name(input.origin));
+  out.text(fmt::format(" {}", meaning(input.origin))).close();
   out.close();
   out.element("div", name(result),
-              {{"class", result == Outcome::pass   ? "verdict pass"
-                         : result == Outcome::fail ? "verdict fail"
-                                                   : "verdict error"}});
+              {{"class", result == Outcome::pass         ? "verdict pass"
+                         : result == Outcome::fail       ? "verdict fail"
+                         : result == Outcome::not_judged ? "verdict open"
+                                                         : "verdict error"}});
   return out.close();
 }
 

@@ -1,5 +1,7 @@
 #include <fmt/format.h>
 
+#include <cmath>
+
 #include "core/quantities.h"
 #include "host/compare/compare.h"
 #include "host/report/markup.h"
@@ -15,13 +17,30 @@ struct Case {
   std::string message;
 };
 
+/// What JUnit calls it; "" for a pass.
+std::string_view element_of(Outcome o) {
+  switch (o) {
+    case Outcome::pass:
+      return "";
+    case Outcome::fail:
+    case Outcome::not_observed:
+      return "failure";
+    case Outcome::not_judged:
+      return "skipped";
+    default:
+      return "error";
+  }
+}
+
 std::string angle_text(double angle) {
+  if (!std::isfinite(angle)) return "an angle not known";
   return fmt::format("{:.2f} deg", degrees(angle));
 }
 
 Case shot_case(const ReportShot& shot) {
   Case c{fmt::format("shot {} at {}", shot.index, angle_text(effective_angle(shot.conditions))), "shots",
          shot.outcome, shot.reason};
+  if (c.outcome == Outcome::not_judged && c.message.empty()) c.message = "measured; the plan sets no limit";
   if (c.outcome != Outcome::pass && c.message.empty()) c.message = name(c.outcome);
   return c;
 }
@@ -33,12 +52,30 @@ Case limit_case(const ReportInput& input, const Limit& limit) {
     if (row.quantity != limit.quantity) continue;
     seen = true;
     if (row.outcome == Outcome::pass) continue;
-    if (c.outcome != Outcome::fail) c.outcome = row.outcome;
+    c.outcome = worse(c.outcome, row.outcome);
     if (!c.message.empty()) c.message += "; ";
-    c.message += row.outcome == Outcome::fail ? "outside at " : "no measurement at ";
+    c.message += row.outcome == Outcome::fail           ? "outside at "
+                 : row.outcome == Outcome::not_observed ? "not observed at "
+                 : row.outcome == Outcome::not_judged   ? "uncertainty not known at "
+                                                        : "no measurement at ";
     c.message += angle_text(row.closing_angle);
   }
   if (!seen) c.outcome = Outcome::error, c.message = "no measurement";
+  return c;
+}
+
+Case simulation_case(const ReportInput& input) {
+  Case c{fmt::format("difference from the simulation \xE2\x89\xA4 {:g} %", input.most_from_simulation * 100),
+         "limits", Outcome::not_judged, ""};
+  for (const auto& row : input.comparison.rows) {
+    if (row.against_simulation == Outcome::pass && c.outcome == Outcome::not_judged)
+      c.outcome = Outcome::pass;
+    if (row.against_simulation != Outcome::fail) continue;
+    c.outcome = Outcome::fail;
+    c.message += fmt::format("{}{} at {}", c.message.empty() ? "outside: " : ", ", row.quantity,
+                             angle_text(row.closing_angle));
+  }
+  if (c.outcome == Outcome::not_judged) c.message = "nothing simulated to compare with";
   return c;
 }
 
@@ -58,25 +95,31 @@ std::string render_junit(const ReportInput& input) {
   std::vector<Case> cases{completeness_case(input)};
   for (const auto& shot : input.shots) cases.push_back(shot_case(shot));
   for (const auto& limit : input.limits) cases.push_back(limit_case(input, limit));
-  std::size_t failures = 0, errors = 0;
+  if (std::isfinite(input.most_from_simulation)) cases.push_back(simulation_case(input));
+  std::size_t failures = 0, errors = 0, skips = 0;
   for (const auto& c : cases) {
-    failures += c.outcome == Outcome::fail ? 1U : 0U;
-    errors += c.outcome != Outcome::fail && c.outcome != Outcome::pass ? 1U : 0U;
+    const std::string_view e = element_of(c.outcome);
+    failures += e == "failure" ? 1U : 0U;
+    errors += e == "error" ? 1U : 0U;
+    skips += e == "skipped" ? 1U : 0U;
   }
   const std::string tests = fmt::format("{}", cases.size()), failed = fmt::format("{}", failures),
-                    broken = fmt::format("{}", errors);
+                    broken = fmt::format("{}", errors), skipped = fmt::format("{}", skips);
   Markup out;
-  out.open("testsuites", {{"tests", tests}, {"failures", failed}, {"errors", broken}});
+  out.open("testsuites", {{"tests", tests}, {"failures", failed}, {"errors", broken}, {"skipped", skipped}});
   out.open("testsuite", {{"name", input.campaign},
                          {"tests", tests},
                          {"failures", failed},
                          {"errors", broken},
-                         {"skipped", "0"}});
+                         {"skipped", skipped}});
   out.open("properties");
   const auto property = [&](std::string_view key, const std::string& value) {
     if (!value.empty()) out.empty("property", {{"name", key}, {"value", value}});
   };
   const Provenance& p = input.provenance;
+  property("origin", std::string(name(input.origin)));
+  property("verdict", std::string(name(verdict(input))));
+  property("decision_rule", std::string(decision_text(input.decision)));
   property("specimen", input.specimen);
   property("program", p.program);
   property("rig", p.rig);
@@ -88,9 +131,11 @@ std::string render_junit(const ReportInput& input) {
   out.close();
   for (const auto& c : cases) {
     out.open("testcase", {{"classname", input.campaign + "." + c.group}, {"name", c.name}});
-    if (c.outcome != Outcome::pass)
-      out.empty(c.outcome == Outcome::fail ? "failure" : "error",
-                {{"type", name(c.outcome)}, {"message", c.message}});
+    const std::string_view element = element_of(c.outcome);
+    if (element == "skipped")
+      out.empty(element, {{"message", c.message}});
+    else if (!element.empty())
+      out.empty(element, {{"type", name(c.outcome)}, {"message", c.message}});
     out.close();
   }
   out.close().close();

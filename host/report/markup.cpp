@@ -3,6 +3,7 @@
 #include <cassert>
 #include <cstddef>
 #include <cstdint>
+#include <stdexcept>
 
 namespace powbench::host {
 namespace {
@@ -110,6 +111,14 @@ Markup& Markup::empty(std::string_view tag, Attributes attributes) {
   start(tag, attributes);
   out_ += "/>";
   return *this;
+}
+
+Markup& Markup::verbatim(std::string_view tag, std::string_view content, Attributes attributes) {
+  if (content.find_first_of("<&") != std::string_view::npos)
+    throw std::invalid_argument("verbatim content must hold neither < nor &");
+  open(tag, attributes);
+  out_ += content;
+  return close();
 }
 
 Markup& Markup::embed(const Markup& other) {

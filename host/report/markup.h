@@ -28,6 +28,10 @@ class Markup {
   /// <tag .../>
   Markup& empty(std::string_view tag, Attributes = {});
 
+  /// <style> or <script>, whose content no reader unescapes: it must hold none of < & and is taken as it is. Throws
+  /// std::invalid_argument.
+  Markup& verbatim(std::string_view tag, std::string_view content, Attributes = {});
+
   /// The finished content of another Markup. Its elements must all be closed.
   Markup& embed(const Markup&);
 

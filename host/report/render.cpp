@@ -11,25 +11,32 @@ Counts count(const ReportInput& input) {
   for (const auto& shot : input.shots) {
     c.passed += shot.outcome == Outcome::pass ? 1U : 0U;
     c.failed += shot.outcome == Outcome::fail ? 1U : 0U;
+    c.not_judged += shot.outcome == Outcome::not_judged ? 1U : 0U;
+    c.not_observed += shot.outcome == Outcome::not_observed ? 1U : 0U;
   }
-  c.done = c.passed + c.failed;
+  c.done = c.passed + c.failed + c.not_judged + c.not_observed;
   c.errors = input.shots.size() - c.done;
   c.missing = c.planned - input.shots.size();
   return c;
 }
 
 Outcome verdict(const ReportInput& input) {
-  const auto any = [&](Outcome o) {
-    return std::any_of(input.shots.begin(), input.shots.end(),
-                       [&](const ReportShot& s) { return s.outcome == o; });
-  };
-  const bool row_failed = std::any_of(input.comparison.rows.begin(), input.comparison.rows.end(),
-                                      [](const ComparisonRow& row) { return row.outcome == Outcome::fail; });
-  if (any(Outcome::fail) || row_failed) return Outcome::fail;
-  for (const Outcome o : {Outcome::error, Outcome::timeout, Outcome::aborted})
-    if (any(o)) return o;
   const Counts c = count(input);
-  return c.missing > 0 || c.done == 0 ? Outcome::aborted : Outcome::pass;
+  if (c.planned == 0) return Outcome::aborted;
+  Outcome worst = c.missing > 0 ? Outcome::aborted : Outcome::pass;
+  for (const auto& shot : input.shots) worst = worse(worst, shot.outcome);
+  bool simulation_judged = false;
+  for (const auto& row : input.comparison.rows) {
+    const bool limited = std::any_of(input.limits.begin(), input.limits.end(),
+                                     [&](const Limit& l) { return l.quantity == row.quantity; });
+    if (limited && row.outcome != Outcome::error)
+      worst = worse(worst, row.outcome);  // of an error the shots say more
+    simulation_judged = simulation_judged || row.against_simulation == Outcome::pass;
+    if (row.against_simulation == Outcome::fail) worst = Outcome::fail;
+  }
+  // without limits on the quantities, the one on the difference from the simulation may have been judged
+  if (worst == Outcome::not_judged && input.limits.empty() && simulation_judged) return Outcome::pass;
+  return worst;
 }
 
 std::string render_html(const ReportInput& input) {

@@ -9,6 +9,7 @@
 #include "core/comparison.h"
 #include "core/conditions.h"
 #include "core/events.h"
+#include "core/origin.h"
 #include "core/outcome.h"
 #include "host/compare/limits.h"
 #include "host/paper/published.h"
@@ -63,9 +64,13 @@ struct Provenance {
 };
 
 struct ReportInput {
-  std::string campaign;        ///< name
-  std::string specimen;        ///< name
-  std::size_t planned = 0;     ///< shots the plan asks for
+  std::string campaign;     ///< name
+  std::string specimen;     ///< name
+  std::size_t planned = 0;  ///< shots the plan asks for
+  Origin origin = Origin::unknown;
+  Decision decision = Decision::simple;  ///< of the limits
+  double most_from_simulation =
+      std::numeric_limits<double>::quiet_NaN();  ///< share of the measured mean; NaN = no limit
   double angle_tolerance = 0;  ///< rad: allowed deviation of the angle reached; 0 = none given
   Provenance provenance;
   std::vector<ReportShot> shots;  ///< in executed order
@@ -80,23 +85,24 @@ struct ReportInput {
 /// Shots by outcome.
 struct Counts {
   std::size_t planned = 0;
-  std::size_t done = 0;  ///< valid measurement: passed + failed
+  std::size_t done = 0;  ///< valid measurement: passed + failed + not_judged + not_observed
   std::size_t passed = 0;
-  std::size_t failed = 0;   ///< outside limits
+  std::size_t failed = 0;  ///< outside limits
+  std::size_t not_judged = 0, not_observed = 0;
   std::size_t errors = 0;   ///< ERROR, TIMEOUT, ABORTED
   std::size_t missing = 0;  ///< planned and never attempted
 };
 Counts count(const ReportInput&);
 
-/// The campaign in one word: FAIL if any shot or limit failed, else ERROR, else TIMEOUT, else ABORTED (also when planned
-/// shots are missing or there is none), else PASS.
+/// The campaign in one word: the worst of its shots and limits, ABORTED when planned shots are missing or there is none. PASS only
+/// where at least one limit was judged.
 Outcome verdict(const ReportInput&);
 
 /// One self-contained HTML page: no script, no network, inline SVG, made to be printed on A4. Also well-formed XML.
 std::string render_html(const ReportInput&);
 
-/// JUnit XML: one suite; a case per shot, per limit and for the number of shots done. FAIL is a failure; ERROR, TIMEOUT,
-/// ABORTED are errors.
+/// JUnit XML: one suite; a case per shot, per limit and for the number of shots done. FAIL and NOT OBSERVED are failures;
+/// ERROR, TIMEOUT, ABORTED are errors; NOT JUDGED is skipped.
 std::string render_junit(const ReportInput&);
 
 }  // namespace powbench::host

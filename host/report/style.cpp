@@ -3,14 +3,14 @@
 namespace powbench::host {
 namespace {
 
-// No quotes, ampersands or angle brackets in here: the same bytes then mean the same to an HTML and an XML reader.
+// No ampersands or angle brackets in here: the same bytes then mean the same to an HTML and an XML reader.
 constexpr std::string_view css = R"(
 :root { --ink: #1f2933; --soft: #5b6875; --line: #d7dde3; --faint: #f3f5f7; --measured: #0072B2; --simulated: #B34E00;
   --published: #00795A; --good: #1b6b3a; --bad: #a3261b; --doubt: #8a5a00; }
 * { box-sizing: border-box; }
 html { background: #eceff2; }
-body { margin: 0; color: var(--ink); font: 15px/1.5 Inter, Source Sans 3, Segoe UI, Roboto, Helvetica Neue, Arial,
-  Liberation Sans, DejaVu Sans, sans-serif; font-variant-numeric: tabular-nums; -webkit-print-color-adjust: exact;
+body { margin: 0; color: var(--ink); font: 15px/1.5 Inter, "Source Sans 3", "Segoe UI", Roboto, "Helvetica Neue", Arial,
+  "Liberation Sans", "DejaVu Sans", sans-serif; font-variant-numeric: tabular-nums; -webkit-print-color-adjust: exact;
   print-color-adjust: exact; }
 main { max-width: 1080px; margin: 0 auto; background: #fff; padding: 44px 52px 36px; }
 header { display: flex; justify-content: space-between; align-items: flex-start; gap: 32px;
@@ -20,12 +20,15 @@ h1 { margin: 0; font-size: 30px; line-height: 1.2; font-weight: 650; overflow-wr
 h2 { margin: 0 0 14px; font-size: 21px; font-weight: 650; line-height: 1.3; }
 h3 { margin: 26px 0 8px; font-size: 15px; font-weight: 650; }
 .subtitle { margin: 6px 0 0; color: var(--soft); }
+.origin { margin: 8px 0 0; }
+.origin b { padding: 1px 8px; margin-right: 6px; border: 2px solid var(--ink); border-radius: 3px; letter-spacing: .04em; }
 .aside { margin-left: 12px; font-size: 14px; font-weight: 400; color: var(--soft); }
 .verdict { flex: none; padding: 10px 26px; border-radius: 6px; font-size: 24px; font-weight: 700; letter-spacing: .06em;
   color: #fff; }
 .verdict.pass { background: var(--good); }
 .verdict.fail { background: var(--bad); }
 .verdict.error { background: var(--doubt); }
+.verdict.open { background: #5b6875; }
 .tiles { display: grid; grid-template-columns: repeat(6, 1fr); gap: 1px; margin: 22px 0 4px; background: var(--line);
   border: 1px solid var(--line); border-radius: 6px; overflow: hidden; }
 .tile { background: #fff; padding: 12px 14px 10px; }
@@ -55,7 +58,8 @@ tr.bad td, tr.bad th { background: #fbeeec; }
 .badge.pass { color: var(--good); background: #e6f2ea; }
 .badge.fail { color: #fff; background: var(--bad); }
 .badge.error { color: #fff; background: var(--doubt); }
-.code { font-family: ui-monospace, SFMono-Regular, Menlo, Consolas, DejaVu Sans Mono, monospace; font-size: 12px; }
+.badge.open { color: var(--soft); background: var(--faint); }
+.code { font-family: ui-monospace, SFMono-Regular, Menlo, Consolas, "DejaVu Sans Mono", monospace; font-size: 12px; }
 .shots td:first-child { text-align: right; }
 .shots th:last-child { text-align: left; }
 .shots td.left { width: 26%; color: var(--soft); }
@@ -115,7 +119,7 @@ footer { margin-top: 36px; color: var(--soft); font-size: 13px; }
 const Markup& page_style() {
   static const Markup style = [] {
     Markup m;
-    m.element("style", css);
+    m.verbatim("style", css);
     return m;
   }();
   return style;

@@ -31,9 +31,10 @@ void tile(Markup& out, std::size_t number, std::string_view label, std::string_v
 void limits_table(Markup& out, const ReportInput& input) {
   out.element("h3", "Limits");
   if (input.limits.empty()) {
-    out.element("p", "The plan sets none: every valid measurement passes.", {{"class", "fine"}});
+    out.element("p", "The plan sets none: nothing was judged.", {{"class", "fine"}});
     return;
   }
+  out.element("p", decision_text(input.decision), {{"class", "fine"}});
   out.open("table", {{"class", "limits"}}).open("thead").open("tr");
   out.element("th", "Quantity", {{"scope", "col"}, {"colspan", "2"}});
   for (const std::string_view head : {"allowed", "measured, all angles", "result"})
@@ -49,11 +50,11 @@ void limits_table(Markup& out, const ReportInput& input) {
       if (row.quantity != limit.quantity) continue;
       seen.include(row.lowest * unit.per_si);
       seen.include(row.highest * unit.per_si);
-      if (row.outcome == Outcome::fail)
+      if (row.outcome == Outcome::fail || row.outcome == Outcome::not_observed)
         where += fmt::format("{} {}", where.empty() ? "" : ",", angle_text(row.closing_angle));
-      if (row.outcome == Outcome::fail || outcome == Outcome::pass) outcome = row.outcome;
+      outcome = worse(outcome, row.outcome);
     }
-    if (seen.empty() && outcome == Outcome::pass) outcome = Outcome::error;
+    if (seen.empty()) outcome = worse(outcome, Outcome::not_observed);
     out.open("tr").element("th", limit.quantity, {{"scope", "row"}, {"class", "sym"}});
     out.element("td", quantity != nullptr ? quantity->meaning : "", {{"class", "left"}});
     out.element("td", range_text(limit));
@@ -147,6 +148,8 @@ Markup summary_section(const ReportInput& input) {
   tile(out, c.done, "measured", "");
   tile(out, c.passed, "inside limits", "good");
   tile(out, c.failed, "outside limits", "bad");
+  tile(out, c.not_judged, "not judged", "doubt");
+  tile(out, c.not_observed, "not observed", "bad");
   tile(out, c.errors, "no valid measurement", "bad");
   tile(out, c.missing, "not fired", "bad");
   out.close();

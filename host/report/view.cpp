@@ -11,10 +11,6 @@
 namespace powbench::host {
 namespace {
 
-bool same_angle(double a, double b) {
-  return to_centi_degrees(a) == to_centi_degrees(b);
-}
-
 AngleView& view_at(std::vector<AngleView>& views, double angle) {
   for (auto& v : views)
     if (same_angle(v.angle, angle)) return v;
@@ -29,8 +25,9 @@ std::vector<AngleView> angles_of(const ReportInput& input) {
   for (const auto& shot : input.shots)
     view_at(views, effective_angle(shot.conditions)).shots.push_back(&shot);
   for (const auto& s : input.simulated) view_at(views, s.closing_angle).simulated = &s;
-  std::sort(views.begin(), views.end(),
-            [](const AngleView& a, const AngleView& b) { return a.angle < b.angle; });
+  std::sort(views.begin(), views.end(), [](const AngleView& a, const AngleView& b) {
+    return std::isfinite(a.angle) && (!std::isfinite(b.angle) || a.angle < b.angle);
+  });
   return views;
 }
 

@@ -32,7 +32,7 @@ StoredShot stored(std::int64_t campaign, ShotKind kind, const PlannedShot& plann
   shot.number = planned.index;
   shot.repeat = planned.repeat;
   shot.conditions = planned.conditions;
-  shot.angle_deg = to_centi_degrees(effective_angle(planned.conditions)) / 100.0;
+  shot.angle_deg = stored_degrees(effective_angle(planned.conditions));
   return shot;
 }
 
@@ -47,23 +47,6 @@ bool find_again(rigs::Rig& rig, Clock& clock, Progress& progress) {
   return rig.reconnect();
 }
 
-/// Turns a shot with a record into its verdict: angle tolerance, then limits.
-void judge_shot(StoredShot& shot, const Events& events, const RunOptions& options) {
-  std::string reason;
-  if ((events.coil.flags & flag_angle_off) != 0)
-    reason = fmt::format("closing angle {:.2f} deg, commanded {:.2f} deg, tolerance {:.2f} deg",
-                         degrees(events.coil.closing_angle.value), shot.angle_deg,
-                         degrees(options.angle_tolerance));
-  const Judgement limits = judge(events, options.limits);
-  if (!limits.reason.empty()) reason += (reason.empty() ? "" : "; ") + limits.reason;
-  shot.outcome = reason.empty() ? Outcome::pass : Outcome::fail;
-  shot.reason = reason;
-}
-
-bool has_record(const StoredShot& shot) {
-  return shot.outcome == Outcome::pass || shot.outcome == Outcome::fail;
-}
-
 /// Extracts, judges and stores what one attempt gave.
 StoredShot keep_shot(Store& store, StoredShot shot, const rigs::Shot& result, const RunOptions& options,
                      Progress& progress) {
@@ -72,7 +55,9 @@ StoredShot keep_shot(Store& store, StoredShot shot, const rigs::Shot& result, co
   std::optional<Events> events;
   if (result.outcome == Outcome::pass) {
     events = extract_checked(result.record, options);
-    judge_shot(shot, *events, options);
+    Judgement j = judge_shot(*events, shot.conditions, options);
+    shot.outcome = j.outcome;
+    shot.reason = std::move(j.reason);
   }
   store.store_shot(shot, events ? &result.record : nullptr, events ? &*events : nullptr,
                    extraction_info(options));
@@ -94,15 +79,31 @@ Exit RunSummary::exit_code() const {
   if (interlock) return Exit::interlock;
   if (rig_lost || count(Outcome::error) > 0) return Exit::rig_fault;
   if (count(Outcome::timeout) > 0) return Exit::timeout;
-  return count(Outcome::fail) > 0 ? Exit::outside_limits : Exit::pass;
+  return count(Outcome::fail) + count(Outcome::not_observed) > 0 ? Exit::outside_limits : Exit::pass;
 }
 
 Events extract_checked(const Record& record, const RunOptions& options) {
   Events events = dsp::extract_events(record, options.extract);
-  const double off = wrap_half_turn(events.coil.closing_angle.value - effective_angle(record.conditions));
-  if (events.coil.closing_angle.known() && std::abs(off) > options.angle_tolerance)
-    events.coil.flags |= flag_angle_off;
+  dsp::check_angle(events, record.conditions, options.angle_tolerance);
   return events;
+}
+
+Judgement judge_shot(const Events& events, const Conditions& conditions, const RunOptions& options) {
+  Judgement j = judge(events, options.limits, options.decision);
+  const double commanded = effective_angle(conditions);
+  if (!(options.angle_tolerance > 0) || !std::isfinite(commanded)) return j;
+  const auto add = [&](Outcome o, const std::string& why) {
+    j.outcome = worse(j.outcome, o);
+    j.reason = why + (j.reason.empty() ? "" : "; ") + j.reason;
+  };
+  if (!events.coil.closing_angle.known())
+    add(Outcome::not_observed,
+        fmt::format("closing angle not observed, commanded {:.2f} deg", degrees(commanded)));
+  else if ((events.coil.flags & flag_angle_off) != 0)
+    add(Outcome::fail, fmt::format("closing angle {:.2f} deg, commanded {:.2f} deg, tolerance {:.2f} deg",
+                                   degrees(events.coil.closing_angle.value), degrees(commanded),
+                                   degrees(options.angle_tolerance)));
+  return j;
 }
 
 RunSummary run_campaign(Store& store, std::int64_t campaign, std::span<const PlannedShot> plan,
@@ -111,7 +112,7 @@ RunSummary run_campaign(Store& store, std::int64_t campaign, std::span<const Pla
   summary.planned = plan.size();
   std::set<int> done;
   for (const StoredShot& s : store.shots(campaign, ShotKind::measured)) {
-    if (!has_record(s)) continue;
+    if (!measured(s.outcome)) continue;
     done.insert(s.number);
     ++summary.counts[static_cast<std::size_t>(s.outcome)];
   }
@@ -137,7 +138,7 @@ RunSummary run_campaign(Store& store, std::int64_t campaign, std::span<const Pla
       }
     }
     ++summary.counts[static_cast<std::size_t>(ended.outcome)];
-    failures = has_record(ended) ? 0 : failures + 1;
+    failures = measured(ended.outcome) ? 0 : failures + 1;
     progress.update(done.size() + ++fired, fmt::format("{:.0f} deg", shot.angle_deg));
 
     summary.interlock = summary.interlock || result.interlock;
@@ -201,7 +202,7 @@ std::size_t simulate_campaign(Store& store, std::int64_t campaign, std::span<con
   std::size_t stored_shots = 0;
   for (std::size_t i = 0; i < shots.size(); ++i) {
     if (!results[i]) continue;
-    shots[i].outcome = Outcome::pass;
+    shots[i].outcome = Outcome::not_judged;
     store.store_shot(shots[i], &results[i]->record, &events[i], extraction_info(options));
     ++stored_shots;
   }

@@ -24,10 +24,11 @@ namespace powbench::host {
 
 struct RunOptions {
   dsp::ExtractOptions extract;
-  std::vector<Limit> limits;     ///< of the plan
-  double angle_tolerance = 0.0;  ///< rad: reached against commanded closing angle
-  double pause = 0.0;            ///< s between two shots
-  int max_failures = 5;          ///< shots without a record in a row after which the campaign stops
+  std::vector<Limit> limits;             ///< of the plan
+  Decision decision = Decision::simple;  ///< of the limits
+  double angle_tolerance = 0.0;          ///< rad: reached against commanded closing angle; 0 = none
+  double pause = 0.0;                    ///< s between two shots
+  int max_failures = 5;                  ///< shots without a record in a row after which the campaign stops
   std::chrono::milliseconds shot_limit{15'000};  ///< longest time for one shot, hold time included
   Clock* clock = &machine_clock();  ///< of the pauses between shots and in the search for a lost rig
 };
@@ -35,14 +36,18 @@ struct RunOptions {
 /// How a campaign went.
 struct RunSummary {
   std::size_t planned = 0;
-  std::size_t counts[5] = {};  ///< shots of each Outcome, earlier runs of the campaign included
-  bool rig_lost = false;       ///< stopped: the rig went away and did not come back
-  bool interlock = false;      ///< stopped: the rig tripped or refused for safety
-  bool interrupted = false;    ///< stopped by the operator
-  std::string stopped;         ///< why it stopped early, one sentence; empty when it ran to the end
+  std::size_t counts[outcome_names.size()] =
+      {};                    ///< shots of each Outcome, earlier runs of the campaign included
+  bool rig_lost = false;     ///< stopped: the rig went away and did not come back
+  bool interlock = false;    ///< stopped: the rig tripped or refused for safety
+  bool interrupted = false;  ///< stopped by the operator
+  std::string stopped;       ///< why it stopped early, one sentence; empty when it ran to the end
 
   std::size_t count(Outcome o) const { return counts[static_cast<std::size_t>(o)]; }
-  std::size_t done() const { return count(Outcome::pass) + count(Outcome::fail); }
+  std::size_t done() const {
+    return count(Outcome::pass) + count(Outcome::fail) + count(Outcome::not_judged) +
+           count(Outcome::not_observed);
+  }
   Exit exit_code() const;
 };
 
@@ -60,6 +65,10 @@ using RecordMaker =
 std::size_t simulate_campaign(Store&, std::int64_t campaign, std::span<const PlannedShot>,
                               const sim::Specimen&, const rigs::SimRigConfig&, const RunOptions&, int threads,
                               Progress&, const RecordMaker& = rigs::simulate_record);
+
+/// The verdict on a shot with a record: angle tolerance, then limits. NOT JUDGED without a limit; NOT OBSERVED where an angle was
+/// commanded within a tolerance and the record does not show the one reached.
+Judgement judge_shot(const Events&, const Conditions&, const RunOptions&);
 
 /// Events of a record with the checks that need its conditions: closing angle within tolerance.
 Events extract_checked(const Record&, const RunOptions&);

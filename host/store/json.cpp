@@ -186,11 +186,29 @@ std::string to_json(const Events& e, int indent) {
 }
 
 std::string to_json(const Conditions& c, int indent) {
-  const Ordered j = {{"supply_volts", c.supply_volts},   {"mains_hertz", c.mains_hertz},
-                     {"closing_angle", c.closing_angle}, {"polarity", c.polarity},
-                     {"hold_time", c.hold_time},         {"ambient", c.ambient},
-                     {"specimen", c.specimen},           {"seed", c.seed}};
+  const Ordered j = {{"supply_volts", number(c.supply_volts)},
+                     {"mains_hertz", number(c.mains_hertz)},
+                     {"closing_angle", number(c.closing_angle)},
+                     {"polarity", c.polarity},
+                     {"hold_time", number(c.hold_time)},
+                     {"ambient", number(c.ambient)},
+                     {"specimen", c.specimen},
+                     {"seed", c.seed}};
   return j.dump(indent);
+}
+
+std::string numbers_to_json(const std::map<std::string, double>& numbers) {
+  Ordered j = Ordered::object();
+  for (const auto& [key, value] : numbers) j[key] = number(value);
+  return j.dump();
+}
+
+std::map<std::string, double> numbers_from_json(std::string_view text) {
+  return parsed(text, [](const json& j) {
+    std::map<std::string, double> numbers;
+    for (const auto& [key, value] : j.items()) numbers[key] = number_from(value);
+    return numbers;
+  });
 }
 
 Events events_from_json(std::string_view text) {
@@ -212,12 +230,12 @@ Events events_from_json(std::string_view text) {
 Conditions conditions_from_json(std::string_view text) {
   return parsed(text, [](const json& j) {
     Conditions c;
-    c.supply_volts = j.at("supply_volts").get<double>();
-    c.mains_hertz = j.at("mains_hertz").get<double>();
-    c.closing_angle = j.at("closing_angle").get<double>();
+    c.supply_volts = number_from(j.at("supply_volts"));
+    c.mains_hertz = number_from(j.at("mains_hertz"));
+    c.closing_angle = number_from(j.at("closing_angle"));
     c.polarity = j.at("polarity").get<int>();
-    c.hold_time = j.at("hold_time").get<double>();
-    c.ambient = j.at("ambient").get<double>();
+    c.hold_time = number_from(j.at("hold_time"));
+    c.ambient = number_from(j.at("ambient"));
     c.specimen = j.at("specimen").get<std::string>();
     c.seed = j.at("seed").get<std::uint64_t>();
     return c;

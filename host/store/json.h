@@ -1,5 +1,6 @@
 #pragma once
 
+#include <map>
 #include <string>
 #include <string_view>
 
@@ -17,5 +18,9 @@ Conditions conditions_from_json(std::string_view);
 
 /// Names of the set flags, e.g. "clipped, poor_fit"; empty when none is set.
 std::string flag_names(std::uint32_t flags);
+
+/// Named numbers; null for what is not known.
+std::string numbers_to_json(const std::map<std::string, double>&);
+std::map<std::string, double> numbers_from_json(std::string_view);
 
 }  // namespace powbench::host

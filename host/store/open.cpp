@@ -56,13 +56,13 @@ void inspect(const std::string& path) {
   in.read(reinterpret_cast<char*>(h.data()), header_bytes);
   const auto there = static_cast<std::size_t>(in.gcount());
   if (std::memcmp(h.data(), "SQLite format 3", std::min<std::size_t>(there, 16)) != 0)
-    throw StoreError(path + (is_text(std::span(h).first(there))
+    throw WrongStore(path + (is_text(std::span(h).first(there))
                                  ? ": a text file, not a powbench store; name another file"
                                  : ": not a powbench store; name another file"));
   if (there < header_bytes)
     throw StoreError(path + ": the file is damaged (cut off); restore it from a copy");
   if (field(h, 68) != Store::application_id)
-    throw StoreError(path + ": a database of another program; name another file");
+    throw WrongStore(path + ": a database of another program; name another file");
   refuse_newer(path, static_cast<int>(field(h, 60)));
   const std::uint64_t page = (h[16] << 8 | h[17]) == 1 ? 65536U : static_cast<unsigned>(h[16] << 8 | h[17]);
   // an unfinished checkpoint may leave the file short, but then the log holds the rest
@@ -87,7 +87,7 @@ void migrate(Database& db) {
 void create(const std::string& path) {
   const fs::path folder = fs::path(path).has_parent_path() ? fs::path(path).parent_path() : fs::path(".");
   if (!fs::is_directory(folder))
-    throw StoreError(path + ": there is no folder " + folder.string() + "; make it first");
+    throw WrongStore(path + ": there is no folder " + folder.string() + "; make it first");
   // what a creation that was killed left behind goes first
   const std::string beginning = fs::path(path).filename().string() + ".new-";
   for (const auto& entry : fs::directory_iterator(folder)) {
@@ -153,9 +153,9 @@ void check_structure(Database& db) {
 
 Database open_store(const std::string& path, Store::Mode mode) {
   std::error_code ignored;
-  if (fs::is_directory(path, ignored)) throw StoreError(path + ": is a folder; name a file");
+  if (fs::is_directory(path, ignored)) throw WrongStore(path + ": is a folder; name a file");
   if (!has_content(path)) {
-    if (mode == Store::Mode::read_only) throw StoreError(path + ": no such store; run a plan first");
+    if (mode == Store::Mode::read_only) throw WrongStore(path + ": no such store; run a plan first");
     create(path);
   }
   inspect(path);

@@ -1,7 +1,9 @@
 #pragma once
 
+#include <cmath>
 #include <cstdint>
 #include <cstring>
+#include <limits>
 #include <string>
 #include <string_view>
 
@@ -21,6 +23,7 @@ class Seal {
   Seal& add(std::int64_t value) { return add(std::string_view(std::to_string(value))); }
   Seal& add(int value) { return add(static_cast<std::int64_t>(value)); }
   Seal& add(double value) {
+    if (std::isnan(value)) value = std::numeric_limits<double>::quiet_NaN();  // one of many
     char bits[sizeof value];
     std::memcpy(bits, &value, sizeof value);
     return add(std::string_view(bits, sizeof bits));

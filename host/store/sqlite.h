@@ -3,6 +3,7 @@
 #include <sqlite3.h>
 
 #include <cstdint>
+#include <limits>
 #include <memory>
 #include <span>
 #include <string>
@@ -57,7 +58,11 @@ class Statement {
   void run() { step(); }
 
   std::int64_t integer(int column) const { return sqlite3_column_int64(s_.get(), column); }
-  double real(int column) const { return sqlite3_column_double(s_.get(), column); }
+  /// NaN for NULL; a NaN is bound as NULL.
+  double real(int column) const {
+    return sqlite3_column_type(s_.get(), column) == SQLITE_NULL ? std::numeric_limits<double>::quiet_NaN()
+                                                                : sqlite3_column_double(s_.get(), column);
+  }
   std::string text(int column) const;
   std::span<const std::uint8_t> blob(int column) const;
 

@@ -45,14 +45,30 @@ auto stored_json(F&& read) {
 constexpr const char* campaign_columns =
     "id, created, name, plan, plan_hash, specimen, specimen_hash, rig_file, rig_uri, rig_identity, "
     "program_version, "
-    "finished, seal";
+    "finished, seal, origin";
 
 std::string seal_of(const CampaignInfo& c) {
   Seal seal;
   for (const std::string* text : {&c.created, &c.name, &c.plan, &c.plan_hash, &c.specimen, &c.specimen_hash,
                                   &c.rig_file, &c.rig_uri, &c.rig_identity, &c.program_version})
     seal.add(*text);
+  if (c.origin != Origin::unknown) seal.add(name(c.origin));  // rows from before it was kept have none
   return seal.hex();
+}
+
+Origin origin_from(const std::string& word) {
+  for (std::size_t i = 0; i < origin_names.size(); ++i)
+    if (origin_names[i] == word) return static_cast<Origin>(i);
+  return Origin::unknown;
+}
+
+/// Of a campaign from before its origin was kept: what its rig's name can only mean.
+Origin origin_of(const CampaignInfo& c) {
+  if (c.origin != Origin::unknown) return c.origin;
+  if (c.rig_uri.starts_with("sim:")) return Origin::simulated_rig;
+  if (c.rig_uri.starts_with("qemu:")) return Origin::emulated_board;
+  if (c.rig_uri.starts_with("file:")) return Origin::import;
+  return c.rig_uri.empty() ? Origin::simulation : Origin::unknown;
 }
 
 std::string seal_of(const StoredShot& s) {
@@ -93,8 +109,10 @@ CampaignInfo campaign_row(const Statement& s) {
                  .rig_uri = s.text(8),
                  .rig_identity = s.text(9),
                  .program_version = s.text(10),
-                 .finished = s.integer(11) != 0};
+                 .finished = s.integer(11) != 0,
+                 .origin = origin_from(s.text(13))};
   check_seal(seal_of(c), s.text(12), "campaign " + std::to_string(c.id));
+  c.origin = origin_of(c);
   return c;
 }
 
@@ -165,7 +183,7 @@ struct Store::Impl {
     s.bind(shot.campaign).bind(name(shot.kind)).bind(shot.number);
     if (!s.step()) return 1;
     const Outcome before = outcome_from(s.text(0));
-    if (before == Outcome::pass || before == Outcome::fail)
+    if (measured(before))
       throw StoreError("shot " + std::to_string(shot.number) + " is stored already and is not overwritten");
     return static_cast<int>(s.integer(1)) + 1;
   }
@@ -182,7 +200,7 @@ std::int64_t Store::create_campaign(const CampaignInfo& info) {
   Statement(impl_->db,
             "INSERT INTO campaign (created, name, plan, plan_hash, specimen, specimen_hash, rig_file, "
             "rig_uri, rig_identity, "
-            "program_version, seal) VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)")
+            "program_version, origin, seal) VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)")
       .bind(c.created)
       .bind(c.name)
       .bind(c.plan)
@@ -193,6 +211,7 @@ std::int64_t Store::create_campaign(const CampaignInfo& info) {
       .bind(c.rig_uri)
       .bind(c.rig_identity)
       .bind(c.program_version)
+      .bind(c.origin == Origin::unknown ? std::string_view("") : name(c.origin))
       .bind(seal_of(c))
       .run();
   return impl_->db.last_id();
@@ -217,7 +236,7 @@ CampaignInfo Store::campaign(std::optional<std::int64_t> id) const {
                              " FROM campaign WHERE ?1 < 0 OR id = ?1 ORDER BY id DESC LIMIT 1");
   s.bind(id.value_or(-1));
   if (s.step()) return campaign_row(s);
-  throw StoreError(impl_->db.path() + ": " +
+  throw WrongStore(impl_->db.path() + ": " +
                    (id ? "no campaign " + std::to_string(*id) : "no campaign yet; run a plan first"));
 }
 
@@ -291,7 +310,7 @@ std::vector<StoredShot> Store::earlier_attempts(std::int64_t campaign) const {
 StoredShot Store::shot(std::int64_t id) const {
   Statement s(impl_->db, shot_query + "WHERE shot.id = ?");
   s.bind(id);
-  if (!s.step()) throw StoreError(impl_->db.path() + ": no shot " + std::to_string(id));
+  if (!s.step()) throw WrongStore(impl_->db.path() + ": no shot " + std::to_string(id));
   return shot_row(s);
 }
 
@@ -319,6 +338,56 @@ void Store::store_events(std::int64_t shot, const Events& events, const Extracti
   const auto record = impl_->record_of(shot);
   if (!record) throw StoreError(impl_->db.path() + ": shot " + std::to_string(shot) + " has no record");
   impl_->insert_events(*record, events, info);
+}
+
+namespace {
+
+std::string seal_of(std::int64_t campaign, const Annotation& a) {
+  return Seal().add(campaign).add(a.created).add(a.key).add(a.text).hex();
+}
+
+}  // namespace
+
+void Store::annotate(std::int64_t campaign, const std::string& key, const std::string& text) {
+  const Annotation a{utc_now(), key, text};
+  Statement(impl_->db,
+            "INSERT INTO annotation (campaign_id, created, key, text, seal) VALUES (?, ?, ?, ?, ?)")
+      .bind(campaign)
+      .bind(a.created)
+      .bind(a.key)
+      .bind(a.text)
+      .bind(seal_of(campaign, a))
+      .run();
+}
+
+std::vector<Annotation> Store::annotations(std::int64_t campaign) const {
+  std::vector<Annotation> list;
+  Statement s(impl_->db, "SELECT created, key, text, seal FROM annotation WHERE campaign_id = ? ORDER BY id");
+  s.bind(campaign);
+  while (s.step()) {
+    list.push_back({s.text(0), s.text(1), s.text(2)});
+    check_seal(seal_of(campaign, list.back()), s.text(3),
+               "an annotation of campaign " + std::to_string(campaign));
+  }
+  return list;
+}
+
+void Store::store_prediction(std::int64_t shot, const std::map<std::string, double>& u) {
+  const std::string text = numbers_to_json(u);
+  Statement(impl_->db, "INSERT INTO prediction (shot_id, uncertainty, seal) VALUES (?, ?, ?)")
+      .bind(shot)
+      .bind(text)
+      .bind(Seal().add(shot).add(text).hex())
+      .run();
+}
+
+std::map<std::string, double> Store::prediction(std::int64_t shot) const {
+  Statement s(impl_->db, "SELECT uncertainty, seal FROM prediction WHERE shot_id = ?");
+  s.bind(shot);
+  if (!s.step()) return {};
+  check_seal(Seal().add(shot).add(s.text(0)).hex(), s.text(1),
+             "the prediction of shot " + std::to_string(shot));
+  return stored_json([&] { return numbers_from_json(s.text(0)); });
 }
 
 void Store::limit_pages(int pages) {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <map>
 #include <memory>
 #include <optional>
 #include <stdexcept>
@@ -9,6 +10,7 @@
 
 #include "core/conditions.h"
 #include "core/events.h"
+#include "core/origin.h"
 #include "core/outcome.h"
 #include "core/record.h"
 
@@ -39,6 +41,7 @@ struct CampaignInfo {
   std::string rig_identity;
   std::string program_version;
   bool finished = false;
+  Origin origin = Origin::unknown;  ///< of its records
 };
 
 /// One shot as it is stored.
@@ -48,13 +51,24 @@ struct StoredShot {
   ShotKind kind = ShotKind::measured;
   int number = 0;  ///< place in the plan's order
   int repeat = 0;
-  double angle_deg = 0.0;  ///< commanded, polarity included
+  double angle_deg = 0.0;  ///< commanded, polarity included; of an import the one found; NaN = not known
   Conditions conditions;
   Outcome outcome = Outcome::error;
   std::string reason;
   std::string started;      ///< UTC, ISO 8601
   std::string record_hash;  ///< sha256 of the scans, empty without a record
   int attempt = 1;          ///< 1 first; the last one is the shot, the ones before are history
+};
+
+/// What was learned about a campaign after it was sealed.
+struct Annotation {
+  std::string created;  ///< UTC, ISO 8601
+  std::string key, text;
+};
+
+/// No store is there, or what is there is none: the name is wrong, nothing is damaged.
+class WrongStore : public StoreError {
+  using StoreError::StoreError;
 };
 
 /// What store_events needs beside the events.
@@ -67,7 +81,7 @@ class Store {
  public:
   /// Marks the file as a powbench store ("PoWb").
   static constexpr std::uint32_t application_id = 0x506F5762;
-  static constexpr int schema_version = 3;
+  static constexpr int schema_version = 4;
 
   enum class Mode { read_only, read_write };
 
@@ -103,6 +117,14 @@ class Store {
   /// The newest events of a shot.
   std::optional<Events> load_events(std::int64_t shot) const;
   void store_events(std::int64_t shot, const Events&, const ExtractionInfo&);
+
+  /// Adds to a campaign; nothing that is there is changed.
+  void annotate(std::int64_t campaign, const std::string& key, const std::string& text);
+  std::vector<Annotation> annotations(std::int64_t campaign) const;
+
+  /// Standard uncertainties (SI) of a simulated shot's quantities, by symbol, propagated from those of its inputs.
+  void store_prediction(std::int64_t shot, const std::map<std::string, double>& u);
+  std::map<std::string, double> prediction(std::int64_t shot) const;
 
   /// For tests: refuse to grow beyond this many pages, as a full disk does.
   void limit_pages(int pages);

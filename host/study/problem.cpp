@@ -35,7 +35,7 @@ Measured mean(const std::vector<Events>& shots, std::string_view symbol, double 
   return {centre, std::sqrt(variance / n + std::pow(relative * centre, 2) + finest * finest)};
 }
 
-bool same_angle(double a, double b) {
+bool same_within(double a, double b) {
   const double difference = std::remainder(a - b, 2 * pi);
   return std::fabs(difference) < radians(0.01);
 }
@@ -63,7 +63,7 @@ std::vector<sim::MeasuredClosing> campaign_closings(std::span<const AngleGroup> 
                                                     const ModelDeviation& model) {
   std::vector<sim::MeasuredClosing> list;
   for (const auto& group : groups) {
-    if (group.measured.empty()) continue;
+    if (group.measured.empty() || !std::isfinite(group.closing_angle)) continue;
     sim::MeasuredClosing m;
     m.conditions = conditions;
     m.conditions.closing_angle = group.closing_angle;
@@ -80,7 +80,7 @@ std::vector<sim::MeasuredClosing> without(std::vector<sim::MeasuredClosing> list
                                           std::span<const double> angles) {
   std::erase_if(list, [&](const sim::MeasuredClosing& m) {
     return std::any_of(angles.begin(), angles.end(),
-                       [&](double a) { return same_angle(a, m.conditions.closing_angle); });
+                       [&](double a) { return same_within(a, m.conditions.closing_angle); });
   });
   return list;
 }

@@ -34,12 +34,25 @@ TEST_CASE("closing angle within 0.1 degrees rms at 50 Hz +- 0.5, its uncertainty
 
 TEST_CASE("a shot at the wrong angle is flagged") {
   Record r = bench::synthesise_full(1e5, 50, radians(60), 1);
-  CHECK((extract_events(r).flags & flag_angle_off) == 0);
+  Events e = extract_events(r);
+  const auto off = [&](double tolerance) {
+    check_angle(e, r.conditions, tolerance);
+    CHECK((e.flags & flag_angle_off) == (e.coil.flags & flag_angle_off));
+    return (e.flags & flag_angle_off) != 0;
+  };
+  CHECK_FALSE(off(radians(1)));
   r.conditions.closing_angle = radians(62);
-  CHECK((extract_events(r).flags & flag_angle_off) != 0);
+  CHECK(off(radians(1)));
+  CHECK_FALSE(off(radians(5)));
+  CHECK_FALSE(off(0));  // none given
   r.conditions.closing_angle = radians(240);
   r.conditions.polarity = -1;
-  CHECK((extract_events(r).flags & flag_angle_off) == 0);
+  CHECK_FALSE(off(radians(1)));
+  r.conditions.closing_angle = std::nan("");  // nothing was commanded
+  CHECK_FALSE(off(radians(1)));
+  r.conditions.closing_angle = 0;
+  e.coil.closing_angle = {};
+  CHECK_FALSE(off(radians(1)));
 }
 
 TEST_CASE("core seat from the kink of the travel, on a base that goes on moving") {

@@ -140,7 +140,10 @@ TEST_CASE("rows carry measurement, simulation and publication in SI", "[compare]
   CHECK(r.published_simulation == Approx(11.65e-3));
   CHECK(r.outcome == Outcome::fail);  // the mean is inside, one repeat is not
 
-  CHECK(row(all, "t_ct2", 30).outcome == Outcome::pass);
+  CHECK(row(all, "t_ct2", 30).outcome == Outcome::not_judged);    // no limit
+  CHECK(row(all, "t_xt1", 30).outcome == Outcome::not_observed);  // nor seen
+  CHECK(r.against_simulation == Outcome::not_judged);
+  CHECK(r.difference_over_U() == Approx(0.6e-3 / (r.coverage * r.measured.u)));
   const ComparisonRow& only_simulated = row(all, "t_ct1", 45);
   CHECK(only_simulated.repeats == 0);
   CHECK(only_simulated.outcome == Outcome::error);
@@ -151,25 +154,77 @@ TEST_CASE("rows carry measurement, simulation and publication in SI", "[compare]
 TEST_CASE("limits: open ends, both ends, unknown values, wrong names", "[compare]") {
   Limit l;
   l.quantity = "t_ct1";
-  CHECK(l.allows({5, 0}));
-  CHECK_FALSE(l.allows({}));
+  CHECK(l.of({5, 0}) == Outcome::pass);
+  CHECK(l.of({}) == Outcome::not_observed);
   CHECK(range_text(l) == "any value");
   l.high = 9e-3;
-  CHECK(l.allows({9e-3, 0}));
-  CHECK_FALSE(l.allows({9.0001e-3, 0}));
+  CHECK(l.of({9e-3, 0}) == Outcome::pass);
+  CHECK(l.of({9.0001e-3, 0}) == Outcome::fail);
   CHECK(range_text(l) == "\xE2\x89\xA4 9 ms");
   l.low = 1e-3;
-  CHECK_FALSE(l.allows({0.5e-3, 0}));
+  CHECK(l.of({0.5e-3, 0}) == Outcome::fail);
   CHECK(range_text(l) == "1 to 9 ms");
 
   const Judgement bad = judge(touching(12.3456e-3, 1e-6), {l});
   CHECK(bad.outcome == Outcome::fail);
   CHECK(bad.reason == "t_ct1 = 12.346 ms, allowed 1 to 9 ms");
   const Judgement blind = judge(Events{}, {l});
-  CHECK(blind.outcome == Outcome::fail);
+  CHECK(blind.outcome == Outcome::not_observed);
   CHECK(blind.reason == "t_ct1 not observed, allowed 1 to 9 ms");
   CHECK(judge(touching(5e-3, 1e-6), {l}).outcome == Outcome::pass);
-  CHECK(judge(Events{}, {}).outcome == Outcome::pass);
+  CHECK(judge(Events{}, {}).outcome == Outcome::not_judged);
   l.quantity = "t_cta";
   CHECK_THROWS_AS(judge(Events{}, {l}), std::invalid_argument);
+}
+
+TEST_CASE("guarded acceptance takes U = 2 u off the limits; without an uncertainty nothing is judged",
+          "[compare]") {
+  Limit l;
+  l.quantity = "t_ct1";
+  l.low = 1e-3;
+  l.high = 9e-3;
+  CHECK(l.of({8.9e-3, 0.06e-3}) == Outcome::pass);
+  CHECK(l.of({8.9e-3, 0.06e-3}, Decision::guarded) == Outcome::fail);
+  CHECK(l.of({8.9e-3, 0.04e-3}, Decision::guarded) == Outcome::pass);
+  CHECK(l.of({1.1e-3, 0.06e-3}, Decision::guarded) == Outcome::fail);
+  CHECK(l.of({5e-3, std::nan("")}, Decision::guarded) == Outcome::not_judged);
+  CHECK(judge(touching(8.9e-3, 0.06e-3), {l}, Decision::guarded).reason ==
+        "t_ct1 = 8.9 ms with U = 0.12, allowed 1 to 9 ms");
+}
+
+TEST_CASE("difference over U, in a word", "[compare]") {
+  ComparisonRow r;
+  CHECK(agreement(r.difference_over_U()) == "not known");
+  r.measured = {13.353e-3, 0.0015e-3};
+  r.coverage = 2;
+  r.simulated = 11.513e-3;
+  CHECK(r.difference_over_U() == Approx(1.84 / 0.003).epsilon(1e-6));
+  CHECK(agreement(r.difference_over_U()) == "differs");
+  r.u_simulated = 1e-3;  // a simulation with an uncertainty of its own
+  CHECK(r.difference_over_U() == Approx(1.84 / 2).epsilon(1e-4));
+  CHECK(agreement(r.difference_over_U()) == "agrees");
+}
+
+TEST_CASE("of two outcomes the worse one stands, and nothing is as good as a pass", "[compare]") {
+  for (const Outcome o : {Outcome::fail, Outcome::error, Outcome::timeout, Outcome::aborted,
+                          Outcome::not_observed, Outcome::not_judged}) {
+    CHECK(worse(o, Outcome::pass) == o);
+    CHECK(worse(Outcome::pass, o) == o);
+    CHECK(worse(Outcome::fail, o) == Outcome::fail);
+  }
+  CHECK(worse(Outcome::not_judged, Outcome::not_observed) == Outcome::not_observed);
+}
+
+TEST_CASE("an angle that is not known has a group of its own, behind all others", "[compare]") {
+  std::vector<AngleGroup> groups;
+  group_at(groups, std::nan("")).measured.resize(1);
+  group_at(groups, radians(359)).measured.resize(1);
+  group_at(groups, std::nan("")).measured.resize(2);
+  REQUIRE(groups.size() == 2);
+  CHECK(degrees(groups[0].closing_angle) == Approx(359));
+  CHECK(std::isnan(groups[1].closing_angle));
+  CHECK(groups[1].measured.size() == 2);
+  Conditions c;
+  c.closing_angle = std::nan("");
+  CHECK(std::isnan(effective_angle(c)));
 }

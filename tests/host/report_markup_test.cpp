@@ -11,6 +11,13 @@ using namespace powbench;
 using namespace powbench::host;
 using test::xml_error;
 
+TEST_CASE("a style sheet keeps its quotes, and nothing can break out of it", "[report]") {
+  Markup m;
+  m.verbatim("style", "p { font-family: \"Source Sans 3\"; }");
+  CHECK(m.str() == "<style>p { font-family: \"Source Sans 3\"; }</style>\n");
+  CHECK_THROWS_AS(m.verbatim("style", "</style>"), std::invalid_argument);
+}
+
 TEST_CASE("the checker itself finds what is broken", "[report]") {
   CHECK(xml_error("<!DOCTYPE html>\n<a b=\"1\"><c/>x &lt; y</a>").empty());
   CHECK_FALSE(xml_error("<a><b></a></b>").empty());

@@ -2,6 +2,7 @@
 #include <csignal>
 #include <functional>
 
+#include "dsp/extract.h"
 #include "host/run/campaign.h"
 #include "host/run/stop.h"
 #include "tests/host/store_samples.h"
@@ -92,6 +93,30 @@ struct Campaign {
 };
 
 }  // namespace
+
+TEST_CASE("a shot is judged by the plan's angle tolerance and limits, and an angle not seen is no pass",
+          "[run]") {
+  RunOptions o;
+  Conditions asked;
+  asked.closing_angle = radians(60);
+  Events e;
+  e.coil.closing_angle = {radians(61.5), radians(0.02)};
+  const auto judged = [&] {
+    dsp::check_angle(e, asked, o.angle_tolerance);
+    return judge_shot(e, asked, o);
+  };
+  CHECK(judged().outcome == Outcome::not_judged);  // no tolerance, no limit
+  o.angle_tolerance = radians(1);
+  CHECK(judged().outcome == Outcome::fail);
+  CHECK(judged().reason == "closing angle 61.50 deg, commanded 60.00 deg, tolerance 1.00 deg");
+  o.angle_tolerance = radians(5);
+  CHECK(judged().outcome == Outcome::not_judged);
+  CHECK(judged().reason.empty());
+  e.coil.closing_angle = {};
+  CHECK(judged().outcome == Outcome::not_observed);
+  asked.closing_angle = std::nan("");  // of an import: nothing was commanded
+  CHECK(judged().outcome == Outcome::not_judged);
+}
 
 TEST_CASE("a campaign pauses after every shot for as long as its plan says", "[run]") {
   Campaign c(3);

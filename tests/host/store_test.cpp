@@ -141,7 +141,9 @@ TEST_CASE("a store of the schema before attempts is brought up to date, also by 
     store.store_shot(sample_shot(campaign, 0), &record, &events, extraction);
     sql(folder.file(),
         "ATTACH '" + today.file() +
-            "' AS today; INSERT INTO campaign SELECT * FROM today.campaign;"
+            "' AS today; INSERT INTO campaign SELECT id, created, name, plan, plan_hash, specimen, "
+            "specimen_hash, rig_file, rig_uri, "
+            "rig_identity, program_version, finished, seal FROM today.campaign;"
             "INSERT INTO shot SELECT id, campaign_id, kind, number, repeat, angle_deg, conditions, outcome, "
             "reason, started, seal FROM today.shot;"
             "INSERT INTO record SELECT id, shot_id, content_hash, sample_rate, samples, fire_sample, "
@@ -156,6 +158,36 @@ TEST_CASE("a store of the schema before attempts is brought up to date, also by 
   CHECK(reader.load_record(shots[0].id).crc32 == sample_record(0).crc32);
   CHECK(same(reader.load_events(shots[0].id).value(), sample_events(0)));
   CHECK(reader.earlier_attempts(1).empty());
+}
+
+TEST_CASE("what is not known is stored as such, annotations stand beside what is sealed, origin is kept",
+          "[store]") {
+  const Folder folder;
+  Store store(folder.file());
+  CampaignInfo info = sample_campaign();
+  info.origin = Origin::board;
+  const auto campaign = store.create_campaign(info);
+  StoredShot shot = sample_shot(campaign, 0);
+  shot.angle_deg = shot.conditions.closing_angle = shot.conditions.supply_volts = std::nan("");
+  shot.outcome = Outcome::not_observed;
+  const auto id = store.store_shot(shot, nullptr, nullptr, extraction);
+  CHECK(store.campaign(campaign).origin == Origin::board);
+  CHECK(std::isnan(store.shot(id).angle_deg));
+  CHECK(std::isnan(store.shot(id).conditions.supply_volts));
+  CHECK(store.shot(id).outcome == Outcome::not_observed);
+  CHECK(store.annotations(campaign).empty());
+  store.annotate(campaign, "operator", "A");
+  store.annotate(campaign, "operator", "B");
+  REQUIRE(store.annotations(campaign).size() == 2);
+  CHECK(store.annotations(campaign)[1].text == "B");
+  CHECK(store.prediction(id).empty());
+  store.store_prediction(id, {{"t_ct1", 2.5e-6}, {"v_core", std::nan("")}});
+  CHECK(store.prediction(id).at("t_ct1") == 2.5e-6);
+  CHECK(std::isnan(store.prediction(id).at("v_core")));
+  sql(folder.file(), "UPDATE annotation SET text = 'C'");
+  CHECK_THROWS_AS(store.annotations(campaign), StoreError);
+  sql(folder.file(), "UPDATE campaign SET origin = 'SIMULATED RIG'");
+  CHECK_THROWS_AS(store.campaign(campaign), StoreError);
 }
 
 TEST_CASE("numbers that overflow are damage, like a wrong seal", "[store]") {

@@ -53,24 +53,28 @@ TEST_CASE(
     const std::string sentence = r.err.substr(r.err.find("powbench: "));
     CHECK(std::count(sentence.begin(), sentence.end(), '\n') == 1);
   }
-  CHECK(run(folder, {"compare", "--db", folder.file("a.db")}).status == 5);
+  CHECK(run(folder, {"compare", "--db", folder.file("a.db")}).status == 2);
 }
 
-TEST_CASE("databases that must be refused are refused untouched, with exit 5", "[system]") {
+TEST_CASE(
+    "databases that must be refused are refused untouched, with exit 5 where damaged and 2 where another "
+    "file is meant",
+    "[system]") {
   Folder folder;
   const std::string plan = folder.write("p.toml", "angles_deg = [0]\nrepeats = 1\n");
   const std::string db = folder.file("a.db");
-  REQUIRE(run(folder, {"run", plan, "--db", db}).status == 0);
+  REQUIRE(run(folder, {"run", plan, "--rig", "sim:", "--db", db}).status == 0);
   const std::string good = read_file(db);
 
-  const auto refuse = [&](const std::string& content, const std::string& word) {
+  const auto refuse = [&](const std::string& content, const std::string& word, int status = 5) {
     folder.write("a.db", content);
-    for (const std::vector<std::string>& command : {std::vector<std::string>{"run", plan, "--db", db},
-                                                    {"report", "--db", db, "-o", folder.file("out")},
-                                                    {"campaigns", "--db", db}}) {
+    for (const std::vector<std::string>& command :
+         {std::vector<std::string>{"run", plan, "--rig", "sim:", "--db", db},
+          {"report", "--db", db, "-o", folder.file("out")},
+          {"campaigns", "--db", db}}) {
       const Finished r = run(folder, command);
       INFO(word << ": " << r.err);
-      CHECK(r.status == 5);
+      CHECK(r.status == status);
       CHECK_THAT(r.err, Contains(word));
     }
     CHECK(read_file(db) == content);
@@ -82,13 +86,13 @@ TEST_CASE("databases that must be refused are refused untouched, with exit 5", "
   refuse(newer, "newer powbench");
   std::string foreign = good;
   foreign[68] = 0;
-  refuse(foreign, "another program");
+  refuse(foreign, "another program", 2);
   refuse(good.substr(0, good.size() / 2), "damaged");
   refuse(good.substr(0, 50), "damaged");
-  refuse("time [s],force [N]\n0,1\n" + std::string(200, ' '), "not a powbench store");
+  refuse("time [s],force [N]\n0,1\n" + std::string(200, ' '), "not a powbench store", 2);
 
   folder.write("a.db", good);
   CHECK(run(folder, {"campaigns", "--db", db}).status == 0);
-  CHECK(run(folder, {"run", plan, "--db", folder.file("no/such/folder/a.db")}).status == 5);
-  CHECK(run(folder, {"events", "77", "--db", db}).status == 5);
+  CHECK(run(folder, {"run", plan, "--rig", "sim:", "--db", folder.file("no/such/folder/a.db")}).status == 2);
+  CHECK(run(folder, {"events", "77", "--db", db}).status == 2);
 }

@@ -20,7 +20,7 @@ TEST_CASE("a shot of the simulated rig: export, import, events: the same times",
   Folder folder;
   const std::string db = folder.file("a.db"), csv = folder.file("shot.csv");
   const std::string plan = folder.write("p.toml", "angles_deg = [60]\nrepeats = 1\n");
-  REQUIRE(run(folder, {"run", plan, "--db", db, "--progress", "none"}).status == 0);
+  REQUIRE(run(folder, {"run", plan, "--rig", "sim:", "--db", db, "--progress", "none"}).status == 0);
   REQUIRE(run(folder, {"export", "1", "--db", db, "-o", csv}).status == 0);
   REQUIRE(std::filesystem::exists(folder.file("shot.toml")));
   const json before = json::parse(run(folder, {"events", "1", "--db", db, "--json"}).out);

@@ -84,9 +84,10 @@ TEST_CASE(
       REQUIRE(program.wait() == -SIGKILL);
     }
     // once on the same rig, which waits for the dead owner's lease to end; then on fresh ones
-    const Finished resumed = run(
-        folder, i == 0 ? bench.command(plan, db)
-                       : std::vector<std::string>{"run", plan, "--db", db, "--resume", "--progress", "none"});
+    const Finished resumed =
+        run(folder, i == 0 ? bench.command(plan, db)
+                           : std::vector<std::string>{"run", plan, "--rig", "sim:", "--db", db, "--resume",
+                                                      "--progress", "none"});
     INFO("kill " << i << ": " << resumed.err);
     REQUIRE(resumed.status == 0);
     check_complete(db, reference.size());
@@ -99,7 +100,7 @@ TEST_CASE("killed once and resumed", "[system]") {
   const std::string plan = folder.write("p.toml", std::string(plan_text) + "pause_s = 0.2\n");
   const std::string db = folder.file("a.db");
   {
-    Program program(folder, {"run", plan, "--db", db, "--progress", "none"});
+    Program program(folder, {"run", plan, "--rig", "sim:", "--db", db, "--progress", "none"});
     wait_until("two stored shots", [&] {
       try {
         const host::Store store(db, host::Store::Mode::read_only);
@@ -111,7 +112,7 @@ TEST_CASE("killed once and resumed", "[system]") {
     program.send(SIGKILL);
     program.wait();
   }
-  REQUIRE(run(folder, {"run", plan, "--db", db, "--resume"}).status == 0);
+  REQUIRE(run(folder, {"run", plan, "--rig", "sim:", "--db", db, "--resume"}).status == 0);
   check_complete(db, 8);
 }
 
