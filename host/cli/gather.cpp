@@ -2,7 +2,12 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cmath>
 #include <filesystem>
+#include <map>
+#include <set>
+#include <span>
 
 #include "core/version.h"
 #include "dsp/prepare.h"
@@ -103,9 +108,19 @@ std::vector<AngleGroup> gather_angles(const Store& store, std::int64_t campaign)
   return groups;
 }
 
+/// The published tables are of one device; they say nothing about another.
+bool names_published(const sim::Specimen& s) {
+  return s.name == "published" || s.name.starts_with("published-");
+}
+
+std::span<const PublishedRow> published_of(const CampaignInfo& c) {
+  return names_published(stored_specimen(c)) ? std::span<const PublishedRow>(published_rows())
+                                             : std::span<const PublishedRow>();
+}
+
 Comparison compare_stored(const Store& store, const CampaignInfo& c) {
   const Plan plan = stored_plan(c);
-  return compare(gather_angles(store, c.id), published_rows(), plan_limits(plan), plan.decision,
+  return compare(gather_angles(store, c.id), published_of(c), plan_limits(plan), plan.decision,
                  plan.limits_vs_simulation);
 }
 
@@ -135,6 +150,29 @@ std::vector<CurveRow> gather_curves(const Store& store, const CampaignInfo& c) {
   return rows;
 }
 
+/// Shots whose waveforms the report draws: the first of each angle, fewer where there are many angles, so that the page of a long
+/// campaign stays small. Only these are read from the store.
+std::set<std::int64_t> shots_to_draw(const std::vector<StoredShot>& shots) {
+  constexpr std::size_t most_angles = 36, most_traces = 60, most_repeats = 5;
+  std::map<double, std::pair<std::size_t, std::size_t>> seen;  // by angle: measured, simulated; NaN as -1
+  const auto key = [](const StoredShot& s) { return std::isfinite(s.angle_deg) ? s.angle_deg : -1.0; };
+  for (const StoredShot& s : shots) seen[key(s)];
+  const std::size_t step = (seen.size() + most_angles - 1) / most_angles;
+  const std::size_t repeats =
+      std::clamp<std::size_t>(most_traces / std::max<std::size_t>(seen.size(), 1), 1, most_repeats);
+  std::map<double, bool> wanted;
+  std::size_t place = 0;
+  for (const auto& [angle, unused] : seen) wanted[angle] = place++ % std::max<std::size_t>(step, 1) == 0;
+  std::set<std::int64_t> drawn;
+  for (const StoredShot& s : shots) {
+    if (s.record_hash.empty() || !wanted[key(s)]) continue;
+    auto& [measured_so_far, simulated_so_far] = seen[key(s)];
+    std::size_t& n = s.kind == ShotKind::measured ? measured_so_far : simulated_so_far;
+    if (n < (s.kind == ShotKind::measured ? repeats : 1)) drawn.insert(s.id), ++n;
+  }
+  return drawn;
+}
+
 ReportInput gather_report(const Store& store, const CampaignInfo& c, const std::string& database) {
   const Plan plan = stored_plan(c);
   const sim::Specimen specimen = stored_specimen(c);
@@ -150,17 +188,27 @@ ReportInput gather_report(const Store& store, const CampaignInfo& c, const std::
   input.angle_tolerance = plan.angle_tolerance;
   input.provenance = provenance(store, c, plan, shots, database);
   input.limits = options.limits;
-  input.published = published_rows();
+  if (names_published(specimen)) input.published = published_rows();
   input.extraction_parameters = dsp::to_text(options.extract);
   VibrationFinder vibration(options.extract);
+  std::vector<AngleGroup> groups;
+  const std::set<std::int64_t> drawn = shots_to_draw(shots);
   for (const StoredShot& s : shots) {
     const auto events = store.load_events(s.id);
+    AngleGroup& group = group_at(groups, radians(s.angle_deg));
+    if (events) (s.kind == ShotKind::measured ? group.measured : group.simulated).push_back(*events);
     std::vector<Waveform> waves;
-    if (!s.record_hash.empty()) {
+    if (!s.record_hash.empty() && drawn.contains(s.id)) {
       Record record = store.load_record(s.id);
       record.conditions = s.conditions;
       waves = waveforms(record, options.extract);
-      if (events && s.kind == ShotKind::measured) vibration.add(s.number + 1, record, *events);
+      if (events && s.kind == ShotKind::measured) vibration.add(static_cast<int>(s.id), record, *events);
+    }
+    if (s.kind == ShotKind::simulated) {
+      if (events)
+        input.simulated.push_back(
+            {.closing_angle = radians(s.angle_deg), .events = *events, .waveforms = std::move(waves)});
+      continue;
     }
     // judged anew by the plan that is stored, so that a store of an earlier program says what is known today
     Judgement judged{s.outcome, s.reason};
@@ -168,20 +216,17 @@ ReportInput gather_report(const Store& store, const CampaignInfo& c, const std::
       judged = judge_shot(*events, s.conditions, options);
       if (judged.reason.empty() && judged.outcome == Outcome::not_judged) judged.reason = s.reason;
     }
-    if (s.kind == ShotKind::measured)
-      input.shots.push_back({.index = s.number + 1,
-                             .conditions = s.conditions,
-                             .outcome = judged.outcome,
-                             .reason = judged.reason,
-                             .events = events,
-                             .waveforms = std::move(waves),
-                             .record_hash = s.record_hash});
-    else if (events)
-      input.simulated.push_back(
-          {.closing_angle = radians(s.angle_deg), .events = *events, .waveforms = std::move(waves)});
+    input.shots.push_back({.index = static_cast<int>(s.id),
+                           .conditions = s.conditions,
+                           .outcome = judged.outcome,
+                           .reason = judged.reason,
+                           .events = events,
+                           .waveforms = std::move(waves),
+                           .record_hash = s.record_hash});
   }
   input.vibration = vibration.finish();
-  input.comparison = compare_stored(store, c);
+  input.comparison =
+      compare(std::move(groups), input.published, options.limits, plan.decision, plan.limits_vs_simulation);
   return input;
 }
 

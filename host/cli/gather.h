@@ -24,7 +24,7 @@ Comparison compare_stored(const Store&, const CampaignInfo&);
 /// How far the simulated curves of a campaign are from the measured ones, by closing angle.
 std::vector<CurveRow> gather_curves(const Store&, const CampaignInfo&);
 
-/// Everything the report shows, waveforms included.
+/// Everything the report shows; waveforms of at most 60 measured closings.
 ReportInput gather_report(const Store&, const CampaignInfo&, const std::string& database);
 
 }  // namespace powbench::host

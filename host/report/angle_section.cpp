@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "core/quantities.h"
@@ -33,10 +34,18 @@ void event_row(Markup& out, const ReportInput& input, const Quantity& quantity, 
               {{"class", "key"}});
   out.element("td", fmt::format("{}", row.repeats));
   out.element("td", fixed(row.scatter * unit.per_si, unit.decimals + 1));
-  out.element("td", fixed(row.simulated * unit.per_si, unit.decimals), {{"class", "sim"}});
-  out.element("td", signed_fixed((row.simulated - row.measured.value) * unit.per_si, unit.decimals));
-  out.element("td", published_text(published, row.published_measurement, unit), {{"class", "pub"}});
-  out.element("td", published_text(published, row.published_simulation, unit), {{"class", "pub"}});
+  const double E = row.difference_over_U();
+  out.element("td", simulated_text(row), {{"class", "sim"}});
+  out.element("td", signed_fixed((row.simulated - row.measured.value) * unit.per_si,
+                                 decimals_for(row.expanded_difference() * unit.per_si, unit.decimals)));
+  out.element("td", fixed(E, E < 9.95 ? 1 : 0));
+  out.element("td", std::isfinite(row.simulated) ? agreement(E) : no_value,
+              {{"class", E > 1 ? "warn" : "unit"}});
+  out.open("td").element("span", name(row.outcome), {{"class", badge_class(row.outcome)}}).close();
+  if (!input.published.empty()) {
+    out.element("td", published_text(published, row.published_measurement, unit), {{"class", "pub"}});
+    out.element("td", published_text(published, row.published_simulation, unit), {{"class", "pub"}});
+  }
   out.close();
 }
 
@@ -45,10 +54,13 @@ Markup event_table(const ReportInput& input, const AngleView& view) {
   out.open("table", {{"class", "events"}});
   out.open("thead").open("tr");
   out.element("th", "Quantity", {{"scope", "col"}, {"colspan", "3"}});
-  for (const std::string_view head : {"measured \xC2\xB1 U", "n", "s", "simulated", "difference"})
+  for (const std::string_view head :
+       {"measured \xC2\xB1 U", "n", "s", "simulated", "difference", "/ U", "", "limits"})
     out.element("th", head, {{"scope", "col"}});
-  out.element("th", "published meas.", {{"scope", "col"}});
-  out.element("th", "published sim.", {{"scope", "col"}});
+  if (!input.published.empty()) {
+    out.element("th", "published meas.", {{"scope", "col"}});
+    out.element("th", "published sim.", {{"scope", "col"}});
+  }
   out.close().close().open("tbody");
   bool daggered = false;
   for (const auto& quantity : quantity_table) {
@@ -109,7 +121,7 @@ Markup curve_table(const std::vector<CurveRow>& rows) {
 
 Markup angle_section(const ReportInput& input, const AngleView& view, const Range& window_ms) {
   Markup out;
-  out.open("section", {{"class", "page angle"},
+  out.open("section", {{"class", "angle"},
                        {"id", std::isfinite(view.angle) ? fmt::format("angle-{:.2f}", degrees(view.angle))
                                                         : "angle-unknown"}});
   out.open("h2")
@@ -120,6 +132,13 @@ Markup angle_section(const ReportInput& input, const AngleView& view, const Rang
   out.element("span", fmt::format(" {} of {} shots measured", valid, view.shots.size()),
               {{"class", "aside"}});
   out.close();
+  const bool drawn =
+      (view.simulated != nullptr && !view.simulated->waveforms.empty()) ||
+      std::any_of(view.shots.begin(), view.shots.end(), [](const auto* s) { return !s->waveforms.empty(); });
+  if (!drawn) {
+    out.embed(event_table(input, view));
+    return out.close();
+  }
   out.open("figure").embed(waveform_figure(input, view, window_ms));
   out.element(
       "figcaption",

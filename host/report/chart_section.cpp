@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/phase.h"
+#include "core/quantities.h"
 #include "host/compare/compare.h"
 #include "host/report/number.h"
 #include "host/report/plot.h"
@@ -12,8 +13,8 @@
 namespace powbench::host {
 namespace {
 
-constexpr double width = 1000, height = 344;
-constexpr Plot::Box box{74, 40, 912, 250};
+constexpr double width = 620, height = 316;
+constexpr Plot::Box box{62, 34, 546, 232};
 
 /// A quantity in a chart over the closing angle.
 struct Series {
@@ -49,6 +50,9 @@ Range values_of(const ReportInput& input, const std::vector<Series>& all) {
     for (const auto* row : rows_of(input, series.quantity))
       for (const double v : {row->measured.value, row->lowest, row->highest, row->simulated})
         y.include(v * 1e3);
+    for (const auto* row : rows_of(input, series.quantity))
+      for (const double side : {-1.0, 1.0})
+        y.include((row->measured.value + side * row->coverage * row->measured.u) * 1e3);
     for (const auto& p : input.published)
       if (p.quantity == series.quantity && p.table > 0 && !p.excluded)
         for (const double v : {p.measurement, p.simulation}) y.include(v);
@@ -150,33 +154,77 @@ Markup reached_chart(const ReportInput& input) {
   return figure(width, height, "Closing angle reached minus commanded", {plot.finish()});
 }
 
-void chart(Markup& out, std::string_view title, std::string_view caption, const Markup& drawing) {
+void chart(Markup& out, std::string_view title, const Markup& drawing) {
   out.open("figure");
   out.element("h3", title);
   out.embed(drawing);
-  out.element("figcaption", caption);
   out.close();
+}
+
+/// The angle whose bounce time is the median of the angles', and there the shot nearest to its mean.
+AngleView typical(const ReportInput& input) {
+  std::vector<const ComparisonRow*> rows;
+  for (const auto* row : rows_of(input, "t_ct_bon"))
+    if (row->measured.known()) rows.push_back(row);
+  std::stable_sort(rows.begin(), rows.end(),
+                   [](const auto* a, const auto* b) { return a->measured.value < b->measured.value; });
+  const auto views = angles_of(input);
+  AngleView chosen = views.front();
+  const ComparisonRow* row = rows.empty() ? nullptr : rows[rows.size() / 2];
+  for (const auto& view : views)
+    if (row != nullptr && same_angle(view.angle, row->closing_angle)) chosen = view;
+  const auto distance = [&](const ReportShot* s) {
+    const double bounce = s->events ? find_quantity("t_ct_bon")->of(*s->events).value : unknown;
+    const double d = row != nullptr ? std::fabs(bounce - row->measured.value) : unknown;
+    return s->waveforms.empty() || !std::isfinite(d) ? 1e9 : d;
+  };
+  const auto nearest =
+      std::min_element(chosen.shots.begin(), chosen.shots.end(),
+                       [&](const auto* a, const auto* b) { return distance(a) < distance(b); });
+  if (nearest != chosen.shots.end()) chosen.shots = {*nearest};
+  return chosen;
 }
 
 }  // namespace
 
+Markup typical_section(const ReportInput& input) {
+  const AngleView view = typical(input);
+  Markup out;
+  if (view.shots.empty() || view.shots.front()->waveforms.empty()) return out;
+  out.open("section", {{"id", "typical"}});
+  out.element("h2", fmt::format("One typical closing: shot {} at {}", view.shots.front()->index,
+                                std::isfinite(view.angle) ? angle_text(view.angle) : "an angle not known"));
+  out.open("figure").embed(waveform_figure(input, view, time_window(input), true));
+  out.element("figcaption",
+              "Blue: measured. Orange: simulated, through the same sensors, filters and extraction. Vertical "
+              "lines: mean "
+              "instants of the angle, measured solid, simulated dashed. Pale blue: pole closed. Dotted grey: "
+              "shape of the mains.");
+  out.close();
+  return out.close();
+}
+
 Markup chart_section(const ReportInput& input) {
   Markup out;
-  out.open("section", {{"class", "page"}, {"id", "angles"}});
+  out.open("section", {{"id", "angles"}});
   out.element("h2", "Behaviour over the closing angle");
-  constexpr std::string_view points =
-      "Points: mean of the repeats; bar: expanded uncertainty U (95 %); pale column: smallest to largest "
-      "repeat. "
-      "Published points are drawn 2\xC2\xB0 to the right.";
-  chart(out, "Contact bounce time", points,
-        angle_chart(input, "Contact bounce time over closing angle", "bounce time / ms",
+  out.open("div", {{"class", "grid"}});
+  chart(out, "Contact bounce time t_ct_bon",
+        angle_chart(input, "Contact bounce time over closing angle", "ms",
                     {{"t_ct_bon", "bounce", Shape::circle, ""}}));
-  chart(out, "First contact touch and core seat", points,
-        angle_chart(input, "First touch and core seat over closing angle", "time after switch-on / ms",
-                    {{"t_ct1", "touch", Shape::circle, ""}, {"t_xt1", "seat", Shape::diamond, "6 3"}}));
-  chart(out, "Closing angle: commanded against reached",
-        "The angle reached is fitted to the recorded mains and read at the step of the coil voltage.",
-        reached_chart(input));
+  chart(out, "First contact touch t_ct1",
+        angle_chart(input, "First touch over closing angle", "ms after switch-on",
+                    {{"t_ct1", "touch", Shape::circle, ""}}));
+  chart(out, "Core seat t_xt1",
+        angle_chart(input, "Core seat over closing angle", "ms after switch-on",
+                    {{"t_xt1", "seat", Shape::diamond, ""}}));
+  chart(out, "Closing angle: reached minus commanded", reached_chart(input));
+  out.close();
+  out.element("p",
+              "Points: mean of the repeats; bar: expanded uncertainty U (95 %); pale column: smallest to "
+              "largest repeat. The "
+              "angle reached is fitted to the recorded mains and read at the step of the coil voltage.",
+              {{"class", "fine"}});
   return out.close();
 }
 

@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include <charconv>
 #include <set>
 #include <sstream>
 
@@ -35,6 +36,14 @@ std::string timing_channels(const ReportInput& input) {
   return joined(seen);
 }
 
+/// 6.0000000000000002e-05 reads 6e-05: the shortest text of the same number.
+std::string shortest(const std::string& text) {
+  double value = 0;
+  const char* const end = text.data() + text.size();
+  const auto [rest, error] = std::from_chars(text.data(), end, value);
+  return error == std::errc() && rest == end ? fmt::format("{}", value) : text;
+}
+
 void parameter_table(Markup& out, const std::string& text) {
   out.element("h3", "Extraction parameters");
   out.open("div", {{"class", "columns"}}).open("table", {{"class", "parameters"}}).open("tbody");
@@ -43,7 +52,7 @@ void parameter_table(Markup& out, const std::string& text) {
     const auto equal = line.find('=');
     if (equal == std::string::npos) continue;
     out.open("tr").element("th", line.substr(0, equal), {{"scope", "row"}});
-    out.element("td", line.substr(equal + 1)).close();
+    out.element("td", shortest(line.substr(equal + 1))).close();
   }
   out.close().close().close();
 }
@@ -58,7 +67,7 @@ Markup definitions_section(const ReportInput& input) {
     if (!shot.events->parameters_hash.empty()) hashes.insert(shot.events->parameters_hash);
   }
   Markup out;
-  out.open("section", {{"class", "page"}, {"id", "definitions"}});
+  out.open("section", {{"id", "definitions"}});
   out.element("h2", "Definitions and method");
   out.open("dl");
   term(out, "Closing angle",
@@ -81,12 +90,24 @@ Markup definitions_section(const ReportInput& input) {
        "t at the effective degrees of freedom after Welch and Satterthwaite. s: standard deviation of the "
        "repeats.");
   term(out, "Limits",
-       "Simple acceptance: every single repeat must lie inside; a limited quantity that a record does not "
-       "show is outside.");
-  term(out, "Published values",
-       fmt::format("Tables 1 and 2 of \xE2\x80\x9C{}\xE2\x80\x9D: another device, single shots, "
-                   "thresholds not printed. Shown for orientation.",
-                   paper_closing));
+       fmt::format("{} Every single repeat counts; of one shot U = 2 u. A quantity without a limit is NOT "
+                   "JUDGED, a limited one "
+                   "that a record does not show is NOT OBSERVED, and neither is a pass.",
+                   decision_text(input.decision)));
+  term(out, "agrees, differs",
+       "Simulation and measurement agree where their difference is at most its expanded uncertainty U, and "
+       "differ beyond. Without an "
+       "uncertainty of the simulation U is that of the measurement alone.");
+  term(out, "Best closing angle",
+       "The measured angle with the smallest mean bounce time. Confidence: one minus the sum, over the other "
+       "angles, of the "
+       "probability that theirs is smaller (Student's t of the difference). Random closing: each measured "
+       "angle equally likely.");
+  if (!input.published.empty())
+    term(out, "Published values",
+         fmt::format("Tables 1 and 2 of \xE2\x80\x9C{}\xE2\x80\x9D: another device, single shots, "
+                     "thresholds not printed. Shown for orientation.",
+                     paper_closing));
   term(out, "two groups",
        "The repeats fall into two separate groups, as happens near a closing angle where the device "
        "just fails to close within one half-wave; their mean describes neither.");

@@ -41,10 +41,12 @@ std::string with_uncertainty(const Measured& m, double coverage, double scale, i
   const double expanded = coverage * m.u * scale;
   const int decimals = decimals_for(expanded, fallback_decimals);
   std::string text = fixed(m.value * scale, decimals);
-  if (m.known() && std::isfinite(expanded)) {
-    text += plus_minus;
-    text += fixed(expanded, decimals);
-  }
+  if (!m.known() || !std::isfinite(expanded)) return text;
+  const std::string width = fixed(expanded, decimals);
+  if (width.find_first_of("123456789") != std::string::npos) return text + std::string(plus_minus) + width;
+  // too small for the digits shown: a zero would claim that it is exact
+  if (m.value == 0) return "0";
+  if (expanded > 0) return text + std::string(plus_minus) + "<" + fixed(std::pow(10.0, -decimals), decimals);
   return text;
 }
 

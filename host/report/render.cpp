@@ -44,19 +44,24 @@ std::string render_html(const ReportInput& input) {
   out.open("html", {{"lang", "en"}});
   out.open("head");
   out.empty("meta", {{"charset", "utf-8"}});
+  out.empty("meta", {{"name", "color-scheme"}, {"content", "light dark"}});
   out.empty("meta", {{"name", "viewport"}, {"content", "width=device-width, initial-scale=1"}});
   out.element("title", input.campaign + " \xE2\x80\x93 closing dynamics");
   out.embed(page_style());
   out.close();
   out.open("body").open("main");
   out.embed(header_section(input));
-  out.embed(summary_section(input));
+  out.embed(answers_section(input));
+  out.embed(limits_section(input));
   const auto angles = angles_of(input);
   if (!angles.empty()) {
-    const Range window = time_window(input);
     out.embed(chart_section(input));
-    for (const auto& view : angles) out.embed(angle_section(input, view, window));
+    out.embed(typical_section(input));
   }
+  out.embed(provenance_section(input));
+  out.open("h2", {{"class", "appendix"}}).text("Appendix").close();
+  const Range window = time_window(input);
+  for (const auto& view : angles) out.embed(angle_section(input, view, window));
   if (input.vibration) out.embed(vibration_section(*input.vibration));
   out.embed(shot_section(input));
   out.embed(definitions_section(input));

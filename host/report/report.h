@@ -30,7 +30,7 @@ struct Waveform {
 };
 
 struct ReportShot {
-  int index = 0;          ///< position in the executed order, from 1
+  int index = 0;          ///< the number of the shot in the store, the same everywhere
   Conditions conditions;  ///< as asked
   Outcome outcome = Outcome::error;
   std::string reason;            ///< one line for anything but pass

@@ -11,6 +11,8 @@
 namespace powbench::host {
 namespace {
 
+constexpr std::size_t most_listed = 400;
+
 std::string value_text(const ReportShot& shot, std::string_view symbol) {
   return shot.events ? fixed(find_quantity(symbol)->of(*shot.events).value * 1e3, 3) : std::string(no_value);
 }
@@ -38,7 +40,7 @@ std::string remarks(const ReportShot& shot) {
 
 Markup shot_section(const ReportInput& input) {
   Markup out;
-  out.open("section", {{"class", "page"}, {"id", "shots"}});
+  out.open("section", {{"id", "shots"}});
   out.element("h2", "Every shot, in executed order");
   if (input.shots.empty()) {
     out.element("p", "No shot has been fired.");
@@ -46,11 +48,19 @@ Markup shot_section(const ReportInput& input) {
   }
   out.open("table", {{"class", "shots"}}).open("thead").open("tr");
   for (const std::string_view head :
-       {"#", "asked", "reached \xC2\xB1 u / \xC2\xB0", "outcome", "t_ct1 / ms", "t_ct_bon / ms", "t_xt1 / ms",
-        "re-openings", "seed", "record", "remarks"})
+       {"shot", "asked", "reached \xC2\xB1 u / \xC2\xB0", "outcome", "t_ct1 / ms", "t_ct_bon / ms",
+        "t_xt1 / ms", "re-openings", "seed", "record", "remarks"})
     out.element("th", head, {{"scope", "col"}});
   out.close().close().open("tbody");
+  std::size_t left_out = 0, listed = 0;
   for (const auto& shot : input.shots) {
+    // of a long campaign those that are not in order come first of all
+    const bool plain = shot.outcome == Outcome::pass || shot.outcome == Outcome::not_judged;
+    if ((plain && input.shots.size() > most_listed && listed >= most_listed / 2) || listed >= most_listed) {
+      ++left_out;
+      continue;
+    }
+    ++listed;
     out.open("tr");
     out.element("td", fmt::format("{}", shot.index));
     out.element("td", angle_text(effective_angle(shot.conditions)));
@@ -67,6 +77,10 @@ Markup shot_section(const ReportInput& input) {
     out.close();
   }
   out.close().close();
+  if (left_out > 0)
+    out.element("p",
+                fmt::format("{} more are not listed here; powbench shots lists all, powbench show ID one.",
+                            left_out));
   out.element("p", "Contact times are those of the channel named under Definitions. Seeds are hexadecimal.",
               {{"class", "fine"}});
   return out.close();

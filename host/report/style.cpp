@@ -6,13 +6,13 @@ namespace {
 // No ampersands or angle brackets in here: the same bytes then mean the same to an HTML and an XML reader.
 constexpr std::string_view css = R"(
 :root { --ink: #1f2933; --soft: #5b6875; --line: #d7dde3; --faint: #f3f5f7; --measured: #0072B2; --simulated: #B34E00;
-  --published: #00795A; --good: #1b6b3a; --bad: #a3261b; --doubt: #8a5a00; }
+  --published: #00795A; --paper: #fff; --good: #1b6b3a; --bad: #a3261b; --doubt: #8a5a00; --alarm: #fbeeec; --well: #e6f2ea; }
 * { box-sizing: border-box; }
 html { background: #eceff2; }
 body { margin: 0; color: var(--ink); font: 15px/1.5 Inter, "Source Sans 3", "Segoe UI", Roboto, "Helvetica Neue", Arial,
   "Liberation Sans", "DejaVu Sans", sans-serif; font-variant-numeric: tabular-nums; -webkit-print-color-adjust: exact;
   print-color-adjust: exact; }
-main { max-width: 1080px; margin: 0 auto; background: #fff; padding: 44px 52px 36px; }
+main { max-width: 1080px; margin: 0 auto; background: var(--paper); padding: 44px 52px 36px; }
 header { display: flex; justify-content: space-between; align-items: flex-start; gap: 32px;
   border-bottom: 2px solid var(--ink); padding-bottom: 18px; }
 .kicker { margin: 0 0 4px; color: var(--soft); font-size: 13px; letter-spacing: .04em; }
@@ -29,14 +29,14 @@ h3 { margin: 26px 0 8px; font-size: 15px; font-weight: 650; }
 .verdict.fail { background: var(--bad); }
 .verdict.error { background: var(--doubt); }
 .verdict.open { background: #5b6875; }
-.tiles { display: grid; grid-template-columns: repeat(6, 1fr); gap: 1px; margin: 22px 0 4px; background: var(--line);
-  border: 1px solid var(--line); border-radius: 6px; overflow: hidden; }
-.tile { background: #fff; padding: 12px 14px 10px; }
-.tile b { display: block; font-size: 25px; line-height: 1.15; font-weight: 600; }
-.tile span { color: var(--soft); font-size: 13px; }
-.tile.good b { color: var(--good); }
-.tile.bad b { color: var(--bad); }
-section.page { margin-top: 46px; border-top: 1px solid var(--line); padding-top: 26px; }
+.answers { display: grid; grid-template-columns: 0.8fr 1.2fr 1.2fr; gap: 0 28px; margin-top: 14px; }
+.answer h3 { margin: 8px 0 2px; color: var(--soft); font-weight: 600; }
+.answer .main { margin: 0; font-size: 19px; line-height: 1.3; font-weight: 650; }
+.grid { display: grid; grid-template-columns: 1fr 1fr; gap: 6px 22px; }
+tr.best th, tr.best td { background: var(--faint); font-weight: 650; }
+h2.appendix { margin: 56px 0 0; padding-top: 20px; border-top: 2px solid var(--ink); font-size: 24px; }
+section { margin-top: 26px; }
+#answers, #limits { margin-top: 12px; }
 table { border-collapse: collapse; width: 100%; font-size: 13.5px; line-height: 1.35; }
 table + table { margin-top: 14px; }
 th, td { padding: 5px 8px; text-align: right; vertical-align: baseline; border-bottom: 1px solid var(--line); }
@@ -50,12 +50,12 @@ td.left { text-align: left; width: 36%; }
 td.key { color: var(--measured); font-weight: 600; white-space: nowrap; }
 td.sim { color: var(--simulated); }
 td.pub { color: var(--published); }
-tr.bad td, tr.bad th { background: #fbeeec; }
+tr.bad td, tr.bad th { background: var(--alarm); }
 .warn { color: var(--bad); font-weight: 600; }
 .fine { margin: 8px 0 0; color: var(--soft); font-size: 13px; }
-.badge { display: inline-block; min-width: 4.2em; padding: 0 7px; border-radius: 3px; text-align: center; font-size: 12px;
+.badge { display: inline-block; white-space: nowrap; min-width: 4.2em; padding: 0 7px; border-radius: 3px; text-align: center; font-size: 12px;
   font-weight: 650; letter-spacing: .03em; }
-.badge.pass { color: var(--good); background: #e6f2ea; }
+.badge.pass { color: var(--good); background: var(--well); }
 .badge.fail { color: #fff; background: var(--bad); }
 .badge.error { color: #fff; background: var(--doubt); }
 .badge.open { color: var(--soft); background: var(--faint); }
@@ -83,34 +83,63 @@ dd { margin: 0; }
 .parameters tr { break-inside: avoid; }
 footer { margin-top: 36px; color: var(--soft); font-size: 13px; }
 @media screen and (max-width: 760px) {
-  main { padding: 22px 16px; }
+  body { font-size: 16px; }
+  main { padding: 18px 14px; }
   header { flex-direction: column; gap: 14px; }
-  .tiles { grid-template-columns: repeat(3, 1fr); }
-  .provenance, #definitions dl { grid-template-columns: 1fr; }
+  .answers, .grid, .provenance, #definitions dl { grid-template-columns: minmax(0, 1fr); }
+  .columns { columns: 1; }
   section { overflow-x: auto; }
+  svg.plot { min-width: 620px; }
+  .grid svg.plot { min-width: 0; font-size: 15px; }
 }
-@page { size: A4; margin: 13mm 12mm 14mm;
-  @bottom-right { content: counter(page); font-size: 8pt; color: #5b6875; } }
+@media screen and (prefers-color-scheme: dark) {
+  :root { --ink: #e4e9ee; --soft: #9fadba; --line: #3a444e; --faint: #26303a; --measured: #56b4e9; --simulated: #f28e2b;
+    --published: #4fc49d; --paper: #161c22; --good: #67c58f; --bad: #f0776b; --doubt: #dba63b; --alarm: #43211f; --well: #1d3528; }
+  html { background: #0d1115; }
+  .verdict, .badge.fail, .badge.error { color: #10151a; }
+  .verdict.open { color: #fff; }
+  svg [stroke="#0072B2"] { stroke: #56b4e9; }
+  svg [fill="#0072B2"] { fill: #56b4e9; }
+  svg [stroke="#D55E00"] { stroke: #f28e2b; }
+  svg [fill="#D55E00"] { fill: #f28e2b; }
+  svg [stroke="#00795A"] { stroke: #4fc49d; }
+  svg [fill="#00795A"] { fill: #4fc49d; }
+  svg [stroke="#1f2933"] { stroke: #e4e9ee; }
+  svg [stroke="#5b6875"] { stroke: #9fadba; }
+  svg [stroke="#b8c1ca"] { stroke: #55616d; }
+  svg [stroke="#e6eaee"] { stroke: #2a333c; }
+  svg [fill="#ffffff"] { fill: #161c22; }
+}
+@page { size: A4; margin: 12mm 12mm 13mm;
+  @bottom-left { content: "powbench"; font-size: 8pt; color: #5b6875; }
+  @bottom-right { content: counter(page) " / " counter(pages); font-size: 8pt; color: #5b6875; } }
 @media print {
   html { background: #fff; }
-  body { font-size: 9.2pt; }
+  body { font-size: 9pt; line-height: 1.4; }
   main { max-width: none; padding: 0; }
-  h1 { font-size: 18pt; }
-  h2 { font-size: 13.5pt; margin-bottom: 6pt; }
-  h3 { font-size: 9.6pt; margin: 12pt 0 3pt; }
+  h1 { font-size: 17pt; }
+  h2 { font-size: 12.5pt; margin-bottom: 4pt; }
+  h3 { font-size: 9.4pt; margin: 9pt 0 2pt; }
+  header { padding-bottom: 8pt; }
   table { font-size: 7.6pt; }
-  th, td { padding: 2pt 4pt; }
+  th, td { padding: 1.6pt 4pt; }
   .badge, .code { font-size: 7pt; }
-  .tile b { font-size: 15pt; }
-  .tile { padding: 6pt 8pt; }
-  .tile span, figcaption, .fine, .aside, .kicker { font-size: 7.8pt; }
-  .verdict { font-size: 14pt; padding: 6pt 16pt; }
-  .provenance, .parameters { font-size: 8pt; }
-  section.page { break-before: page; margin-top: 0; border-top: 0; padding-top: 0; }
-  figure, tr, .tiles, .provenance div { break-inside: avoid; }
-  figure { margin-bottom: 8pt; }
+  .answer .main { font-size: 12pt; }
+  figcaption, .fine, .aside, .kicker { font-size: 7.6pt; }
+  .verdict { font-size: 15pt; padding: 5pt 14pt; }
+  .provenance, .parameters { font-size: 7.6pt; }
+  .provenance div { padding: 1.5pt 0; }
+  section { margin-top: 12pt; }
+  h2.appendix { break-before: page; margin: 0; padding: 0; border: 0; }
+  section.angle { break-inside: avoid; margin-top: 4pt; }
+  figure, tr, .answers, .provenance div { break-inside: avoid; }
+  figure { margin-bottom: 5pt; }
+  .grid { gap: 2pt 14pt; }
   h2, h3 { break-after: avoid; }
   thead { display: table-header-group; }
+  section.angle svg.plot { max-height: 148mm; }
+  section.angle .badge { font-size: 6pt; padding: 0 3pt; }
+  #typical svg.plot { max-height: 130mm; }
 }
 )";
 

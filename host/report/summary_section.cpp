@@ -10,24 +10,6 @@
 namespace powbench::host {
 namespace {
 
-/// Mean of what is finite.
-struct Mean {
-  double sum = 0;
-  int n = 0;
-  void add(double v) {
-    if (!std::isfinite(v)) return;
-    sum += v;
-    ++n;
-  }
-  double value() const { return n > 0 ? sum / n : unknown; }
-};
-
-void tile(Markup& out, std::size_t number, std::string_view label, std::string_view kind) {
-  out.open("div", {{"class", number > 0 ? std::string("tile ") + std::string(kind) : std::string("tile")}});
-  out.element("b", fmt::format("{}", number)).element("span", label);
-  out.close();
-}
-
 void limits_table(Markup& out, const ReportInput& input) {
   out.element("h3", "Limits");
   if (input.limits.empty()) {
@@ -68,51 +50,6 @@ void limits_table(Markup& out, const ReportInput& input) {
   out.close().close();
 }
 
-/// How far simulation and publication are from the measurement, averaged over the angles.
-void agreement_table(Markup& out, const ReportInput& input) {
-  out.element("h3", "Agreement over all angles");
-  out.open("table", {{"class", "agreement"}}).open("thead").open("tr");
-  out.element("th", "Quantity", {{"scope", "col"}, {"colspan", "2"}});
-  for (const std::string_view head :
-       {"angles", "measured U", "|sim. \xE2\x88\x92 meas.|", "error of simulation", "published: own error"})
-    out.element("th", head, {{"scope", "col"}});
-  out.close().close().open("tbody");
-  for (const auto& quantity : quantity_table) {
-    const ReadableUnit unit = readable_unit(quantity.unit);
-    Mean expanded, difference, error, published;
-    for (const auto& row : input.comparison.rows) {
-      if (row.quantity != quantity.symbol) continue;
-      expanded.add(row.coverage * row.measured.u * unit.per_si);
-      difference.add(std::fabs(row.simulated - row.measured.value) * unit.per_si);
-      error.add(relative_error_percent(row.simulated, row.measured.value));
-    }
-    for (const auto& p : input.published)
-      if (p.quantity == quantity.symbol && p.table > 0 && !p.excluded)
-        published.add(p.recomputed_error_percent);
-    if (difference.n == 0 && expanded.n == 0) continue;
-    const auto with_unit = [&](const Mean& m, int decimals) {
-      return m.n > 0 ? fmt::format("{} {}", fixed(m.value(), decimals), unit.name) : std::string(no_value);
-    };
-    const auto percent = [](const Mean& m) {
-      return m.n > 0 ? fmt::format("{} %", fixed(m.value(), 1)) : std::string(no_value);
-    };
-    out.open("tr").element("th", quantity.symbol, {{"scope", "row"}, {"class", "sym"}});
-    out.element("td", quantity.meaning, {{"class", "left"}});
-    out.element("td", fmt::format("{}", std::max(difference.n, expanded.n)));
-    out.element("td", with_unit(expanded, unit.decimals + 1))
-        .element("td", with_unit(difference, unit.decimals));
-    out.element("td", percent(error), {{"class", "sim"}})
-        .element("td", percent(published), {{"class", "pub"}});
-    out.close();
-  }
-  out.close().close();
-  out.element(
-      "p",
-      "Means over the angles. Error: relative to the measured mean; for the publication, its simulation "
-      "against its own measurement, recomputed, rows marked as unusable left out.",
-      {{"class", "fine"}});
-}
-
 void provenance_list(Markup& out, const Provenance& p) {
   out.element("h3", "Provenance");
   out.open("dl", {{"class", "provenance"}});
@@ -139,22 +76,16 @@ void provenance_list(Markup& out, const Provenance& p) {
 
 }  // namespace
 
-Markup summary_section(const ReportInput& input) {
-  const Counts c = count(input);
+Markup limits_section(const ReportInput& input) {
   Markup out;
-  out.open("section", {{"id", "summary"}});
-  out.open("div", {{"class", "tiles"}});
-  tile(out, c.planned, "planned", "");
-  tile(out, c.done, "measured", "");
-  tile(out, c.passed, "inside limits", "good");
-  tile(out, c.failed, "outside limits", "bad");
-  tile(out, c.not_judged, "not judged", "doubt");
-  tile(out, c.not_observed, "not observed", "bad");
-  tile(out, c.errors, "no valid measurement", "bad");
-  tile(out, c.missing, "not fired", "bad");
-  out.close();
+  out.open("section", {{"id", "limits"}});
   limits_table(out, input);
-  agreement_table(out, input);
+  return out.close();
+}
+
+Markup provenance_section(const ReportInput& input) {
+  Markup out;
+  out.open("section", {{"id", "provenance"}});
   provenance_list(out, input.provenance);
   return out.close();
 }

@@ -154,7 +154,7 @@ Markup maps_figure(const VibrationView& v) {
 
 Markup vibration_section(const VibrationView& v) {
   Markup out;
-  out.open("section", {{"class", "page"}, {"id", "vibration"}});
+  out.open("section", {{"id", "vibration"}});
   out.element("h2", "Core vibration on the films");
   out.embed(table(v));
 

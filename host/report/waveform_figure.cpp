@@ -183,7 +183,8 @@ Range bounce_window(const ReportInput& input, const AngleView& view) {
 
 }  // namespace
 
-Markup waveform_figure(const ReportInput& input, const AngleView& view, const Range& window) {
+Markup waveform_figure(const ReportInput& input, const AngleView& view, const Range& window,
+                       bool short_form) {
   std::vector<std::pair<Panel, Range>> shown;
   for (const auto& panel : panels) {
     const auto has = [&](const std::vector<Waveform>& all) {
@@ -205,7 +206,8 @@ Markup waveform_figure(const ReportInput& input, const AngleView& view, const Ra
     y += panel.height + (last ? bottom : gap);
   }
   const Range bounce = bounce_window(input, view);
-  if (!bounce.empty() && !shown.empty() && shown.front().first.channel == panels.front().channel) {
+  if (!short_form && !bounce.empty() && !shown.empty() &&
+      shown.front().first.channel == panels.front().channel) {
     Panel panel = panels.front();
     panel.title = "force A, bounce / N";
     panel.height = zoom_height;

@@ -4,6 +4,8 @@
 #include <string>
 
 #include "host/compare/compare.h"
+#include "host/report/best_angle.h"
+#include "host/report/number.h"
 #include "host/report/report.h"
 #include "host/report/view.h"
 #include "tests/host/report_xml_check.h"
@@ -229,7 +231,7 @@ TEST_CASE("measured, simulated and published stand side by side", "[report]") {
   compare_into(in);
   check_page(in);
   const std::string html = render_html(in);
-  CHECK(contains(html, "<td class=\"sim\">12.34</td>"));
+  CHECK(contains(html, "<td class=\"sim\">12.340"));  // to the digits of the measured U
   CHECK(contains(html, "<td class=\"pub\">11.86</td>"));
   CHECK(contains(html, "<td class=\"pub\">11.65</td>"));
   CHECK(contains(html, "<td class=\"pub\">16.82 \xE2\x80\xA0</td>"));  // excluded row at 90 deg
@@ -295,4 +297,65 @@ TEST_CASE("core vibration: bands, refusal and pictures, whatever the numbers are
   in.vibration->maps.clear();
   in.vibration->films.clear();
   check_page(in);
+}
+
+namespace {
+
+ComparisonRow bounce_row(double deg, double value, double u, int repeats) {
+  ComparisonRow r;
+  r.quantity = "t_ct_bon";
+  r.unit = "s";
+  r.closing_angle = radians(deg);
+  r.measured = {value, u};
+  r.repeats = repeats;
+  r.dof = repeats - 1;
+  r.coverage = 2;
+  return r;
+}
+
+}  // namespace
+
+TEST_CASE("the best angle, how sure it is and what it is worth", "[report]") {
+  Comparison c;
+  CHECK(best_angle(c).angles == 0);
+  c.rows = {bounce_row(0, 6e-3, 0.1e-3, 5), bounce_row(60, 5e-3, 0.1e-3, 5),
+            bounce_row(120, 7e-3, 0.1e-3, 5)};
+  const BestAngle b = best_angle(c);
+  CHECK(b.angles == 3);
+  CHECK(degrees(b.angle) == Approx(60));
+  CHECK(degrees(b.runner_up) == Approx(0));
+  CHECK(b.gain.value == Approx(1e-3));
+  CHECK(b.gain.u == Approx(0.1e-3 * std::sqrt(4.0 / 9 + 2.0 / 9 - 0.0)));
+  // t = 1 / (0.1 sqrt 2) = 7.07 and 14.1 with 4 degrees of freedom: 0.00105 and 0.00007 one-sided
+  CHECK(b.confidence == Approx(1 - 0.00105 - 0.00007).margin(5e-5));
+  c.rows[1].repeats = 1;  // the scatter of a single closing is not known
+  CHECK(std::isnan(best_angle(c).confidence));
+  c.rows = {bounce_row(0, 5.01e-3, 0.1e-3, 5), bounce_row(60, 5e-3, 0.1e-3, 5)};
+  CHECK(best_angle(c).confidence == Approx(0.53).margin(0.02));
+}
+
+TEST_CASE("no number claims to be exact: a U below the digits shown says so", "[report]") {
+  CHECK(with_uncertainty({0, 0}, 2, 1e3, 2) == "0");
+  CHECK(with_uncertainty({0, 1e-12}, 2, 1e3, 2) == "0");
+  CHECK(with_uncertainty({12e-3, 1e-12}, 2, 1e3, 2) == "12.0000 \xC2\xB1 <0.0001");
+  CHECK(with_uncertainty({12e-3, 1.5e-6}, 2, 1e3, 2) == "12.0000 \xC2\xB1 0.0030");
+}
+
+TEST_CASE("a long campaign gives a bounded list of shots, what is not in order first", "[report]") {
+  ReportInput in;
+  in.planned = 20'000;
+  for (int i = 1; i <= 20'000; ++i) {
+    ReportShot s;
+    s.index = i;
+    s.outcome = i == 19'999 ? Outcome::fail : Outcome::pass;
+    s.reason = i == 19'999 ? "the late one" : "";
+    s.events = some_events(12e-3);
+    s.conditions.closing_angle = radians(i % 36 * 10);
+    in.shots.push_back(std::move(s));
+  }
+  compare_into(in);
+  const std::string html = render_html(in);
+  CHECK(html.size() < 10'000'000);
+  CHECK(contains(html, "the late one"));
+  CHECK(contains(html, "more are not listed here"));
 }

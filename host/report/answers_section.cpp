@@ -1,0 +1,181 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "core/quantities.h"
+#include "host/report/best_angle.h"
+#include "host/report/number.h"
+#include "host/report/sections.h"
+
+/// The first page's answers: verdict, best angle, agreement, and the times themselves.
+
+namespace powbench::host {
+namespace {
+
+constexpr std::size_t most_ranked = 5, most_angles = 12;
+
+void answer(Markup& out, std::string_view question, std::string_view main, const std::string& detail) {
+  out.open("div", {{"class", "answer"}});
+  out.element("h3", question).element("p", main, {{"class", "main"}});
+  if (!detail.empty()) out.element("p", detail, {{"class", "fine"}});
+  out.close();
+}
+
+void verdict_answer(Markup& out, const ReportInput& input) {
+  const Counts c = count(input);
+  std::string detail = fmt::format("{} of {} planned closings measured", c.done, c.planned);
+  const auto add = [&](std::size_t n, std::string_view what) {
+    if (n > 0) detail += fmt::format(", {} {}", n, what);
+  };
+  if (!input.limits.empty()) add(c.passed, "inside the limits");
+  add(c.failed, "outside");
+  add(c.not_observed, "not observed");
+  add(c.not_judged, "not judged");
+  add(c.errors, "without a valid measurement");
+  add(c.missing, "not fired");
+  detail += ". ";
+  detail += input.limits.empty() && !std::isfinite(input.most_from_simulation)
+                ? std::string("The plan sets no limit, so nothing was judged.")
+                : std::string(decision_text(input.decision));
+  answer(out, "Verdict", name(verdict(input)), detail);
+}
+
+void best_answer(Markup& out, const ReportInput& input) {
+  const BestAngle b = best_angle(input.comparison);
+  if (b.angles == 0) return answer(out, "Best closing angle", "not observed", "No bounce time was measured.");
+  const std::string bounce = with_uncertainty(b.bounce, b.coverage, 1e3, 2) + " ms of contact bounce";
+  if (b.angles == 1)
+    return answer(out, "Best closing angle", "not known",
+                  fmt::format("Only {} was measured: {}.", angle_text(b.angle), bounce));
+  std::string sure = "How sure that is, is not known: it takes two closings at each angle.";
+  if (std::isfinite(b.confidence))
+    sure = b.confidence < 0.5
+               ? fmt::format("Not told apart from {} (confidence below 50 %).", angle_text(b.runner_up))
+               : fmt::format(
+                     "Confidence {}{:.0f} % that none of the other {} measured angles is better; next is {}.",
+                     b.confidence > 0.995 ? "above " : "", std::min(99.0, std::floor(b.confidence * 100)),
+                     b.angles - 1, angle_text(b.runner_up));
+  if (b.two_modes) sure += " The repeats there fall into two groups.";
+  answer(out, "Best closing angle", fmt::format("{}: {}", angle_text(b.angle), bounce),
+         fmt::format("{} Closing at random among them bounces {} ms longer on average ({} %).", sure,
+                     with_uncertainty(b.gain, 2, 1e3, 2),
+                     fixed(100 * b.gain.value / (b.bounce.value + b.gain.value), 0)));
+}
+
+std::vector<const ComparisonRow*> ranked(const ReportInput& input) {
+  std::vector<const ComparisonRow*> rows;
+  for (const auto& row : input.comparison.rows)
+    if (std::isfinite(row.difference_over_U())) rows.push_back(&row);
+  std::stable_sort(rows.begin(), rows.end(), [](const auto* a, const auto* b) {
+    return a->difference_over_U() > b->difference_over_U();
+  });
+  return rows;
+}
+
+std::string times_text(double E) {
+  return E < 9.95 ? fixed(E, 1) : fixed(E, 0);
+}
+
+void agreement_answer(Markup& out, const std::vector<const ComparisonRow*>& rows) {
+  if (rows.empty())
+    return answer(out, "Measurement and simulation", "not known",
+                  "Nothing was simulated, or no uncertainty is known.");
+  const auto agree = static_cast<std::size_t>(
+      std::count_if(rows.begin(), rows.end(), [](const auto* r) { return r->difference_over_U() <= 1; }));
+  const ComparisonRow& worst = *rows.front();
+  const ReadableUnit unit = readable_unit(worst.unit);
+  answer(out, "Measurement and simulation",
+         agree == rows.size()
+             ? std::string("agree")
+             : fmt::format("differ in {} of {} comparisons", rows.size() - agree, rows.size()),
+         fmt::format("Largest difference over U: {} at {}, measured {} {}, simulated {} {}: {} U.",
+                     worst.quantity, angle_text(worst.closing_angle),
+                     with_uncertainty(worst.measured, worst.coverage, unit.per_si, unit.decimals), unit.name,
+                     simulated_text(worst), unit.name, times_text(worst.difference_over_U())));
+}
+
+void ranking(Markup& out, const std::vector<const ComparisonRow*>& rows) {
+  if (rows.empty()) return;
+  out.element("h3", "Where simulation and measurement part");
+  out.open("table", {{"class", "ranking"}}).open("thead").open("tr");
+  for (const std::string_view head :
+       {"quantity", "angle", "measured \xC2\xB1 U", "simulated", "difference", "difference / U", ""})
+    out.element("th", head, {{"scope", "col"}});
+  out.close().close().open("tbody");
+  for (std::size_t i = 0; i < std::min(most_ranked, rows.size()); ++i) {
+    const ComparisonRow& r = *rows[i];
+    const ReadableUnit unit = readable_unit(r.unit);
+    const double E = r.difference_over_U();
+    out.open("tr");
+    out.element("th", fmt::format("{} / {}", r.quantity, unit.name), {{"scope", "row"}, {"class", "sym"}});
+    out.element("td", angle_text(r.closing_angle));
+    out.element("td", with_uncertainty(r.measured, r.coverage, unit.per_si, unit.decimals),
+                {{"class", "key"}});
+    out.element("td", simulated_text(r), {{"class", "sim"}});
+    out.element("td", signed_fixed((r.simulated - r.measured.value) * unit.per_si,
+                                   decimals_for(r.expanded_difference() * unit.per_si, unit.decimals)));
+    out.element("td", times_text(E)).element("td", agreement(E), {{"class", E > 1 ? "warn" : "unit"}});
+    out.close();
+  }
+  out.close().close();
+}
+
+void times(Markup& out, const ReportInput& input) {
+  std::vector<double> angles;
+  for (const auto& row : input.comparison.rows)
+    if (row.quantity == "t_ct1") angles.push_back(row.closing_angle);
+  if (angles.empty()) return;
+  out.element("h3", "Measured \xC2\xB1 U, in ms");
+  out.open("table", {{"class", "times"}}).open("thead").open("tr");
+  for (const std::string_view head : {"closing angle", "closings", "touch t_ct1", "simulated",
+                                      "bounce t_ct_bon", "simulated", "core seat t_xt1", "simulated"})
+    out.element("th", head, {{"scope", "col"}});
+  out.close().close().open("tbody");
+  const std::size_t step = (angles.size() + most_angles - 1) / most_angles;
+  const double best = best_angle(input.comparison).angles > 1 ? best_angle(input.comparison).angle : unknown;
+  for (std::size_t i = 0; i < angles.size(); i += step) {
+    out.open("tr", {{"class", angles[i] == best ? "best" : ""}});
+    out.element("th", std::isfinite(angles[i]) ? angle_text(angles[i]) : "not known", {{"scope", "row"}});
+    bool counted = false;
+    for (const std::string_view quantity : {"t_ct1", "t_ct_bon", "t_xt1"}) {
+      const ComparisonRow* row = row_at(input.comparison, quantity, angles[i]);
+      if (!counted) out.element("td", fmt::format("{}", row->repeats));
+      counted = true;
+      out.element("td", with_uncertainty(row->measured, row->coverage, 1e3, 2), {{"class", "key"}});
+      out.element("td", simulated_text(*row), {{"class", "sim"}});
+    }
+    out.close();
+  }
+  out.close().close();
+  if (step > 1)
+    out.element("p", fmt::format("Every {}th of {} angles; the figures show all.", step, angles.size()),
+                {{"class", "fine"}});
+}
+
+}  // namespace
+
+std::string simulated_text(const ComparisonRow& row) {
+  const ReadableUnit unit = readable_unit(row.unit);
+  if (std::isfinite(row.u_simulated))
+    return with_uncertainty({row.simulated, row.u_simulated}, 2, unit.per_si, unit.decimals);
+  return fixed(row.simulated * unit.per_si,
+               decimals_for(row.coverage * row.measured.u * unit.per_si, unit.decimals));
+}
+
+Markup answers_section(const ReportInput& input) {
+  const auto rows = ranked(input);
+  Markup out;
+  out.open("section", {{"id", "answers"}});
+  out.open("div", {{"class", "answers"}});
+  verdict_answer(out, input);
+  best_answer(out, input);
+  agreement_answer(out, rows);
+  out.close();
+  times(out, input);
+  ranking(out, rows);
+  return out.close();
+}
+
+}  // namespace powbench::host
