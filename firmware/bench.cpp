@@ -15,6 +15,7 @@ Bench::Bench(const ControllerConfig& config, const Identity& identity, std::span
                            {"protocol_version", "1"}}},
       context_{.description = identity.model, .attributes = context_attributes_, .devices = device_list_},
       responder_(context_) {
+  controller_.use_memory(calibrations_);
   devices_.identify(context_attributes_);
   controller_.lease().protect(identity.secret);
 }
@@ -36,6 +37,7 @@ std::size_t Bench::feed(unsigned connection, std::span<const std::uint8_t> bytes
   const Lease& lease = controller_.lease();
   const std::uint32_t spoken = lease.times_renewed();
   const std::size_t used = responder_.feed(connections_[connection], bytes, out);
+  if (controller_.calibrations().due()) controller_.take_calibration(controller_.save_calibration());
   if (lease.times_renewed() != spoken) {
     if (owner_number_ != lease.number()) owner_connections_ = 0;
     owner_number_ = lease.number();

@@ -81,6 +81,7 @@ class Bench {
            owner_connections_ != 0;
   }
 
+  RamCalibrationMemory calibrations_;
   Controller controller_;
   SourceDevice source_;
   BenchDevices devices_;

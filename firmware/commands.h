@@ -29,7 +29,7 @@ inline int admit(Controller& controller, std::string_view& value) {
   value = take_word(token);
   Lease& lease = controller.lease();
   if (!lease.is_owner(token)) {
-    controller.fire_control().note_stranger(lease.held() ? not_the_owner : nobody_owns);
+    controller.fire_control().note_refusal(lease.held() ? not_the_owner : nobody_owns);
     return -iiod::ebusy;
   }
   lease.renew();

@@ -2,11 +2,12 @@
 
 namespace powbench::firmware {
 
-/// What a capture means for current checks and for arming.
-void Controller::announce_zero() {
+/// What a capture means for current checks and for arming; a calibration on its way to the memory keeps the bench at rest.
+void Controller::announce() {
   using Zero = ZeroCapture::State;
   const Zero state = zero_.state();
   interlocks_.current_known(state == Zero::unwanted || state == Zero::done);
+  if (calibrations_.due()) return fire_.set_unready("a calibration is being stored: wait 0.1 s");
   switch (state) {
     case Zero::unwanted:
     case Zero::done:
@@ -31,18 +32,42 @@ void Controller::end_zero_capture() {
     config_.interlocks.current_zero_counts = zero_.current();
     guard_ = ConfigGuard({reinterpret_cast<const std::uint8_t*>(&config_), sizeof config_});
   }
-  announce_zero();
+  announce();
   if (zero_.state() == ZeroCapture::State::flowing) fire_.current_at_rest();
+}
+
+bool Controller::at_rest() const {
+  return fire_.state() != State::armed && fire_.state() != State::firing && fire_.at_rest();
 }
 
 Refusal Controller::capture_zero() {
   if (config_.zero.samples <= 0) return Refusal::accepted;
-  if (fire_.state() == State::armed || fire_.state() == State::firing || !fire_.at_rest())
-    return Refusal::wrong_state;
+  if (!at_rest()) return Refusal::wrong_state;
+  fire_.forget_record();
   zero_.begin(config_.zero);
   zero_ended_ = false;
-  announce_zero();
+  announce();
   return Refusal::accepted;
+}
+
+std::string_view interlock_error(const InterlockConfig& i, const Calibrations& rows) {
+  if (i.no_current_counts <= 0 || i.overcurrent_counts <= i.no_current_counts ||
+      i.overcurrent_counts > 32'767)
+    return "current thresholds not in the order 0 < no_current < overcurrent <= 32767";
+  if (i.mains_lost_counts <= 0 || i.mains_lost_samples <= 0) return "mains_lost thresholds not above 0";
+  if (i.no_current_samples <= 0 || i.stuck_on_samples <= 0) return "coil time limits not above 0";
+  if (i.heartbeat_samples <= 0) return "heartbeat_samples not above 0";
+  // a channel that exists is watched
+  const bool contact = rows[index(Channel::contact_a)].scale_pico != 0;
+  const bool laser = rows[index(Channel::laser)].scale_pico != 0;
+  if (contact && (i.contact_open_counts <= 0 || i.contact_open_counts > 32'767))
+    return "there is a contact channel, but contact_open_counts is outside 1 .. 32767";
+  if (laser && (i.travel_least_counts >= i.travel_most_counts || i.travel_most_counts > 32'767))
+    return "there is a laser, but its range is not least < most <= 32767";
+  if (contact && laser &&
+      (i.travel_open_counts >= i.travel_closed_counts || i.travel_closed_counts >= i.travel_most_counts))
+    return "there are contact and laser, but travel thresholds are not open < closed < most";
+  return {};
 }
 
 std::string_view config_error(const ControllerConfig& c, std::size_t storage_values) {
@@ -59,22 +84,7 @@ std::string_view config_error(const ControllerConfig& c, std::size_t storage_val
     return "nominal_amplitude outside 0 .. 32767 counts";
   if (c.fire.hold_limit_ms < 1 || c.fire.hold_limit_ms > 10'000) return "hold_limit_ms outside 1 .. 10000";
   if (c.fire.gate_delay_samples_256 < 0) return "gate delay below 0";
-  if (i.no_current_counts <= 0 || i.overcurrent_counts <= i.no_current_counts ||
-      i.overcurrent_counts > 32'767)
-    return "current thresholds not in the order 0 < no_current < overcurrent <= 32767";
-  if (i.mains_lost_counts <= 0 || i.mains_lost_samples <= 0) return "mains_lost thresholds not above 0";
-  if (i.no_current_samples <= 0 || i.stuck_on_samples <= 0) return "coil time limits not above 0";
-  if (i.heartbeat_samples <= 0) return "heartbeat_samples not above 0";
-  // a channel that exists is watched
-  const bool contact = c.calibration[index(Channel::contact_a)].scale_pico != 0;
-  const bool laser = c.calibration[index(Channel::laser)].scale_pico != 0;
-  if (contact && (i.contact_open_counts <= 0 || i.contact_open_counts > 32'767))
-    return "there is a contact channel, but contact_open_counts is outside 1 .. 32767";
-  if (laser && (i.travel_least_counts >= i.travel_most_counts || i.travel_most_counts > 32'767))
-    return "there is a laser, but its range is not least < most <= 32767";
-  if (contact && laser &&
-      (i.travel_open_counts >= i.travel_closed_counts || i.travel_closed_counts >= i.travel_most_counts))
-    return "there are contact and laser, but travel thresholds are not open < closed < most";
+  if (const std::string_view why = interlock_error(i, c.calibration); !why.empty()) return why;
   if (c.zero.samples < 0 || (c.zero.samples > 0 && (c.zero.most_counts <= 0 || c.zero.quiet_counts <= 0)))
     return "zero capture without limits";
   if (b.operations_per_minute < 0 ||

@@ -7,6 +7,7 @@
 #include <string_view>
 #include <type_traits>
 
+#include "firmware/calibration_store.h"
 #include "firmware/config_guard.h"
 #include "firmware/fire_control.h"
 #include "firmware/handover.h"
@@ -21,18 +22,6 @@
 /// compare.
 
 namespace powbench::firmware {
-
-/// What the front end of one channel is, as told to clients. Integers in decimal fractions: a board has no
-/// printf.
-struct ChannelCalibration {
-  std::int64_t scale_pico = 0;         ///< 1e-12 of the IIO unit per count; 0: there is no such channel
-  std::int64_t delay_ns = 0;           ///< the value shows the quantity this much earlier
-  std::int64_t corner_microhertz = 0;  ///< low corner of the charge amplifier, 0 = down to DC
-  std::int64_t film_area_pico = 0;     ///< 1e-12 m2, force channels only
-  std::int64_t sensitivity_femto = 0;  ///< 1e-15 C/N, force channels only
-  std::int64_t zero_counts = 0;        ///< reading at zero
-};
-using Calibrations = std::array<ChannelCalibration, channel_count>;
 
 /// SI value of a count, and the zero, of each channel.
 constexpr CountScales count_scales(const Calibrations& calibration) {
@@ -68,6 +57,14 @@ struct BuildIdentity {
   std::uint32_t image_crc32 = 0;  ///< of the program as linked, as the file that was flashed; 0: not known
 };
 
+/// The thresholds for a front end as calibrated (`to`): where they were in SI.
+InterlockConfig calibrated(const InterlockConfig& nominal, const Calibrations& from, const Calibrations& to);
+/// What makes thresholds unfit for these channels, or empty.
+std::string_view interlock_error(const InterlockConfig&, const Calibrations&);
+/// What makes a calibration impossible for this front end, or empty: channels that come or go, gains beyond what its parts
+/// can be off by, delays beyond 1 ms.
+std::string_view calibration_error(const ControllerConfig& nominal, const StoredCalibration&);
+
 /// What makes a configuration unfit to energise a coil, or empty.
 std::string_view config_error(const ControllerConfig&, std::size_t storage_values);
 
@@ -75,7 +72,8 @@ class Controller {
  public:
   /// `storage`: at least record_length x channel_count values.
   Controller(const ControllerConfig& config, std::span<std::int16_t> storage)
-      : config_(config),
+      : nominal_(config),
+        config_(config),
         mains_(config.phase),
         interlocks_(config_.interlocks),
         recorder_(storage, config.record_length, config.pretrigger, 1'000'000'000 / config.sample_rate),
@@ -84,7 +82,7 @@ class Controller {
         guard_({reinterpret_cast<const std::uint8_t*>(&config_), sizeof config_}),
         config_error_(firmware::config_error(config, storage.size())) {
     if (!config_error_.empty()) fire_.config_damaged(true);
-    announce_zero();
+    announce();
   }
   Controller(const Controller&) = delete;
   Controller& operator=(const Controller&) = delete;
@@ -141,6 +139,20 @@ class Controller {
     lease_ = memory.lease;
   }
 
+  /// Takes the calibration that `memory` holds. Once, before boot(), which is told calibrations().intact().
+  void use_memory(CalibrationMemory& memory);
+  /// One channel of the calibration to be stored.
+  Refusal draft(std::size_t channel, const ChannelCalibration& row);
+  /// The draft is complete: it is stored as soon as the port finds the time, and in force from then on. Refused while a
+  /// shot is armed or not over, and when it would make the bench unfit.
+  Refusal propose(const Certificate&, std::int64_t switch_delay_ns);
+  /// For the port's main loop, outside of its lock: writes what is due. Long.
+  bool save_calibration() { return calibrations_.save(); }
+  /// Then, under the lock: takes it over, or says that it was not stored.
+  void take_calibration(bool saved);
+  const CalibrationStore& calibrations() const { return calibrations_; }
+  const Certificate& certificate() const { return certificate_; }
+
   /// Captures the zero of the coil's channels anew; refused unless the bench rests.
   Refusal capture_zero();
   ZeroCapture::State zero_state() const { return zero_.state(); }
@@ -161,8 +173,10 @@ class Controller {
  private:
   static constexpr std::uint8_t no_verdict = 0, intact = 1, damaged = 2;
 
-  void announce_zero();
+  void announce();
   void end_zero_capture();
+  bool at_rest() const;
+  void apply(const StoredCalibration&);
   void pass_lease(std::int64_t samples) {
     if (lease_.pass(samples)) fire_.owner_gone();
   }
@@ -172,7 +186,8 @@ class Controller {
     __builtin_memcpy(latest_.data(), scan.data(), sizeof latest_);
   }
 
-  ControllerConfig config_;
+  const ControllerConfig nominal_;  ///< as compiled
+  ControllerConfig config_;         ///< with calibration and zero
   PhaseFeed mains_;
   Interlocks interlocks_;
   Recorder recorder_;
@@ -182,6 +197,8 @@ class Controller {
   std::uint8_t guard_verdict_ = no_verdict;  ///< from the background, not yet seen
   ZeroCapture zero_{config_.zero};
   bool zero_ended_ = false;  ///< a capture has ended, the background has not yet taken it over
+  CalibrationStore calibrations_;
+  Certificate certificate_;  ///< in force
   std::string_view config_error_;
   BuildIdentity identity_;
   std::array<std::int16_t, channel_count> latest_{};

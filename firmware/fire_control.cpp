@@ -35,7 +35,8 @@ void FireControl::boot(const BootReport& report) {
   else if (report.cause == ResetCause::brown_out)
     trip(Fault::brown_out, next_sample_);
   else if (!report.stored_config_intact)
-    config_damaged(true);
+    trip(Fault::config_corrupt, next_sample_);
+  stored_lost_ = !report.stored_config_intact;
   if (boot_.survivor) boot_.survivor->note_gate(false);
 }
 
@@ -113,7 +114,7 @@ void FireControl::abort() {
   token_ = fired_ = planned_ = false;
   if (state_ != State::captured) recorder_->discard();
   if (state_ == State::fault) {
-    const bool damaged = fault_ == Fault::config_corrupt && config_damaged_;
+    const bool damaged = fault_ == Fault::config_corrupt && (config_damaged_ || stored_lost_);
     if (damaged || (info(fault_).clears == Clears::cause_gone && interlocks_->present(fault_))) {
       last_error_ = reason(fault_);
       return;
@@ -178,6 +179,11 @@ Refusal FireControl::set_touch_delay_us(std::int64_t us) {
 void FireControl::current_at_rest() {
   if (state_ != State::fault)
     trip(was_energised_ ? Fault::coil_stuck_on : Fault::reset_while_energised, next_sample_);
+}
+
+void FireControl::forget_record() {
+  recorder_->discard();
+  if (state_ == State::captured) state_ = State::idle;
 }
 
 void FireControl::config_damaged(bool damaged) {

@@ -65,8 +65,8 @@ class FireControl {
   /// The lease has ended: disarmed, and if the coil may be on, off with Fault::host_lost. A record that is only being
   /// completed is completed.
   void owner_gone();
-  /// A command that was none of the owner's; a latched fault keeps its sentence.
-  void note_stranger(std::string_view why) {
+  /// A command that was none of the owner's, or that the controller refuses; a latched fault keeps its sentence.
+  void note_refusal(std::string_view why) {
     if (state_ != State::fault) last_error_ = why;
   }
   /// Set-points can be set unless a shot is armed or under way.
@@ -80,11 +80,15 @@ class FireControl {
   void set_unready(std::string_view why) { unready_ = why; }
   /// Current flows though gate and safety relay are open, right after a start or at a capture of the zero.
   void current_at_rest();
+  /// What the last record was measured with is no longer in force: it is thrown away.
+  void forget_record();
   /// Gate off, current and contact at rest.
   bool at_rest() const { return gate_.idle() && !settling(); }
 
   /// The configuration is not what it was at the start (the controller checks its CRC).
   void config_damaged(bool damaged);
+  /// The stored calibration is lost (true), or one has been stored since.
+  void stored_config_lost(bool lost) { stored_lost_ = lost; }
 
   /// After each block: checks, scheduling, state changes. Edges for the output compare: those before the end
   /// of the block that follows, and the port's lead before that.
@@ -161,6 +165,7 @@ class FireControl {
   bool planned_ = false;  ///< a crossing has been chosen; only its instant is refined
   bool relay_closed_ = true;
   bool config_damaged_ = false;
+  bool stored_lost_ = false;    ///< a calibration was stored, and cannot be read
   bool was_energised_ = false;  ///< the gate has been on since the start
   std::int64_t fired_at_ = 0;
   Tick plan_{};                      ///< gate edge as predicted by the latest estimate

@@ -41,6 +41,7 @@ Fault FireControl::examine(const Block& block, std::int64_t end) {
   Fault found = interlocks_->check(block, {gate_.on(), gate_since_});
   if (overdue) return Fault::on_time_exceeded;
   if (first_block_ && !interlocks_->coil_quiet(end)) return Fault::reset_while_energised;
+  if (found == Fault::none && stored_lost_) return Fault::config_corrupt;
   // once the edge is committed, stopping makes nothing safer: the record tells the doubt
   const bool committed = state_ == State::firing && !fired_;
   if (found == Fault::sensor_implausible && committed) found = Fault::none;
@@ -105,7 +106,7 @@ void FireControl::commit(std::int64_t now) {
   const Gate::Permit permit{.armed_and_fired = fired_,
                             .phase_valid = estimate.valid(),
                             .no_fault = fault_ == Fault::none,
-                            .config_intact = !config_damaged_,
+                            .config_intact = !config_damaged_ && !stored_lost_,
                             .hold_samples = hold_samples(),
                             .hold_limit = hold_limit()};
   fired_ = false;

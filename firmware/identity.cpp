@@ -10,7 +10,7 @@ namespace {
 
 class Sum {
  public:
-  Sum& add(std::int64_t value) {
+  [[gnu::noinline]] Sum& add(std::int64_t value) {
     std::uint8_t bytes[8];
     for (int i = 0; i < 8; ++i)
       bytes[i] = static_cast<std::uint8_t>(static_cast<std::uint64_t>(value) >> (8 * i) & 0xFFU);

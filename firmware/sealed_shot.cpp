@@ -1,6 +1,7 @@
 #include "firmware/sealed_shot.h"
 
 #include "core/crc32.h"
+#include "firmware/identity.h"
 
 namespace powbench::firmware {
 namespace {
@@ -15,7 +16,7 @@ class Pairs {
  public:
   explicit Pairs(Text& out) : out_(out) {}
 
-  Pairs& text(std::string_view key, std::string_view value) {
+  [[gnu::noinline]] Pairs& text(std::string_view key, std::string_view value) {
     begin(key);
     for (const char c : value) {
       const auto byte = static_cast<unsigned char>(c);
@@ -26,11 +27,11 @@ class Pairs {
     }
     return *this;
   }
-  Pairs& number(std::string_view key, std::int64_t value) {
+  [[gnu::noinline]] Pairs& number(std::string_view key, std::int64_t value) {
     begin(key).put_int(value);
     return *this;
   }
-  Text& begin(std::string_view key) {
+  [[gnu::noinline]] Text& begin(std::string_view key) {
     if (!out_.view().empty()) out_.put(' ');
     return out_.put(key).put('=');
   }
@@ -59,7 +60,7 @@ void put_record(const Controller& controller, Pairs& pairs) {
     const ChannelCalibration& row = controller.config().calibration[c];
     const bool force = channel_table[c].unit == "N";
     Text& out = pairs.begin(channel_table[c].iio_id);
-    out.put_int(row.scale_pico).put(":0:").put_int(row.delay_ns);
+    out.put_int(row.scale_pico).put(':').put_int(-row.zero_counts).put(':').put_int(row.delay_ns);
     out.put(':').put_int(force ? row.corner_microhertz : 0).put(':').put_int(force ? row.film_area_pico : 0);
   }
 }
@@ -91,7 +92,11 @@ int write_sealed_shot(const Controller& controller, const SetPoints* source,
   pairs.text("model", identity_value(identity, "hw_model"))
       .text("serial", identity_value(identity, "hw_serial"));
   pairs.text("firmware", identity_value(identity, "fw_version"));
-  pairs.text("calibration", controller.config().calibration_id);
+  const ShotIdentity made = shot_identity(controller);
+  pairs.text("commit", made.build.commit).text("board", made.build.board_id);
+  pairs.begin("image").put_hex32(made.build.image_crc32);
+  pairs.begin("config").put_hex32(made.config_crc32);
+  pairs.text("calibration", made.calibration_id);
   pairs.number("angle_centideg", shot.closing_angle).number("hold_ms", shot.hold_time_ms);
   pairs.number("touch_us", shot.touch_delay_us);
   if (source) {

@@ -39,6 +39,35 @@ int write_set_point(void* self, std::uint32_t row, std::string_view value) {
   return 0;
 }
 
+/// CHANNEL:MICRO, in 1e-6 of the channel's SI unit, or "none".
+int read_reference(const void* self, std::uint32_t, Text& out) {
+  const SetPoints& s = source(self).set_points;
+  if (s.reference_channel < 0) return out.put("none"), 0;
+  out.put(channel_table[static_cast<std::size_t>(s.reference_channel)].name)
+      .put(':')
+      .put_int(s.reference_micro);
+  return 0;
+}
+int write_reference(void* self, std::uint32_t, std::string_view value) {
+  Controller& controller = static_cast<SourceDevice*>(self)->controller;
+  if (const int error = admit(controller, value); error != 0) return error;
+  if (controller.fire_control().set_points_latched()) return -iiod::ebusy;
+  SetPoints& s = static_cast<SourceDevice*>(self)->set_points;
+  if (value == "none") return s.reference_channel = -1, 0;
+  for (std::size_t c = 0; c < channel_count; ++c) {
+    const std::string_view name = channel_table[c].name;
+    if (!value.starts_with(name) || value.size() <= name.size() || value[name.size()] != ':') continue;
+    value.remove_prefix(name.size() + 1);
+    const auto micro = parse_int(value);
+    if (!micro) return -iiod::einval;
+    if (*micro < -1'000'000'000'000 || *micro > 1'000'000'000'000) return -iiod::erange;
+    s.reference_channel = static_cast<std::int64_t>(c);
+    s.reference_micro = *micro;
+    return 0;
+  }
+  return -iiod::einval;
+}
+
 int put_ns(std::int64_t ns, Text& out) {
   if (ns == PlantTruth::none) return out.put("none"), 0;
   return out.put_int(ns), 0;
@@ -47,6 +76,7 @@ int put_ns(std::int64_t ns, Text& out) {
 constexpr std::array attributes{
     Attribute{"ambient_millidegc", read_set_point, write_set_point, 0},
     Attribute{"mains_millihertz", read_set_point, write_set_point, 1},
+    Attribute{"reference", read_reference, write_reference},
     Attribute{"seed", read_set_point, write_set_point, 2},
     Attribute{"specimen", [](const void* s, std::uint32_t, Text& t) { return t.put(source(s).specimen), 0; }},
     Attribute{"supply_millivolts", read_set_point, write_set_point, 3},

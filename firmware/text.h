@@ -85,7 +85,7 @@ class TextOf : public Text {
 };
 
 /// Holds the longest value of any attribute, a sealed shot.
-using LongText = TextOf<1280>;
+using LongText = TextOf<1408>;
 
 /// Removes leading and trailing blanks, line ends and NULs (libiio sends a trailing NUL with every string).
 constexpr std::string_view trim(std::string_view s) {

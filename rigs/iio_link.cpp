@@ -211,6 +211,13 @@ void IioLink::write_angle(const std::string& value) {
   impl_->written(n, value, "writing the closing angle");
 }
 
+std::string IioLink::read_channel(Channel channel, const char* attribute) {
+  const std::string id(channel_table[index(channel)].iio_id);
+  iio_channel* c = iio_device_find_channel(impl_->daq, id.c_str(), false);
+  if (!c) broken(ENODEV, "finding channel " + id);
+  return impl_->channel_text(c, attribute);
+}
+
 std::vector<std::uint8_t> IioLink::read_scans(std::size_t samples) {
   for (const ChannelInfo& row : channel_table) {
     iio_channel* c = iio_device_find_channel(impl_->daq, std::string(row.iio_id).c_str(), false);

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "core/channels.h"
 #include "rigs/rig.h"
 
 /// One libiio context of a bench, and nothing above it. Written against libiio 0.24: a context whose answer came late or
@@ -47,6 +48,8 @@ class IioLink {
   std::string read(Device, const char* attribute);
   void write(Device, const char* attribute, const std::string& value);
   void write_angle(const std::string& value);
+  /// An attribute of an input channel.
+  std::string read_channel(Channel, const char* attribute);
   /// The bytes of the record, all channels.
   std::vector<std::uint8_t> read_scans(std::size_t samples);
 

@@ -1,5 +1,6 @@
 #include "rigs/registry.h"
 
+#include "rigs/bridge/bridge.h"
 #include "rigs/iio_rig.h"
 #include "rigs/iiod_server.h"
 #include "rigs/serial_rig.h"
@@ -38,6 +39,19 @@ class HostedSimRig final : public Rig {
 };
 
 }  // namespace
+
+Endpoint endpoint(const std::string& uri, const SimRigConfig& sim, const sim::Specimen& specimen) {
+  if (is_simulated(uri)) {
+    auto server =
+        std::make_shared<LocalRig>(sim, specimen, uri.starts_with("qemu:") ? emulated_board : BoardOptions{});
+    return {"ip:" + server->address(), server};
+  }
+  if (uri.starts_with("serial:")) {
+    auto bridge = std::make_shared<LocalBridge>(serial_options(uri));
+    return {"ip:" + bridge->address(), bridge};
+  }
+  return {uri, nullptr};
+}
 
 std::unique_ptr<Rig> open(const std::string& uri, const SimRigConfig& sim, const sim::Specimen& specimen) {
   if (uri.starts_with("sim:")) return std::make_unique<HostedSimRig>(sim, specimen, BoardOptions{});

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -29,6 +30,14 @@ inline constexpr RigKind rig_kinds[] = {
 inline bool is_simulated(std::string_view uri) {
   return uri.starts_with("sim:") || uri.starts_with("qemu:");
 }
+
+/// A rig as an address that libiio understands. What serves it lives as long as this.
+struct Endpoint {
+  std::string uri;
+  std::shared_ptr<void> server;
+};
+/// Throws as open() does.
+Endpoint endpoint(const std::string& uri, const SimRigConfig& sim, const sim::Specimen& specimen);
 
 /// Opens the rig that `uri` names. `sim` is what a `sim:` or `qemu:` rig is made of. Throws RigError with one sentence.
 std::unique_ptr<Rig> open(const std::string& uri, const SimRigConfig& sim, const sim::Specimen& specimen);

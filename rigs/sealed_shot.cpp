@@ -158,6 +158,10 @@ SealedShot parse_sealed_shot(std::string_view text) {
   s.model = pairs.text("model");
   s.serial = pairs.text("serial");
   s.firmware = pairs.text("firmware");
+  s.commit = pairs.text("commit");
+  s.board = pairs.text("board");
+  s.image_crc32 = parse_hex(pairs.take("image"));
+  s.config_crc32 = parse_hex(pairs.take("config"));
   s.calibration = pairs.text("calibration");
   s.angle_centideg = pairs.number("angle_centideg", 0, 35'999);
   s.hold_ms = pairs.number("hold_ms", 1, 10'000);

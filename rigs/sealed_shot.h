@@ -21,7 +21,9 @@ struct SealError : std::runtime_error {
 
 struct SealedShot {
   std::string text;  ///< as it came
-  std::string stage, boot, model, serial, firmware, calibration;
+  std::string stage, boot, model, serial, firmware, commit, board, calibration;
+  std::uint32_t image_crc32 = 0;  ///< of the program; 0: not known
+  std::uint32_t config_crc32 = 0;
   std::int64_t shot = 0;
   std::int64_t angle_centideg = 0, hold_ms = 0, touch_us = 0;
   std::optional<firmware::SetPoints> source;

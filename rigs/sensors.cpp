@@ -101,9 +101,16 @@ SensorChain::SensorChain(const SensorConfig& config, double sample_rate, double 
   next_laser_ = random_.uniform() / config.laser_rate;  // the laser's clock is not ours
 }
 
+void SensorChain::set_front_end(const FrontEndConfig& f) {
+  for (std::size_t c = 0; c < channel_count; ++c) counts_per_si_[c] *= 1.0 + f.gain[c];
+  zero_counts_ = f.zero;
+}
+
 std::int16_t SensorChain::quantise(Channel channel, double value, double noise) {
   ++conversions_;
-  const double counts = (value + noise * random_.normal()) * counts_per_si_[index(channel)];
+  if (reference_channel_ == index(channel)) value = reference_;
+  const double counts =
+      (value + noise * random_.normal()) * counts_per_si_[index(channel)] + zero_counts_[index(channel)];
   return static_cast<std::int16_t>(std::lrint(std::clamp(counts, -32768.0, 32767.0)));
 }
 

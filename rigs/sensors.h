@@ -76,6 +76,13 @@ class SensorChain {
   /// Values converted so far: what the wanted channels cost.
   std::int64_t conversions() const { return conversions_; }
 
+  /// How the inputs differ from their scales.
+  void set_front_end(const FrontEndConfig&);
+  /// The input shows this quantity (SI) in place of the plant's until it is taken away (channel_count).
+  void set_reference(std::size_t channel, double value) {
+    reference_channel_ = channel;
+    reference_ = value;
+  }
   /// The laser holds its last value while set.
   void drop_laser(bool dropped) { laser_dropped_ = dropped; }
 
@@ -88,7 +95,9 @@ class SensorChain {
   SensorConfig config_;
   double mains_hertz_;
   Random random_;
-  std::array<double, channel_count> counts_per_si_{};
+  std::array<double, channel_count> counts_per_si_{}, zero_counts_{};
+  std::size_t reference_channel_ = channel_count;
+  double reference_ = 0.0;
   LowPass low_a_, low_b_;
   HighPass high_a_, high_b_;
   std::vector<Resonator> modes_;

@@ -5,6 +5,7 @@
 #include <string>
 
 #include "core/channel_set.h"
+#include "core/channels.h"
 #include "core/units.h"
 #include "rigs/fault_line.h"
 #include "sim/supply/supply_modes.h"
@@ -20,6 +21,12 @@ struct RingMode {
   double damping = 0.0;  ///< damping ratio
   double gain_a = 0.0;   ///< N at film A per N of static core-stop force
   double gain_b = 0.0;   ///< N at film B per N of static core-stop force
+};
+
+/// What a calibration has to find: how the inputs differ from their nominal scales.
+struct FrontEndConfig {
+  std::array<double, channel_count> gain{};  ///< relative error: more counts than the scale says
+  std::array<double, channel_count> zero{};  ///< counts at zero
 };
 
 /// The virtual sensor chain: what the plant does -> what the converter gives.
@@ -96,6 +103,7 @@ struct SimRigConfig {
   SensorConfig sensors;
   DeviceConfig device;
   ScatterConfig scatter;
+  FrontEndConfig front_end;
   FaultConfig faults;
   sim::Supply
       supply;  ///< source impedance, harmonics, dips, switch; volts, hertz and phase come with the shot

@@ -102,6 +102,8 @@ void SimWorld::begin_shot(firmware::SetPoints set_points) {
   const sim::Specimen device = device_for_shot(specimen_, config_, random);
   plant_ = std::make_unique<sim::Plant>(device, mains, options);
   sensors_ = std::make_unique<SensorChain>(config_.sensors, config_.sample_rate, mains.hertz, random.next());
+  sensors_->set_front_end(config_.front_end);
+  connect_reference(set_points);
   origin_ = sample_;
   edges_.clear();
   scheduled_.clear();
@@ -111,6 +113,15 @@ void SimWorld::begin_shot(firmware::SetPoints set_points) {
   board_->publish(set_points, {});
 }
 
+/// A source of known quantity at one input, as somebody who calibrates would connect it.
+void SimWorld::connect_reference(const firmware::SetPoints& s) {
+  reference_channel_ = s.reference_channel;
+  reference_micro_ = s.reference_micro;
+  sensors_->set_reference(
+      s.reference_channel < 0 ? channel_count : static_cast<std::size_t>(s.reference_channel),
+      1e-6 * static_cast<double>(s.reference_micro));
+}
+
 void SimWorld::notice_commands() {
   // a shot that was cut short ends before the next request: no time passes while nothing goes on
   const auto over = [&] {
@@ -118,6 +129,11 @@ void SimWorld::notice_commands() {
     return report.state == firmware::State::firing || (!report.gate_on && !report.settling);
   };
   while (!over()) step_blocks(1);
+  const firmware::SetPoints& wanted = board_->report().set_points;
+  if (wanted.reference_channel != reference_channel_ || wanted.reference_micro != reference_micro_)
+    connect_reference(wanted);
+  // every request sees newer samples while a source is connected: their mean is what a calibration takes
+  if (reference_channel_ >= 0 && board_->report().shots_armed == shots_seen_) step_blocks(1);
   if (board_->report().shots_armed == shots_seen_) return;
   shots_seen_ = board_->report().shots_armed;
   begin_shot(board_->report().set_points);

@@ -48,6 +48,7 @@ class SimWorld {
 
  private:
   void begin_shot(firmware::SetPoints);
+  void connect_reference(const firmware::SetPoints&);
   void step_blocks(std::int64_t count);
   firmware::Block convert_block(std::span<std::int16_t> scans);
   std::vector<SwitchEdge> due_edges(double until);
@@ -60,6 +61,7 @@ class SimWorld {
   std::unique_ptr<sim::Plant> plant_;
   std::unique_ptr<SensorChain> sensors_;
   std::uint32_t shots_seen_ = 0;
+  std::int64_t reference_channel_ = -1, reference_micro_ = 0;
   std::int64_t sample_ = 0;                    ///< next sample index on the sampling clock
   std::int64_t origin_ = 0;                    ///< sample index at which the plant's time was 0
   std::vector<firmware::GateEdge> edges_;      ///< not yet reached

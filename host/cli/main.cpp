@@ -74,6 +74,17 @@ void add_rig_verbs(CLI::App& app) {
   show->add_option("rig", info->uri, "rig, such as ip:127.0.0.7 or sim:")->required();
   show->add_flag("--json", info->json, "JSON to stdout");
 
+  auto args = std::make_shared<CalibrateArgs>();
+  CLI::App* walk = verb(app, "calibrate", "Walk through the calibration of a rig's inputs and store it there",
+                        args, calibrate);
+  walk->add_option("rig", args->rig, "rig, such as ip:127.0.0.7, serial:/dev/ttyACM0 or, to rehearse, sim:")
+      ->required();
+  walk->add_option("--id", args->id, "name of the certificate, up to 32 characters")->required();
+  walk->add_option("--expires", args->expires, "last day on which it counts, as 2030-12-31")->required();
+  walk->add_option("--date", args->date, "day of the calibration; today if left out");
+  walk->add_option("--by", args->by, "who calibrates")->capture_default_str();
+  walk->add_option("-o,--output", args->output, "certificate to write (TOML)")->capture_default_str();
+
   auto serve = std::make_shared<ServeArgs>();
   CLI::App* rig =
       verb(app, "rig", "Serve the simulated rig to any IIO client until interrupted", serve, serve_rig);

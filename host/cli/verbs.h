@@ -18,6 +18,14 @@ struct InfoArgs {
 Exit list_rigs(bool json);
 Exit show_rig(const InfoArgs&);
 
+struct CalibrateArgs {
+  std::string rig, id, expires;
+  std::string date;  ///< "" = today
+  std::string by = "unnamed";
+  std::string output = "calibration.toml";
+};
+Exit calibrate(const CalibrateArgs&);
+
 struct ServeArgs {
   std::string rig_file;         ///< "" = built-in defaults
   std::string specimen_file;    ///< "" = the rig file's

@@ -80,6 +80,13 @@ void declare_deviations(FileKind& kind, rigs::SimRigConfig& c) {
   kind.number("tilt_gap_mm", c.device.tilt_gap, {-5, 5}, "break B opens this much wider than break A");
   kind.number("supply_percent", c.device.supply, {-50, 50}, "error of the source's calibration");
 
+  kind.section("front_end", "errors of the inputs against their nominal scales, for a calibration to find");
+  for (std::size_t i = 0; i < channel_count; ++i) {
+    const std::string name(channel_table[i].name);
+    kind.number(name + "_gain_percent", c.front_end.gain[i], {-50, 50}, "more counts than the scale says");
+    kind.number(name + "_zero", c.front_end.zero[i], {-3000, 3000}, "counts at zero");
+  }
+
   kind.section("scatter", "from shot to shot: standard deviations");
   kind.number("supply_percent", c.scatter.supply, {0, 20}, "supply voltage");
   kind.number("coil_temperature_K", c.scatter.coil_temperature, {0, 100}, "coil temperature");

@@ -40,7 +40,8 @@ TEST_CASE("the fuzzer's inputs and their mutants leave the responder in step and
     for (std::uint64_t k = random.below(4); k > 0 && !mutant.empty(); --k)
       mutant[random.below(mutant.size())] = static_cast<std::uint8_t>(random.below(256));
     if (!mutant.empty())
-      for (auto cut = random.below(std::min<std::size_t>(mutant.size(), 3)); cut > 0; --cut) mutant.pop_back();
+      for (auto cut = random.below(std::min<std::size_t>(mutant.size(), 3)); cut > 0; --cut)
+        mutant.pop_back();
     fuzz.run(mutant);
   }
   SUCCEED();

@@ -211,6 +211,7 @@ TEST_CASE("a sealed shot says what was latched and recorded, under its checksum"
   const std::array<firmware::iiod::ContextAttribute, 4> identity{
       {{"boot_id", "b 1"}, {"fw_version", "1.2"}, {"hw_model", "a=b%"}, {"hw_serial", "S"}}};
   b.devices.identify(identity);
+  b.controller.identify({.commit = "0123456789ab-dirty", .board_id = "B", .image_crc32 = 0x1234abcd});
   CHECK(b.read("iio:device0 sealed_shot") == "none");
   b.run(0.2);
   b.write("lease", "t 60000");
@@ -219,7 +220,9 @@ TEST_CASE("a sealed shot says what was latched and recorded, under its checksum"
   const std::string armed = b.read("iio:device0 sealed_shot");
   CHECK(armed.starts_with(
       "powbench_shot=1 stage=armed boot=b%201 shot=1 model=a%3db%25 serial=S firmware=1.2 "
-      "calibration=none angle_centideg=0 hold_ms=20 touch_us=0 sample_rate=100000 samples=3000 "
+      "commit=0123456789ab-dirty board=B image=1234abcd config=" +
+      b.read("iio:device0 config_crc32") +
+      " calibration=none angle_centideg=0 hold_ms=20 touch_us=0 sample_rate=100000 samples=3000 "
       "seal="));
   b.run(0.2);
   b.write("fire", "1 t");
@@ -247,7 +250,7 @@ TEST_CASE("a sealed shot says what was latched and recorded, under its checksum"
 
 TEST_CASE("a seal that does not fit is an error, never a shorter one", "[lease][seal]") {
   FreeBench b;
-  const std::string longest(1300, 'x');
+  const std::string longest(1420, 'x');
   const std::array<firmware::iiod::ContextAttribute, 1> identity{{{"boot_id", longest}}};
   b.devices.identify(identity);
   b.run(0.2);

@@ -9,6 +9,7 @@ from unicorn import UC_MODE_MCLASS, UC_MODE_THUMB, Uc, UcError
 from unicorn import arm_const as arm
 
 FLASH, RAM = 0x0800_0000, 0x2000_0000
+BANK_2 = FLASH + 256 * 1024
 FLASH_SIZE, RAM_SIZE = 512 * 1024, 128 * 1024
 SYSTEM = 0x1FFF_0000  # system memory: unique number; and where an exception returns to in this model
 RETURN = SYSTEM + 0x100
@@ -43,6 +44,7 @@ class Cpu:
         uc.hook_add(UC_HOOK_MEM_INVALID, self._invalid)
         uc.hook_add(UC_HOOK_INTR, self._intr)
         uc.hook_add(UC_HOOK_MEM_WRITE, self._flash_write, None, FLASH, FLASH + FLASH_SIZE - 1)
+        uc.hook_add(UC_HOOK_MEM_READ, lambda u, k, a, n, v, d: chip.flash.look(a), None, BANK_2, FLASH + FLASH_SIZE - 1)
         self.costs = {}
         self.now, self.limit = 0, 0
         self.instructions = 0

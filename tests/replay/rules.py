@@ -23,6 +23,12 @@ RULES = {
     "cfgr2_set_only": ("CLL, SPL, PVDL, ECCL can be set by software and cleared by a reset only", "RM0440 SYSCFG_CFGR2"),
     "exti_pvd": ("line 16 rises with PVDO; pending bit and interrupt need RTSR and IMR", "RM0440 EXTI"),
     "exti_pin": ("line n follows the pin that SYSCFG_EXTICR selects", "RM0440 SYSCFG_EXTICR, EXTI"),
+    "flash_keys": ("FLASH_CR takes writes only after both keys in FLASH_KEYR, and none while BSY is set", "RM0440 FLASH_KEYR, FLASH_CR"),
+    "flash_program": ("a page is erased with PER, PNB, BKER and STRT; with PG two aligned words make a double word, which must "
+                      "have been erased", "RM0440 FLASH, erase and programming sequences"),
+    "flash_busy": ("BSY for 22 ms a page, 85 us a double word; with two banks the code in the other one runs on", "DS t_ERASE, t_prog; RM0440 FLASH, read while write"),
+    "flash_ecc": ("reading a double word whose programming lost its supply raises NMI and, with ECCL, the break",
+                  "RM0440 FLASH_ECCR, SYSCFG_CFGR2"),
     "option_bytes": ("FLASH_OPTR shows the loaded option bytes: BOR_LEV 0 .. 4, SRAM_PE = 0 switches the parity check on",
                      "RM0440 FLASH_OPTR; HAL stm32g4xx_hal_flash.h"),
     "sram_parity": ("with the check on, reading a byte of SRAM1's first 32 kB or of CCM SRAM that nothing has written since "
@@ -72,6 +78,6 @@ NOT_MODELLED = (
     "the two clocks a peripheral needs after its enable bit, synchronisation delays between timers",
     "line coding of the serial port beyond framing, noise and overrun flags on request",
     "memory protection unit, sleep modes, debugger",
-    "flash error correction, and the time the processor stands still while its own bank is written",
+    "single flash errors, which are corrected; a lost write is taken to leave its last double word unreadable",
     "contents of RAM after a short supply loss: kept or arbitrary, as the case asks",
 )

@@ -172,6 +172,9 @@ class Exti(Plain):
             self.r[offset] = value
 
 
+PAGE_ERASE, DOUBLE_WORD = 22_000, 85  # us, DS: t_ERASE and t_prog
+
+
 class Flash(Plain):
     """Access control, keys, pages, double words. The content is the processor's memory."""
 
@@ -179,12 +182,27 @@ class Flash(Plain):
         super().__init__(chip, "flash")
         self.words = 0
         self.erased = 0
+        self.torn = set()  # double words whose check bits do not fit: a write that lost its supply
 
     def reset(self):
-        self.r, self.unlock, self.first = {0x00: 0x600, 0x14: 0xC000_0000}, 0, None
+        if getattr(self, "r", {}).get(0x10, 0) >> 16 & 1:  # in the middle of it
+            self.torn.add(self.at)
+        self.r, self.unlock, self.first, self.at = {0x00: 0x600, 0x14: 0xC000_0000}, 0, None, None
 
     def page_size(self):
         return 2048 if self.chip.option_bytes >> 22 & 1 else 4096
+
+    def busy(self, address, microseconds):
+        """BSY until then; the bank of the code stands still unless the other one is at work."""
+        chip, self.at = self.chip, address
+        chip.met("flash_busy")
+        self.r[0x10] = self.r.get(0x10, 0) | 1 << 16
+        if address < 0x0804_0000 or self.page_size() != 2048:
+            chip.wrong.append(f"flash written at {address:#x}, in the bank of the code: the processor stands still")
+        chip.at(chip.now + microseconds * HERTZ // 1_000_000, lambda t: self._done())
+
+    def _done(self):
+        self.r[0x10] = self.r.get(0x10, 0) & ~(1 << 16) | 1
 
     def read(self, offset):
         if offset == 0x20:
@@ -197,14 +215,18 @@ class Flash(Plain):
         if offset == 0x08:
             self.unlock = self.unlock + 1 if value == (0x4567_0123, 0xCDEF_89AB)[min(self.unlock, 1)] else 99
             if self.unlock == 2:
+                chip.met("flash_keys")
                 self.r[0x14] &= ~(1 << 31)
             return
         if offset == 0x10:
-            self.r[0x10] = self.r.get(0x10, 0) & ~value
+            self.r[0x10] = self.r.get(0x10, 0) & ~(value & 0xFFFF)
             return
         if offset == 0x14:
             if self.r[0x14] >> 31 & 1:
                 chip.wrong.append("FLASH_CR written while it is locked")
+                return
+            if self.r.get(0x10, 0) >> 16 & 1:
+                chip.wrong.append("FLASH_CR written while BSY is set")
                 return
             if value >> 31 & 1:
                 self.unlock = 0
@@ -214,9 +236,11 @@ class Flash(Plain):
                 if base < 0x0800_0000 + len(chip.cpu.image):
                     chip.wrong.append(f"flash page {base:#x} erased below the code that runs")
                 chip.cpu.uc.mem_write(base, b"\xff" * self.page_size())
+                self.torn = {a for a in self.torn if not base <= a < base + self.page_size()}
                 self.erased += 1
                 value &= ~(1 << 16)
                 chip.met("flash_program")
+                self.busy(base, PAGE_ERASE)
             if value & 0x0402_0000:
                 chip.wrong.append("the image writes option bytes")
         self.r[offset] = value
@@ -225,16 +249,25 @@ class Flash(Plain):
         """Before the processor writes to flash."""
         chip = self.chip
         chip.met("flash_program")
-        ok = self.r[0x14] & 1 and not self.r[0x14] >> 31 and size == 4
+        ok = self.r[0x14] & 1 and not self.r[0x14] >> 31 and size == 4 and not self.r.get(0x10, 0) >> 16 & 1
         if ok and address % 8 == 0:
             ok = bytes(chip.cpu.uc.mem_read(address, 8)) == b"\xff" * 8
             self.first = address
         elif ok:
             ok = self.first == address - 4
             self.words += 1
+            self.busy(address - 4, DOUBLE_WORD)
         if not ok:
             self.r[0x10] = self.r.get(0x10, 0) | 1 << 7
             chip.wrong.append(f"flash written at {address:#x} against its rules")
+
+    def look(self, address):
+        """The processor reads in the second bank."""
+        if address & ~7 in self.torn:
+            self.chip.met("flash_ecc")
+            if self.chip.syscfg.r.get(0x1C, 0) & 8:
+                self.chip.tim1.set_break("ecc", True)
+            self.chip.nmi()
 
 
 class Iwdg(Plain):

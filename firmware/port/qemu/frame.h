@@ -100,7 +100,7 @@ struct Published {
   SetPoints set_points;
   PlantTruth truth;
 };
-static_assert(sizeof(Published) == 56);
+static_assert(sizeof(Published) == 72);
 
 struct Rested {
   std::int64_t ms;

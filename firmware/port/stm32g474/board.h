@@ -34,6 +34,9 @@ static_assert(port::GateTimer::horizon - port::GateTimer::margin >
 static_assert(std::int64_t{11} * core_hertz < (std::int64_t{1} << 32));
 
 inline constexpr std::uintptr_t flash_start = 0x0800'0000;
+// the calibration's slots: pages of 2 KiB at the end of the second bank
+inline constexpr std::uint32_t slot_page[] = {126, 127};
+inline constexpr std::uintptr_t slot_address[] = {0x0807'F000, 0x0807'F800};
 
 // ---- memory with parity bits: the first 32 KiB, and the alias of the CCM RAM at the end ----
 

@@ -21,7 +21,7 @@ section() { arm-none-eabi-size -A -d "$elf" | awk -v name="$1" -v column="$2" '$
 word() { arm-none-eabi-objdump -s -j .vectors --start-address="$1" --stop-address="$(($1 + 4))" "$elf" |
   awk 'NF >= 2 && $1 ~ /^[0-9a-f]+$/ { w = $2; print "0x" substr(w,7,2) substr(w,5,2) substr(w,3,2) substr(w,1,2) }'; }
 
-flash_start=$((0x08000000)) flash_end=$((0x08080000)) ram_start=$((0x20000000)) ram_end=$((0x20020000))
+flash_start=$((0x08000000)) flash_end=$((0x08040000)) ram_start=$((0x20000000)) ram_end=$((0x20020000))
 stack_top=$(symbol stack_top) stack_bottom=$(symbol stack_bottom) reset=$(symbol reset_handler)
 text_start=$(section .text 3)
 text_end=$((text_start + $(section .text 2)))
@@ -36,6 +36,9 @@ flash_use=$(($(section .vectors 2) + $(section .text 2) + $(section .ARM.exidx 2
 verdict "flash in use" "$flash_use of $((flash_end - flash_start)) B" "$flash_use < 80 * 1024"
 verdict "record" "$(section .record 2) B" "$(section .record 2) >= 6000 * 16"
 verdict "stack at the bottom of memory" "$stack_bottom" "$stack_bottom == $ram_start && $stack_top % 8 == 0"
+
+table=$(arm-none-eabi-nm -C "$elf" | awk '$3 == "powbench::firmware::fault_table" { print "0x" $1 }')
+verdict "table of faults in flash" "$table" "$table >= $flash_start && $table < $flash_end"
 
 # --- vectors ---
 first=$(word "$vectors")

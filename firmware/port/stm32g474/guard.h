@@ -18,8 +18,10 @@ struct Postmortem {
   std::uint32_t program_counter, link_register;
   std::uint32_t fault_status;  ///< CFSR
   std::uint32_t bus_address;   ///< BFAR
+  std::uint32_t reading;       ///< calibration slot, from 1, that is being read; 0: none is
+  std::uint32_t unreadable;    ///< slots whose reading ended a run, a bit for each
 };
-inline constexpr std::uint32_t postmortem_magic = 0x504F5742;
+inline constexpr std::uint32_t postmortem_magic = 0x504F5743;
 extern Postmortem postmortem;
 /// The same for the controller: crash, and whether the gate was on.
 extern Survivor survivor;
@@ -36,7 +38,8 @@ void start_supply_monitor();
 bool supply_low();
 
 /// Why the option bytes are not as this bench needs them; empty: they are. Needed are brown-out level 4, so that the
-/// processor is in reset before the supply is too low for the converters, and the parity check of the RAM.
+/// processor is in reset before the supply is too low for the converters, the parity check of the RAM, and a flash of two
+/// banks, so that a calibration can be stored while the program runs.
 std::string_view option_byte_error();
 
 /// Reset after 100 ms without feed_watchdog(). From its own oscillator, and not to be stopped again.

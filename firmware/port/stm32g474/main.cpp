@@ -11,6 +11,7 @@
 #include "firmware/port/common/progress.h"
 #include "firmware/port/common/uart_link.h"
 #include "firmware/port/stm32g474/board.h"
+#include "firmware/port/stm32g474/calibration_flash.h"
 #include "firmware/port/stm32g474/clock.h"
 #include "firmware/port/stm32g474/converters.h"
 #include "firmware/port/stm32g474/front_end.h"
@@ -36,6 +37,7 @@ constexpr ControllerConfig configuration = controller_config();
 void listen();
 
 struct Board {
+  CalibrationFlash calibrations;
   Controller controller{configuration, record_memory};
   BenchDevices devices{controller};
   std::array<const iiod::Device*, 3> device_list{&devices.daq(), &devices.control(), &devices.trigger()};
@@ -131,6 +133,15 @@ std::uint32_t image_crc32() {
   return crc32({reinterpret_cast<const std::uint8_t*>(flash_start), end - flash_start});
 }
 
+/// While the gate is off and the supply stands; the controller runs on meanwhile, the serial port waits.
+void store_calibration(Board& b) {
+  if (!b.controller.calibrations().due() || !b.controller.fire_control().flash_writes_allowed()) return;
+  const bool saved = b.controller.save_calibration();
+  controller_lock(true);
+  b.controller.take_calibration(saved);
+  controller_lock(false);
+}
+
 [[noreturn]] void serve(Board& b, const iiod::Context& context) {
   iiod::Responder responder(context);
   port::UartLink link(responder);
@@ -139,6 +150,7 @@ std::uint32_t image_crc32() {
     if (b.serial.line_error()) link.line_error();
     const auto bytes = b.serial.received();
     if (!bytes.empty()) link.take(bytes, b.serial);
+    store_calibration(b);
     b.progress.moved(port::Progress::main_loop);
   }
 }
@@ -202,8 +214,11 @@ extern "C" [[noreturn]] void run_bench() {
   static Identity identity;
   Board& b = board();
   b.may_fire = crystal;
-  b.controller.fire_control().boot(
-      {.cause = reset_cause(cause), .survivor = &survivor, .unfit = option_byte_error()});
+  b.controller.use_memory(b.calibrations);
+  b.controller.fire_control().boot({.cause = reset_cause(cause),
+                                    .survivor = &survivor,
+                                    .stored_config_intact = b.controller.calibrations().intact(),
+                                    .unfit = option_byte_error()});
   const iiod::Context context{.description = "powbench on NUCLEO-G474RE",
                               .attributes = identify(identity, crystal, cause),
                               .devices = b.device_list,

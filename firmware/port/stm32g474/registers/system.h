@@ -44,11 +44,18 @@ inline Rcc& rcc() {
 struct Flash {
   Register acr, pdkeyr, keyr, optkeyr, sr, cr, eccr, reserved_1c, optr;
   static constexpr std::uint32_t acr_latency = 15U, acr_prefetch = bit(8), acr_icache = bit(9),
-                                 acr_dcache = bit(10);
-  /// Option bytes as loaded: brown-out level 0 .. 4 in three bits; RAM parity check, 0 = on.
-  static constexpr std::uint32_t optr_bor = 7U << 8, optr_bor_level_4 = 4U << 8, optr_no_parity = bit(24);
+                                 acr_dcache = bit(10), acr_dcache_reset = bit(12);
+  static constexpr std::uint32_t key_1 = 0x4567'0123U, key_2 = 0xCDEF'89ABU;
+  static constexpr std::uint32_t cr_program = bit(0), cr_page_erase = bit(1), cr_bank_2 = bit(11),
+                                 cr_start = bit(16), cr_lock = bit(31);
+  static constexpr unsigned cr_page_shift = 3;
+  static constexpr std::uint32_t sr_end = bit(0), sr_errors = bit(1) | 31U << 3 | 3U << 8 | 3U << 14,
+                                 sr_busy = bit(16);
+  /// Option bytes as loaded: brown-out level 0 .. 4 in three bits; two banks; RAM parity check, 0 = on.
+  static constexpr std::uint32_t optr_bor = 7U << 8, optr_bor_level_4 = 4U << 8, optr_dual_bank = bit(22),
+                                 optr_no_parity = bit(24);
 };
-static_assert(offsetof(Flash, cr) == 0x14 && offsetof(Flash, optr) == 0x20);
+static_assert(offsetof(Flash, keyr) == 0x08 && offsetof(Flash, cr) == 0x14 && offsetof(Flash, optr) == 0x20);
 inline Flash& flash() {
   return at<Flash>(0x4002'2000);
 }

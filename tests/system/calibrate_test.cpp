@@ -1,0 +1,118 @@
+#include <catch2/catch.hpp>
+
+#include <deque>
+
+#include "host/cli/calibrate.h"
+#include "host/config/bad_input.h"
+#include "rigs/iio_rig.h"
+#include "rigs/registry.h"
+#include "tests/system/program.h"
+
+/// The walk through a calibration against the simulated rig, whose inputs are off by what its file says.
+
+using namespace powbench;
+using namespace powbench::host;
+
+namespace {
+
+/// Answers one after the other.
+Ask say(std::deque<std::string> answers) {
+  auto left = std::make_shared<std::deque<std::string>>(std::move(answers));
+  return [left](const std::string&) -> std::optional<std::string> {
+    if (left->empty()) return std::nullopt;
+    std::string next = left->front();
+    left->pop_front();
+    return next;
+  };
+}
+
+}  // namespace
+
+TEST_CASE("two points make gain and zero, and points that cannot are refused", "[calibration]") {
+  const Line line = line_through(-1.0, {-9975.0, 0.0}, 1.0, {10025.0, 0.0});
+  CHECK(line.si_per_count == Approx(1e-4));
+  CHECK(line.zero == Approx(25.0));
+  CHECK_THROWS_AS(line_through(0.0, {0.0, 0.0}, 1.0, {1999.0, 0.0}), BadInput);
+  CHECK_THROWS_AS(line_through(0.0, {5000.0, 0.0}, 1.0, {0.0, 0.0}), BadInput);
+}
+
+TEST_CASE("a calibration finds what is off, is stored, and stands in the next shot", "[calibration]") {
+  rigs::SimRigConfig sim;
+  const auto set = [&](Channel c, double gain, double zero) {
+    sim.front_end.gain[index(c)] = gain;
+    sim.front_end.zero[index(c)] = zero;
+  };
+  set(Channel::coil_current, 0.03, 25.0);
+  set(Channel::mains_voltage, -0.02, -60.0);
+  const rigs::Endpoint end = rigs::endpoint("sim:", sim, {});
+  rigs::IioLink link(end.uri, rigs::connect_limit, rigs::request_limit);
+  const firmware::Calibrations nominal = rows_of(link);
+  link.write(rigs::IioLink::Device::control, "lease", "t 60000 test");
+  // films, laser, current, coil voltage, mains, contact, aux, switch
+  const Walk w = walk(link, "t", say({"", "", "", "-1.5", "1.5", "", "-300", "300", "", "", "20"}));
+  const auto gain = [&](Channel c) {
+    return static_cast<double>(w.rows[index(c)].scale_pico) /
+           static_cast<double>(nominal[index(c)].scale_pico);
+  };
+  // 64 readings with 5 counts of noise on 50,000 and 30,000: 2e-5 of the gain, 0.6 counts of the zero
+  CHECK(gain(Channel::coil_current) == Approx(1.0 / 1.03).margin(1e-4));
+  CHECK(gain(Channel::mains_voltage) == Approx(1.0 / 0.98).margin(2e-4));
+  CHECK(gain(Channel::laser) == 1.0);
+  CHECK(std::abs(w.rows[index(Channel::coil_current)].zero_counts - 25) <= 3);
+  CHECK(std::abs(w.rows[index(Channel::mains_voltage)].zero_counts + 60) <= 4);
+  CHECK(w.switch_delay == Approx(20e-6));
+  CHECK(w.report.find("[coil_current]") != std::string::npos);
+
+  store(link, "t", w, "PB-9", 20300101, 20310101);
+  CHECK(link.read(rigs::IioLink::Device::daq, "calibration_expires") == "20310101");
+  CHECK(link.read(rigs::IioLink::Device::control, "fault") == "0 none");
+  CHECK(firmware::rows_crc32(rows_of(link)) == firmware::rows_crc32(w.rows));
+  link.write(rigs::IioLink::Device::control, "lease", "t 0");
+
+  const auto rig = rigs::connect_iio(end.uri);
+  Conditions c;
+  c.hold_time = 0.05;
+  const rigs::Shot shot = rig->fire(c, std::chrono::seconds(20));
+  REQUIRE(shot.outcome == Outcome::pass);
+  CHECK(shot.record.calibration == "PB-9");
+  CHECK(shot.record.sealed.find(" calibration=PB-9 ") != std::string::npos);
+  // the amplitude of the mains comes out right, though its input is off by 2 % and 60 counts
+  const ChannelRecord* mains = nullptr;
+  for (const ChannelRecord& r : shot.record.channels)
+    if (r.channel == Channel::mains_voltage) mains = &r;
+  REQUIRE(mains);
+  double most = 0.0, least = 0.0;
+  for (const std::int16_t n : mains->raw) {
+    most = std::max(most, (n + mains->offset) * mains->scale);
+    least = std::min(least, (n + mains->offset) * mains->scale);
+  }
+  CHECK(most == Approx(325.27).margin(1.5));
+  CHECK(least == Approx(-325.27).margin(1.5));
+}
+
+TEST_CASE(
+    "a calibration that cannot be is refused with the rig's reason, and answers that are no numbers too",
+    "[calibration]") {
+  const rigs::Endpoint end = rigs::endpoint("sim:", {}, {});
+  rigs::IioLink link(end.uri, rigs::connect_limit, rigs::request_limit);
+  link.write(rigs::IioLink::Device::control, "lease", "t 60000 test");
+  Walk w{.rows = rows_of(link), .switch_delay = 0.0, .report = {}};
+  w.rows[index(Channel::coil_current)].scale_pico *= 2;
+  CHECK_THROWS_WITH(store(link, "t", w, "PB-9", 20300101, 20310101),
+                    Catch::Contains("a gain is more than 10 % off"));
+  CHECK(link.read(rigs::IioLink::Device::daq, "calibration") != "PB-9");
+  CHECK_THROWS_WITH(walk(link, "t", say({"much"})), Catch::Contains("not a number"));
+}
+
+TEST_CASE("days and names of certificates are checked before anything is asked", "[calibration]") {
+  test::Folder folder;
+  for (const auto& [id, expires, word] : {std::tuple{"a b", "2030-01-01", "without blank"},
+                                          {"a", "2030-02-30", "a day from"},
+                                          {"a", "1999-01-01", "a day from"},
+                                          {"a", "2001-01-01", "lies before"}}) {
+    const auto r = test::run(
+        folder, {"calibrate", "sim:", "--id", id, "--expires", expires, "-o", folder.file("c.toml")});
+    CHECK(r.status == 2);
+    CHECK_THAT(r.err, Catch::Contains(word));
+  }
+}
