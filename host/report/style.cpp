@@ -6,7 +6,7 @@ namespace {
 // No ampersands or angle brackets in here: the same bytes then mean the same to an HTML and an XML reader.
 constexpr std::string_view css = R"(
 :root { --ink: #1f2933; --soft: #5b6875; --line: #d7dde3; --faint: #f3f5f7; --measured: #0072B2; --simulated: #B34E00;
-  --published: #00795A; --paper: #fff; --good: #1b6b3a; --bad: #a3261b; --doubt: #8a5a00; --alarm: #fbeeec; --well: #e6f2ea; }
+  --cited: #00795A; --paper: #fff; --good: #1b6b3a; --bad: #a3261b; --doubt: #8a5a00; --alarm: #fbeeec; --well: #e6f2ea; }
 * { box-sizing: border-box; }
 html { background: #eceff2; }
 body { margin: 0; color: var(--ink); font: 15px/1.5 Inter, "Source Sans 3", "Segoe UI", Roboto, "Helvetica Neue", Arial,
@@ -49,7 +49,7 @@ td.left { text-align: left; width: 36%; }
 .unit { color: var(--soft); text-align: left; }
 td.key { color: var(--measured); font-weight: 600; white-space: nowrap; }
 td.sim { color: var(--simulated); }
-td.pub { color: var(--published); }
+td.pub { color: var(--cited); }
 tr.bad td, tr.bad th { background: var(--alarm); }
 .warn { color: var(--bad); font-weight: 600; }
 .fine { margin: 8px 0 0; color: var(--soft); font-size: 13px; }
@@ -94,7 +94,7 @@ footer { margin-top: 36px; color: var(--soft); font-size: 13px; }
 }
 @media screen and (prefers-color-scheme: dark) {
   :root { --ink: #e4e9ee; --soft: #9fadba; --line: #3a444e; --faint: #26303a; --measured: #56b4e9; --simulated: #f28e2b;
-    --published: #4fc49d; --paper: #161c22; --good: #67c58f; --bad: #f0776b; --doubt: #dba63b; --alarm: #43211f; --well: #1d3528; }
+    --cited: #4fc49d; --paper: #161c22; --good: #67c58f; --bad: #f0776b; --doubt: #dba63b; --alarm: #43211f; --well: #1d3528; }
   html { background: #0d1115; }
   .verdict, .badge.fail, .badge.error { color: #10151a; }
   .verdict.open { color: #fff; }
