@@ -140,8 +140,16 @@ std::vector<FaultRow> run_trials(rigs::Rig& rig, const Bed& bed, int count, std:
   return rows;
 }
 
-int number_of(PlainClient& client, const std::string& attribute) {
-  return std::stoi(client.read("iio:device1 " + attribute));
+/// What a bystander reads, over a connection of its own: the server may hang up on one that was silent for long, as on
+/// a busy machine between two looks.
+std::string look(const std::string& address, const std::string& attribute) {
+  constexpr int tries = 10;
+  std::string value;
+  for (int i = 0; i < tries; ++i) {
+    value = PlainClient(address).read(attribute);
+    if (value != PlainClient::gone) return value;
+  }
+  throw std::runtime_error("the rig on " + address + " does not say its " + attribute);
 }
 
 /// One rig, one line and one client.
@@ -149,15 +157,14 @@ std::vector<FaultRow> tcp_share(int count, std::uint64_t seed, const Progress& p
   using Kind = LineFault::Kind;
   rigs::LocalRig server(short_record(), {});
   rigs::FaultLine line(server.address(), stall_ms);
-  PlainClient witness(server.address());
   const auto rig = rigs::connect_iio("ip:" + line.address(), tcp_connection, tcp_request);
   const Bed bed{.set = [&](const LineFault& f) { line.set(f); },
                 .struck = [&] { return line.struck(); },
                 .passed = [&](bool to_rig) { return line.passed(to_rig); },
-                .operations = [&] { return number_of(witness, "operations"); },
+                .operations = [&] { return std::stoi(look(server.address(), "iio:device1 operations")); },
                 .holds_a_record =
                     [&] {
-                      return witness.read("iio:device0 sealed_shot").find(" stage=complete ") !=
+                      return look(server.address(), "iio:device0 sealed_shot").find(" stage=complete ") !=
                              std::string::npos;
                     },
                 .kinds = {Kind::flip, Kind::drop, Kind::close, Kind::delay, Kind::stall, Kind::half_open}};

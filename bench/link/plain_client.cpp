@@ -13,7 +13,6 @@ namespace powbench::bench {
 
 namespace {
 constexpr int patience_ms = 20'000;
-const std::string gone = "(gone)";
 }  // namespace
 
 PlainClient::PlainClient(const std::string& address)

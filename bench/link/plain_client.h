@@ -8,6 +8,9 @@ namespace powbench::bench {
 /// hangs up, is "(gone)".
 class PlainClient {
  public:
+  /// What a read or a line gives when the server has hung up or says nothing for 20 s.
+  inline static const std::string gone = "(gone)";
+
   /// Throws std::runtime_error when nothing listens there.
   explicit PlainClient(const std::string& address);
   ~PlainClient();
