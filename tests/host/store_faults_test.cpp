@@ -8,6 +8,7 @@
 #include <cerrno>
 #include <set>
 
+#include "tests/effort.h"
 #include "tests/host/store_samples.h"
 
 using namespace powbench;
@@ -99,7 +100,7 @@ void add(Store& store, std::int64_t campaign, int number) {
 TEST_CASE("death at any write leaves whole shots and a store that goes on", "[store]") {
   for (const auto fault : {Disk::Fault::die, Disk::Fault::die_torn}) {
     int died = 0;
-    for (int writes = 0; writes < 200; ++writes) {
+    for (int writes = 0; writes < 200; writes += effort::every) {
       const Folder folder;
       {
         Store store(folder.file());
@@ -121,14 +122,14 @@ TEST_CASE("death at any write leaves whole shots and a store that goes on", "[st
       if (code == 0) break;
       ++died;
     }
-    CHECK(died > 20);   // there are that many writes in two shots, the log and its checkpoint
-    CHECK(died < 200);  // and the last round got through
+    CHECK(died * effort::every > 20);   // there are that many writes in two shots, the log and its checkpoint
+    CHECK(died * effort::every < 200);  // and the last round got through
   }
 }
 
 TEST_CASE("death while the store is made leaves a store that can be made", "[store]") {
   int died = 0;
-  for (int writes = 0; writes < 100; ++writes) {
+  for (int writes = 0; writes < 100; writes += effort::every) {
     const Folder folder;
     const int code = in_child(Disk::Fault::die_torn, writes, [&] { Store store(folder.file()); });
     REQUIRE((code == 42 || code == 0));
@@ -136,8 +137,8 @@ TEST_CASE("death while the store is made leaves a store that can be made", "[sto
     if (code == 0) break;
     ++died;
   }
-  CHECK(died > 3);
-  CHECK(died < 100);
+  CHECK(died * effort::every > 3);
+  CHECK(died * effort::every < 100);
 }
 
 TEST_CASE("kill -9 at random writes loses no stored shot", "[store]") {
@@ -183,7 +184,7 @@ TEST_CASE("kill -9 at random writes loses no stored shot", "[store]") {
 
 TEST_CASE("a disk that fills up at any write costs the shot in flight only", "[store]") {
   int refused = 0;
-  for (int writes = 0; writes < 200; ++writes) {
+  for (int writes = 0; writes < 200; writes += effort::every) {
     const Folder folder;
     {
       Store store(folder.file());
@@ -199,8 +200,8 @@ TEST_CASE("a disk that fills up at any write costs the shot in flight only", "[s
     if (code == 0) break;
     ++refused;
   }
-  CHECK(refused > 10);
-  CHECK(refused < 200);
+  CHECK(refused * effort::every > 10);
+  CHECK(refused * effort::every < 200);
 }
 
 TEST_CASE("a disk that is full leaves the file as it was", "[store]") {
@@ -259,7 +260,7 @@ TEST_CASE("flipped bits are told as damage; samples that load are the samples th
   const std::string whole = bytes_of(folder.file("whole.db"));
   Random random(77);
   int damaged = 0, fine = 0, silent = 0;
-  for (int i = 0; i < 600; ++i) {
+  for (int i = 0; i < 600; i += effort::every) {
     std::string bytes = whole;
     const std::size_t at =
         i < 100 ? static_cast<std::size_t>(i) : random.below(bytes.size());  // the header by every byte
@@ -291,6 +292,6 @@ TEST_CASE("flipped bits are told as damage; samples that load are the samples th
     for (const char* tail : {"", "-wal", "-shm"}) std::filesystem::remove(file + tail);
   }
   CAPTURE(damaged, fine, silent);
-  CHECK(damaged > 100);
+  CHECK(damaged * effort::every > 100);
   CHECK(silent == 0);
 }

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "core/random.h"
+#include "tests/effort.h"
 #include "tests/fuzz/csv_case.h"
 
 using namespace powbench;
@@ -129,11 +130,11 @@ void wild_records(int count, std::uint64_t seed) {
 }  // namespace
 
 TEST_CASE("mutants of waveform files are refused with a sentence or give honest events") {
-  CHECK(taken(2'000, 11) > 300);
+  CHECK(taken(2'000 / effort::every, 11) * effort::every > 300);
 }
 
 TEST_CASE("wild records give honest events") {
-  wild_records(300, 12);
+  wild_records(300 / effort::every, 12);
   SUCCEED();
 }
 
