@@ -21,6 +21,16 @@ class ChatterLock {
   }
   bool holds(int guard, Real t) const { return t < until_[guard]; }
 
+  /// Time from t to the end of the lock that ends first, at least `window` / 1000; none: 1e300. A step that begins inside
+  /// a lock ends there: beyond it the guard counts again.
+  Real room(Real t) const {
+    Real first = Real(1e300L);
+    if (t >= last_end_) return first;
+    for (const Real end : until_)
+      if (end > t) first = std::min(first, end - t);
+    return std::max(first, window / 1000);
+  }
+
   /// The guards whose bits are set switch at t.
   void note(Real t, std::uint64_t which) {
     for (int k = 0; k < Guards; ++k) {
@@ -31,6 +41,7 @@ class ChatterLock {
       const bool again = t - until_[k] < 100 * length_[k];
       length_[k] = again ? std::min(2 * length_[k], longest) : window;
       until_[k] = t + length_[k];
+      last_end_ = std::max(last_end_, until_[k]);
       flips_[k] = 0;
     }
   }
@@ -40,6 +51,7 @@ class ChatterLock {
   Real last_[Guards];
   Real until_[Guards];
   Real length_[Guards];
+  Real last_end_ = Real(-1e300L);
 };
 
 }  // namespace powbench::sim

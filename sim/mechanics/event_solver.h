@@ -38,7 +38,7 @@ namespace powbench::sim {
 /// lost there is lost for good. (The end of the followed contact and guards that are only compared in sign take the
 /// dense output.) Everything that
 /// crosses within `simultaneous` switches together, so the order of the guards does not matter. A guard that
-/// keeps switching is ignored for a while that doubles (`ChatterLock`).
+/// keeps switching is ignored for a while that doubles (`ChatterLock`); a step ends where a lock does.
 template <class System>
 class EventSolver {
  public:
@@ -206,12 +206,12 @@ class EventSolver {
     for (int i = n_ + 1; i < rows_; ++i) row[i] = 0;
   }
 
-  /// Length in time that a step of length h would have, to first order.
-  Real limit(Real h) const {
-    if (!followed()) return std::min(h, largest_step_);
+  /// A step of length h, cut to `most` s, to first order.
+  Real limit(Real h, Real most) const {
+    if (!followed()) return std::min(h, most);
     const Real root = start_[n_ + 1];
     const Real bend = std::fabs(k_[n_ + 1]) / 2;
-    return h * (root + bend * h) > largest_step_ ? largest_step_ / (root + bend * h) : h;
+    return h * (root + bend * h) > most ? most / (root + bend * h) : h;
   }
 
   bool step() {
@@ -222,13 +222,16 @@ class EventSolver {
       std::copy_n(m_.slope, rows_, k_);
       plain_row(k_);
     }
-    Real h = limit(followed() ? m_.root_step : m_.step);
+    const Real room = m_.lock.room(begin_);
+    const Real asked = followed() ? m_.root_step : m_.step;
+    Real h = limit(asked, std::min(largest_step_, room));
+    const bool cut = room < largest_step_ && h < asked;  // says nothing of the step that accuracy allows
     for (bool again = false;; again = true) {
       for (int row = 1; row < dop853::stages; ++row) stage(row, h);
       const Real error = dop853::error(rows_, n_ + (followed() ? 2 : 0), h, k_, capacity, inverse_);
       ++m_.steps;
       if (error <= 1) {
-        accept(h, error, again);
+        accept(h, error, again, cut);
         return true;
       }
       ++m_.rejected;
@@ -238,7 +241,7 @@ class EventSolver {
     }
   }
 
-  void accept(Real h, Real error, bool again) {
+  void accept(Real h, Real error, bool again, bool cut) {
     dop853::argument(12, rows_, h, start_, k_, capacity, m_.y);
     length_ = h;
     covered_ = 1;
@@ -254,6 +257,7 @@ class EventSolver {
       plain_row(last);
     }
     dense_ready_ = false;
+    if (cut && !again) return;
     const Real small = std::max(error, Real(1e-10L));
     Real factor = Real(0.9L) * std::pow(small, Real(-0.7L) / 8) * std::pow(m_.last_error, Real(0.4L) / 8);
     factor = std::clamp(factor, Real(0.2L), again ? Real(1) : Real(5));

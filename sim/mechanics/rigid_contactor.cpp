@@ -301,12 +301,12 @@ void RigidContactor<R>::guards(Real t, const Real* y, const Real* dy, GuardSet& 
   g.value[gap_guard] = side * separation(y);
   g.rate[gap_guard] = side * (v[2] - v[0]);
   g.curve[gap_guard] = dy == nullptr ? Real(0) : side * (dy[lanes_.dof + 2] - dy[lanes_.dof]);
-  plain_guards(t, y, g);
+  plain_guards(t, y, dy, g);
 }
 
 /// Guards that are only compared in sign; the rates of the contacts are known.
 template <class R>
-void RigidContactor<R>::plain_guards(Real t, const Real* y, GuardSet& g) const {
+void RigidContactor<R>::plain_guards(Real t, const Real* y, const Real* dy, GuardSet& g) const {
   Real release = 1;
   for (std::uint64_t bits = pressing_; bits != 0; bits &= bits - 1) {
     const int c = __builtin_ctzll(bits);
@@ -321,9 +321,11 @@ void RigidContactor<R>::plain_guards(Real t, const Real* y, GuardSet& g) const {
   g.value[regain_guard] = -regain;
   Real slide = 1;
   if (friction_ == Friction::stick) slide = friction_limit_ - std::fabs(core_force(t, y));
-  if (friction_ == Friction::forward) slide = y[lanes_.dof];
-  if (friction_ == Friction::backward) slide = -y[lanes_.dof];
+  const Real way = friction_ == Friction::backward ? Real(-1) : Real(1);
+  const bool slides = friction_ == Friction::forward || friction_ == Friction::backward;
+  if (slides) slide = way * y[lanes_.dof];
   g.value[friction_guard] = slide;
+  g.rate[friction_guard] = slides && dy != nullptr ? way * dy[lanes_.dof] : Real(0);
   g.value[coil_guard] = supply_.watches_current() ? supply_.current_guard(current(y)) : Real(1);
   g.value[clock_guard] = static_cast<Real>(supply_.next_change()) - t;
 }
@@ -331,6 +333,8 @@ void RigidContactor<R>::plain_guards(Real t, const Real* y, GuardSet& g) const {
 template <class R>
 R RigidContactor<R>::dip(int k, const GuardSet& begin, const GuardSet& end,
                          const StepEnds<Real>& ends) const {
+  if (k == friction_guard)
+    return lowest_share(begin.value[k], ends.first * begin.rate[k], end.value[k], ends.last * end.rate[k]);
   if (k != release_guard) return 2;
   Real first = 2;
   for (std::uint64_t bits = pressing_; bits != 0; bits &= bits - 1) {

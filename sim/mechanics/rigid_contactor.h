@@ -96,7 +96,7 @@ class RigidContactor {
   void flip(Real& t, Real* y, std::uint64_t which);
   Real guard(int k, Real t, const Real* y, Real& rate) const;
   /// Share of a step with these guards at its ends where a plain guard may be negative though it is not at the ends, 2 if
-  /// nowhere: a contact that pulls F = k d^n + c d' to zero and presses again within the step.
+  /// nowhere: a contact that pulls F = k d^n + c d' to zero and presses again within the step, a core that turns back and on.
   Real dip(int k, const GuardSet& begin, const GuardSet& end, const StepEnds<Real>&) const;
   int choose_root(const GuardSet&, const Real* y, Real step, Real& root) const;
   void follow_root(int guard) { lanes_.followed = guard; }
@@ -159,7 +159,7 @@ class RigidContactor {
   void flip_detached(Real t, const Real* y, bool release);
   void flip_friction(Real* y, Real t);
   Real pressing_margin(int contact, const Real* y, Real rate) const;
-  void plain_guards(Real t, const Real* y, GuardSet&) const;
+  void plain_guards(Real t, const Real* y, const Real* dy, GuardSet&) const;
   Real core_force(Real t, const Real* y) const;
   void flip_supply(double t, Real* y, std::uint64_t which);
   void settle_supply(Real* y, SupplyModes::Effect, double energy_before);
