@@ -50,6 +50,7 @@ enum class Exit : int {
   timeout = 4,
   data_damaged = 5,
   interlock = 6,
+  not_known = 7,  ///< whether a wanted accuracy is reached: nothing to compare the model with
   interrupted = 130,
 };
 

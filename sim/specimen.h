@@ -81,7 +81,8 @@ struct Specimen {
   Core core;
   Bridges bridges;
   Base base;
-  MagnetShape shape;  ///< read by the field rungs alone; the lumped circuit has its own lengths in `magnet`
+  bool shaped = true;  ///< `shape` is this contactor's; else only the circuit describes its magnet
+  MagnetShape shape;   ///< read by the field rungs alone; the lumped circuit has its own lengths in `magnet`
 };
 
 }  // namespace powbench::sim

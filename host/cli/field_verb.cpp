@@ -134,6 +134,9 @@ Exit show_field(const FieldArgs& args) {
       args.specimen_file.empty() ? sim::Specimen{} : read_specimen(args.specimen_file);
   const auto design = design_of(specimen, args.steel);
   if (!args.mesh_file.empty()) return show_mesh(args, design);
+  if (!specimen.shaped)
+    throw BadInput({args.specimen_file + ": [shape]: missing; the field is that of a drawn core, " +
+                    "`powbench template specimen` shows its keys"});
   sim::TableOptions options;
   options.accuracy = share_option("--accuracy", args.accuracy, 5e-4, 0.05, "0.05% .. 5%");
   options.largest_gap = std::max(1.5 * specimen.core.travel, 0.2e-3);

@@ -166,6 +166,14 @@ void take_options(const FitArgs& args, Source& s) {
   s.job.options.seed = args.seed;
 }
 
+/// The circuit's numbers were moved and the shape is the default one, which nobody drew for this contactor.
+bool moves_default_magnet(const sim::FitProblem& problem) {
+  return problem.base.shape == sim::MagnetShape{} &&
+         std::ranges::any_of(problem.parameters, [](const sim::Parameter& p) {
+           return p.field->section == "coil" || p.field->section == "magnet";
+         });
+}
+
 }  // namespace
 
 Exit fit_specimen(const FitArgs& args) {
@@ -213,6 +221,7 @@ Exit fit_specimen(const FitArgs& args) {
                   fit_svg(cells, args.database.empty() ? "Published closings, fitted and held out"
                                                        : "Measured closings, fitted and held out"));
   sim::Specimen best = specimens(report.file, report.file.folds.back()).front();
+  best.shaped = best.shaped && !moves_default_magnet(source.job.problem);
   best.name = args.name.empty() ? best.name + "-fitted" : args.name;
   if (!args.output.empty()) replace_file(args.output, resolved_text(best));
   if (!args.fit_file.empty()) replace_file(args.fit_file, to_json(report.file));

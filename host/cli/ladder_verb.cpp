@@ -107,14 +107,15 @@ Exit choose(const sim::Case& c, const std::vector<sim::Rung>& rungs, double accu
     return choice.met ? Exit::pass : Exit::outside_limits;
   }
   print_rows(choice.tried, rungs, false);
-  fmt::print("{} at {} ({}): {} the wanted {:.3g} % of the touch time, estimate {:.2g} %; {}\n", rung.name(),
-             setting(rungs, choice.run), rung.meaning, choice.met ? "meets" : "does not meet", accuracy * 100,
-             choice.relative * 100,
+  fmt::print("{} at {} ({}): its step {} the wanted {:.3g} % of the touch time, estimate {:.2g} %; {}\n",
+             rung.name(), setting(rungs, choice.run), rung.meaning, choice.met ? "meets" : "does not meet",
+             accuracy * 100, choice.relative * 100,
              choice.met ? "the cheapest of those tried that does" : "nothing tried does; this comes nearest");
   fmt::print(
       "touch {} ms, seat {} ms, settled {} ms, {} re-openings; {:.3f} ms CPU, {:.3f} ms with choosing\n",
       time_text(choice.run.times[0], 1e3), time_text(choice.run.times[1], 1e3),
       time_text(choice.run.times[2], 1e3), choice.run.openings, choice.run.cpu * 1e3, choice.spent * 1e3);
+  fmt::print("judged is the step alone; powbench sim --fields auto --accuracy judges the model too\n");
   return choice.met ? Exit::pass : Exit::outside_limits;
 }
 

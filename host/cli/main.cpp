@@ -421,7 +421,7 @@ int main(int argc, char** argv) {
   app.require_subcommand(1);
   app.footer(
       "Exit codes: 0 pass, 1 outside limits, 2 bad input, 3 rig unreachable or at fault, 4 time-out,\n"
-      "            5 data damaged, 6 interlock, 130 interrupted");
+      "            5 data damaged, 6 interlock, 7 accuracy not known, 130 interrupted");
   add_rig_verbs(app);
   add_bridge_verb(app);
   add_plan_verbs(app);

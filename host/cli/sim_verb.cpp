@@ -42,9 +42,10 @@ Wish wish_of(const SimArgs& args, const Plan& plan) {
 /// Fields and mechanics that the wish leaves open, cheap ones first.
 sim::SceneAxes axes_of(const Wish& wish, const sim::Case& first, const FieldCache& cache) {
   sim::SceneAxes axes;
-  if (wish.fields == "auto")
-    axes.fields = {"circuit", "table", "field3d"};
-  else
+  if (wish.fields == "auto") {
+    axes.fields = {"circuit"};
+    if (first.specimen.shaped) axes.fields.insert(axes.fields.end(), {"table", "field3d"});
+  } else
     axes.fields = {wish.fields.empty() ? "circuit" : wish.fields};
   const bool open = wish.mechanics == "auto" || (wish.mechanics.empty() && wish.accuracy);
   axes.mechanics = {(wish.mechanics.empty() || open) ? "rigid" : wish.mechanics};
@@ -63,7 +64,26 @@ std::string us(double seconds) {
   return std::isnan(seconds) ? "-" : std::isinf(seconds) ? "no" : fmt::format("{:.3g}", seconds * 1e6);
 }
 
-void print_choice(const sim::SceneChoice& c, const Wish& wish) {
+/// Error of an axis: to the next rung, or, in brackets, from the one below.
+std::string axis_text(const sim::AxisError& e, std::size_t q) {
+  if (!std::isnan(e.next[q])) return us(e.next[q]);
+  return std::isnan(e.below[q]) ? "?" : "(" + us(e.below[q]) + ")";
+}
+
+std::string verdict_text(const sim::SceneChoice& c) {
+  const auto& last = c.steps.back();
+  std::string text(sim::reached_names[static_cast<std::size_t>(c.reached())]);
+  if (c.reached() == sim::Reached::not_met)
+    return text +
+           fmt::format(
+               ": what is known of the error is {:.2g} times what is wanted, and nothing above is left",
+               last.share);
+  if (c.reached() == sim::Reached::met)
+    return text + ": step, fields and mechanics together are within what is wanted";
+  return text + fmt::format(". Not known are: {}", fmt::join(last.unknown, "; "));
+}
+
+void print_choice(const sim::SceneChoice& c, const Wish& wish, const sim::Specimen& specimen) {
   fmt::print(stderr, "{:<17} {:>15} {:>8}", "looked at", "setting", "CPU ms");
   for (const auto q : sim::ladder_quantities)
     fmt::print(stderr, " {:>11} {:>9} {:>9} {:>9}", fmt::format("{} ms", q), "step us", "fields us",
@@ -75,36 +95,41 @@ void print_choice(const sim::SceneChoice& c, const Wish& wish) {
     for (std::size_t q = 0; q < s.step_error.size(); ++q)
       fmt::print(stderr, " {:>11} {:>9} {:>9} {:>9}",
                  std::isnan(s.run.times[q]) ? "-" : fmt::format("{:.4f}", s.run.times[q] * 1e3),
-                 us(s.step_error[q]), us(s.field_error[q]), us(s.mechanics_error[q]));
+                 us(s.step_error[q]), axis_text(s.fields, q), axis_text(s.mechanics, q));
     fmt::print(stderr, " {:>7.2g} x\n", s.share);
   }
+  fmt::print(stderr, "errors to the next rung; in brackets, at the top, from the one below; ? not known\n");
   const auto& last = c.steps.back();
-  fmt::print(stderr, "taken: {} at {} {:g} ({}): {}; {:.1f} ms CPU a closing, {:.1f} ms with choosing\n",
-             last.name, last.setting_name, last.run.tolerance, c.rung.meaning,
-             c.met ? "good enough by its own estimate"
-                   : "does not reach what is wanted, and nothing above it is left",
-             last.run.cpu * 1e3, c.spent * 1e3);
-  fmt::print(
-      stderr, "not judged: {}. 0.1 % more mains moves touch by {} us, seat by {} us, settled by {} us\n",
-      wish.fields == "auto" ? "what the drawn shape leaves out"
-                            : "how well the specimen's numbers describe its magnet (--fields auto compares)",
-      us(c.twin[0]), us(c.twin[1]), us(c.twin[2]));
+  fmt::print(stderr, "taken: {} at {} {:g} ({}); {:.1f} ms CPU a closing, {:.1f} ms with choosing\n",
+             last.name, last.setting_name, last.run.tolerance, c.rung.meaning, last.run.cpu * 1e3,
+             c.spent * 1e3);
+  if (wish.accuracy) fmt::print(stderr, "wanted accuracy: {}\n", verdict_text(c));
+  if (wish.accuracy && wish.fields.empty())
+    fmt::print(stderr, "--fields auto compares the circuit with fields of the specimen's [shape]\n");
+  if (wish.fields == "auto" && !specimen.shaped)
+    fmt::print(stderr, "specimen '{}' has no [shape]: only its circuit describes its magnet\n",
+               specimen.name);
+  fmt::print(stderr, "input: 0.1 % more mains moves touch by {} us, seat by {} us, settled by {} us\n",
+             us(c.twin[0]), us(c.twin[1]), us(c.twin[2]));
 }
 
-Json choice_json(const sim::SceneChoice& c) {
+Json choice_json(const sim::SceneChoice& c, bool wanted) {
   Json steps = Json::array();
   for (const auto& s : c.steps)
     steps.push_back({{"rung", s.name},
                      {s.setting_name, s.run.tolerance},
                      {"times_s", s.run.times},
                      {"step_error_s", s.step_error},
-                     {"field_error_s", s.field_error},
-                     {"mechanics_error_s", s.mechanics_error},
-                     {"share_of_wanted", s.share},
+                     {"field_error_s", s.fields.next},
+                     {"field_error_of_rung_below_s", s.fields.below},
+                     {"mechanics_error_s", s.mechanics.next},
+                     {"mechanics_error_of_rung_below_s", s.mechanics.below},
+                     {"known_share_of_wanted", s.share},
+                     {"unknown", s.unknown},
                      {"cpu_ms", s.run.cpu * 1e3}});
   return {{"rung", c.rung.name()},
           {"setting", c.setting},
-          {"met", c.met},
+          {"verdict", wanted ? Json(sim::reached_names[static_cast<std::size_t>(c.reached())]) : Json()},
           {"twin_0.1_percent_mains_s", c.twin},
           {"cpu_ms_with_choosing", c.spent * 1e3},
           {"looked_at", steps}};
@@ -188,7 +213,7 @@ Exit simulate_plan(const SimArgs& args) {
     cache.folder = args.cache;
     cache.say = [](const std::string& text) { fmt::print(stderr, "{}\n", text); };
     choice = choose(wish, scene, sensors.supply, cache);
-    print_choice(*choice, wish);
+    print_choice(*choice, wish, scene.specimen);
     identity =
         fmt::format("simulation by {}, {} {:g}", choice->rung.name(), choice->rung.setting, choice->setting);
     maker = maker_of(*choice, identity);
@@ -206,7 +231,7 @@ Exit simulate_plan(const SimArgs& args) {
   progress.finish();
   if (args.json) {
     Json j{{"campaign", campaign}, {"simulated", n}};
-    if (choice) j["models"] = choice_json(*choice);
+    if (choice) j["models"] = choice_json(*choice, wish.accuracy);
     j["bounces"] = Json::parse(bounce_json(bounces));
     fmt::print("{}\n", j.dump(2));
   }
@@ -218,7 +243,8 @@ Exit simulate_plan(const SimArgs& args) {
                  : "break A:\n" + bounce_text(bounces, believed));
   fmt::print(stderr, "campaign {}: {} closings simulated\n", campaign, n);
   if (StopOnSignal::asked()) return Exit::interrupted;
-  return choice && wish.accuracy && !choice->met ? Exit::outside_limits : Exit::pass;
+  if (!choice || !wish.accuracy || choice->reached() == sim::Reached::met) return Exit::pass;
+  return choice->reached() == sim::Reached::not_met ? Exit::outside_limits : Exit::not_known;
 }
 
 }  // namespace powbench::host

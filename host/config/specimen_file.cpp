@@ -15,19 +15,28 @@ std::string meaning_of(std::string_view section) {
   if (section == "bridges")
     return "contact bridges with overtravel springs; forces, rates and masses of one bridge";
   if (section == "base") return "static core and fixed contacts as one floating mass on the mounting";
-  if (section == "shape") return "the laminated core seen from the side, for the field rungs";
+  if (section == "shape")
+    return "the laminated core seen from the side, for the field rungs; left out: unknown, and there are "
+           "none";
   return std::string(section);
 }
 
-/// The simulator's own table of specimen fields, as a file.
-FileKind kind_of(sim::Specimen& s) {
+/// The simulator's own table of specimen fields, as a file. A shape that is not known is left out of what is written.
+FileKind kind_of(sim::Specimen& s, bool reading = false) {
   FileKind kind("specimen", "one contactor, as the simulator sees it");
   kind.text("name", s.name, "name of the contactor, stored with every shot");
   for (const auto& f : sim::specimen_fields()) {
     const std::string section(f.section);
+    if (section == "shape" && !s.shaped && !reading) break;  // the last section
     if (kind.sections().back().name != section) kind.section(section, meaning_of(section));
+    const bool drawn = section == "shape";
     kind.number(std::string(f.key),
-                {[&s, &f] { return f.get(s); }, [&s, &f](double v) { f.set(s, v); }, f.whole},
+                {[&s, &f] { return f.get(s); },
+                 [&s, &f, drawn](double v) {
+                   f.set(s, v);
+                   s.shaped = s.shaped || drawn;
+                 },
+                 f.whole},
                 {f.low, f.high}, std::string(f.meaning));
   }
   return kind;
@@ -35,7 +44,8 @@ FileKind kind_of(sim::Specimen& s) {
 
 sim::Specimen read_with(FileReader reader) {
   sim::Specimen s;
-  reader.read(kind_of(s));
+  s.shaped = false;
+  reader.read(kind_of(s, true));
   bool lengths_known = !reader.bad("core", "travel_mm");
   for (const char* key : {"gap_mm", "tilt_gap_mm", "gap_spread_mm"})
     lengths_known = lengths_known && !reader.bad("bridges", key);

@@ -63,6 +63,9 @@ Potential solid_table(const sim::Specimen& s, const FieldCache& cache, bool ends
 sim::FieldRung obtain_field(std::string_view name, const sim::Specimen& s, const FieldCache& cache) {
   try {
     if (name == "circuit") return sim::circuit_field();
+    if (!s.shaped && std::ranges::find(sim::field_names, name) != sim::field_names.end())
+      throw std::invalid_argument("allowed circuit, for specimen '" + s.name +
+                                  "' has no [shape]: whose magnet the fields are is not known");
     if (name == "table") {
       const auto table = plane_table(s, cache);
       return sim::pure_field("table", table->table().description, table);

@@ -51,6 +51,8 @@ struct MagnetShape {
   int closed_leg = 0;           ///< 1: of two legs, the outer one has no gap: C-core
 
   int outer_legs() const { return legs - 1; }
+
+  bool operator==(const MagnetShape&) const = default;
 };
 
 }  // namespace powbench::sim

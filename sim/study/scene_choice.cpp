@@ -2,14 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
+#include <cstdio>
 #include <map>
 #include <stdexcept>
 
 namespace powbench::sim {
 namespace {
 
-constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 constexpr double coarsest = 1e-4, finest = 1e-11;
 constexpr double step_share = 0.25;  // of what is wanted: the rest is left for the model
 constexpr double twin_mains = 1e-3;
@@ -48,12 +47,11 @@ class Chooser {
       const Refined& here = refined(f, m);
       choice.rung = here.rung;
       choice.setting = here.run.tolerance;
-      choice.met = step.share <= 1;
-      if (choice.met || (f + 1 == axes_.fields.size() && m + 1 == axes_.mechanics.size())) break;
-      const double by_fields = excess(step.field_error, here.run),
-                   by_mechanics = excess(step.mechanics_error, here.run);
+      if (step.reached != Reached::not_met) break;  // what is not known, no higher rung tells
+      const double by_fields = excess(step.fields.next, here.run),
+                   by_mechanics = excess(step.mechanics.next, here.run);
       if (by_fields == 0 && by_mechanics == 0)
-        break;  // the step alone is too coarse: nothing higher mends that
+        break;  // nothing above, or the step alone is too coarse: nothing higher mends that
       ++(by_fields >= by_mechanics ? f : m);
     }
     Case twin = case_;
@@ -70,10 +68,13 @@ class Chooser {
     return run;
   }
 
+  /// What shares are of: the touch time.
+  double whole_of(const LadderRun& run) const { return std::isnan(run.times[0]) ? duration_ : run.times[0]; }
+
   /// Largest error over what is wanted; 0 where nothing is known.
   double excess(const LadderTimes& error, const LadderRun& run) const {
     double worst = 0;
-    const double whole = std::isnan(run.times[0]) ? duration_ : run.times[0];
+    const double whole = whole_of(run);
     for (std::size_t q = 0; q < error.size(); ++q)
       if (!std::isnan(wanted_[q]) && !std::isnan(error[q]))
         worst = std::max(worst, error[q] / (wanted_[q] * whole));
@@ -103,15 +104,52 @@ class Chooser {
     s.setting_name = here.rung.setting;
     s.run = here.run;
     s.step_error = here.step_error;
-    s.field_error = s.mechanics_error = {nan, nan, nan};
-    if (f + 1 < axes_.fields.size()) s.field_error = time_error(here.run, refined(f + 1, m).run);
-    if (m + 1 < axes_.mechanics.size()) s.mechanics_error = time_error(here.run, refined(f, m + 1).run);
-    LadderTimes sum = s.step_error;
-    for (std::size_t q = 0; q < sum.size(); ++q)
-      for (const double e : {s.field_error[q], s.mechanics_error[q]})
-        if (!std::isnan(e)) sum[q] = std::isnan(sum[q]) ? e : sum[q] + e;
-    s.share = excess(sum, here.run);
+    if (f + 1 < axes_.fields.size()) s.fields.next = time_error(here.run, refined(f + 1, m).run);
+    if (f > 0) s.fields.below = time_error(here.run, refined(f - 1, m).run);
+    if (m + 1 < axes_.mechanics.size()) s.mechanics.next = time_error(here.run, refined(f, m + 1).run);
+    if (m > 0) s.mechanics.below = time_error(here.run, refined(f, m - 1).run);
+    judge(s);
     return s;
+  }
+
+  void judge(SceneStep& s) const {
+    const double whole = whole_of(s.run);
+    bool too_large = false;
+    for (std::size_t q = 0; q < wanted_.size(); ++q) {
+      if (std::isnan(wanted_[q])) continue;
+      const double allowed = wanted_[q] * whole;
+      const auto known = [](double x) { return std::isnan(x) ? 0.0 : x; };
+      double sum = known(s.step_error[q]) + known(s.fields.next[q]) + known(s.mechanics.next[q]);
+      s.share = std::max(s.share, sum / allowed);
+      too_large = too_large || sum > allowed;
+      const std::string time(ladder_quantities[q]);
+      if (std::isnan(s.run.times[q])) {
+        s.unknown.push_back(time + ": does not happen");
+        continue;
+      }
+      if (std::isnan(s.step_error[q])) s.unknown.push_back(time + ": error of the step");
+      const auto judge_axis = [&](const AxisError& error, const char* axis, std::string_view rung) {
+        if (!std::isnan(error.next[q])) return;
+        const double last = error.below[q];
+        const std::string of =
+            time + ": error of " + axis + ", nothing to compare " + std::string(rung) + " with";
+        if (std::isnan(last))
+          s.unknown.push_back(of);
+        else if (sum + last > allowed)
+          s.unknown.push_back(of + " but the rung below, which is off by " + microseconds(last));
+        else
+          sum += last;
+      };
+      judge_axis(s.fields, "the fields", s.name.substr(0, s.name.find('+')));
+      judge_axis(s.mechanics, "the mechanics", s.name.substr(s.name.find('+') + 1));
+    }
+    s.reached = too_large ? Reached::not_met : s.unknown.empty() ? Reached::met : Reached::not_known;
+  }
+
+  static std::string microseconds(double seconds) {
+    std::array<char, 32> text{};
+    std::snprintf(text.data(), text.size(), "%.3g us", seconds * 1e6);
+    return text.data();
   }
 
   const SceneAxes& axes_;

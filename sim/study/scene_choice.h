@@ -1,10 +1,14 @@
 #pragma once
 
+#include <cstdint>
+#include <limits>
+
 #include "sim/study/rungs.h"
 
-/// Which fields and which mechanics a scene needs. Two kinds of error: of the step, judged by a finer run of the same rung;
-/// and of the model, judged by the next rung of fields and the next rung of mechanics. Their sum is held against what is
-/// wanted; where it is too large, the choice climbs along the axis that contributes most.
+/// Which fields and which mechanics a scene needs. Errors of three kinds: of the step, judged by a finer run of the same
+/// rung; of the fields and of the mechanics, judged by the next rung of each. Their sum is held against what is wanted; where
+/// it is too large, the choice climbs along the axis that contributes most. The highest rung of an axis has no next one:
+/// what it leaves out is not known, and an unknown is never zero.
 
 namespace powbench::sim {
 
@@ -18,24 +22,43 @@ struct SceneAxes {
   std::function<Rung(std::size_t field, std::size_t mechanics)> rung;
 };
 
+/// Whether a wanted accuracy is reached.
+enum class Reached : std::uint8_t {
+  met,        ///< every error is known, and their sum is within what is wanted
+  not_met,    ///< what is known is too large already
+  not_known,  ///< what is known is small enough, and something is not known
+};
+inline constexpr std::array<std::string_view, 3> reached_names{"met", "not met", "not known"};
+
+/// Error of the model along one axis; s. NaN: there is no such rung, or the time did not happen.
+struct AxisError {
+  LadderTimes next{nan_times};  ///< to the next rung: the error of this one
+  LadderTimes below{
+      nan_times};  ///< from the rung below; at the top it stands for the error where it is within what is wanted
+  static constexpr LadderTimes nan_times{std::numeric_limits<double>::quiet_NaN(),
+                                         std::numeric_limits<double>::quiet_NaN(),
+                                         std::numeric_limits<double>::quiet_NaN()};
+};
+
 /// One pair that was looked at.
 struct SceneStep {
   std::string name, setting_name;
   LadderRun run;
-  LadderTimes step_error{};       ///< s, of the step
-  LadderTimes field_error{};      ///< s, to the next rung of fields; NaN: none to compare with
-  LadderTimes mechanics_error{};  ///< s, to the next rung of mechanics; NaN: likewise
-  double share = 0;               ///< largest sum of the three over what is wanted; <= 1: good enough
+  LadderTimes step_error{};  ///< s, of the step
+  AxisError fields, mechanics;
+  double share = 0;  ///< largest sum of the known errors over what is wanted
+  Reached reached = Reached::not_known;
+  std::vector<std::string> unknown;  ///< what is not known, a clause each
 };
 
 struct SceneChoice {
-  bool met = false;
   Rung rung;                     ///< taken
   double setting = 0;            ///< its tolerance, step or cell
   std::vector<SceneStep> steps;  ///< what was looked at; the last was taken
   LadderTimes
       twin{};  ///< s by which 0.1 % more mains moves the times: no error below it means anything on a bench
   double spent = 0;  ///< s CPU, all runs
+  Reached reached() const { return steps.back().reached; }
 };
 
 /// Throws std::invalid_argument for an accuracy outside 1e-9 .. 0.5, or nothing wanted.

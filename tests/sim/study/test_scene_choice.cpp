@@ -47,28 +47,57 @@ SceneAxes known_axes(std::size_t fields, std::size_t mechanics) {
 }  // namespace
 
 TEST_CASE("a scene climbs along the axis that is furthest off, and stops where it may", "[scene]") {
-  // fields: 9e-4, 9e-5; mechanics: 3.6e-4 s to the next rung
-  const auto loose = choose_scene(known_axes(3, 2), at(0), {0.2, unwanted, unwanted}, 0.08, no_clock);
-  CHECK(loose.met);
+  // fields: 9e-4, 9e-5; mechanics: 3.6e-4, 3.6e-5 s to the next rung
+  const auto loose = choose_scene(known_axes(3, 3), at(0), {0.2, unwanted, unwanted}, 0.08, no_clock);
+  CHECK(loose.reached() == Reached::met);
   CHECK(loose.rung.name() == "field0+mechanics0");
-  const auto middle = choose_scene(known_axes(3, 2), at(0), {0.06, unwanted, unwanted}, 0.08, no_clock);
-  CHECK(middle.met);
+  const auto middle = choose_scene(known_axes(3, 3), at(0), {0.06, unwanted, unwanted}, 0.08, no_clock);
+  CHECK(middle.reached() == Reached::met);
   CHECK(middle.rung.name() == "field1+mechanics0");
-  const auto tight = choose_scene(known_axes(3, 2), at(0), {0.01, unwanted, unwanted}, 0.08, no_clock);
-  CHECK(tight.met);
+  const auto tight = choose_scene(known_axes(3, 3), at(0), {0.013, unwanted, unwanted}, 0.08, no_clock);
+  CHECK(tight.reached() == Reached::met);
   CHECK(tight.rung.name() == "field1+mechanics1");
   REQUIRE(tight.steps.size() == 3);
   CHECK(tight.steps[1].name == "field1+mechanics0");
-  CHECK(tight.steps[1].mechanics_error[0] == Approx(3.6e-4));
-  CHECK(std::isnan(tight.steps[2].mechanics_error[0]));
+  CHECK(tight.steps[1].mechanics.next[0] == Approx(3.6e-4));
+  CHECK(tight.steps[2].mechanics.below[0] == Approx(3.6e-4));
   // what is not wanted does not climb
   CHECK(choose_scene(known_axes(3, 2), at(0), {unwanted, 1e-6, unwanted}, 0.08, no_clock).rung.name() ==
         "field0+mechanics0");
 }
 
+TEST_CASE("an unknown error is no zero: met, not met and not known are three answers", "[scene]") {
+  const auto only = choose_scene(known_axes(1, 1), at(0), {0.01, unwanted, unwanted}, 0.08, no_clock);
+  CHECK(only.reached() == Reached::not_known);
+  CHECK(only.steps.back().unknown ==
+        std::vector<std::string>{"touch: error of the fields, nothing to compare field0 with",
+                                 "touch: error of the mechanics, nothing to compare mechanics0 with"});
+  // the fields are known to be too far off: no unknown of the mechanics mends that
+  SceneAxes apart = known_axes(2, 1);
+  const auto one = choose_scene(apart, at(0), {0.01, unwanted, unwanted}, 0.08, no_clock);
+  REQUIRE(one.steps.size() == 2);
+  CHECK(one.steps[0].reached == Reached::not_met);
+  CHECK(one.reached() == Reached::not_known);  // at the top of the fields, whose last step was 900 us
+  CHECK_THAT(one.steps[1].unknown.front(), Catch::Contains("off by 900 us"));
+  // at the top, the step from below stands for the error where it is small enough
+  const auto top = choose_scene(known_axes(3, 2), at(0), {0.06, unwanted, unwanted}, 0.08, no_clock);
+  CHECK(top.reached() == Reached::met);
+  const auto higher = choose_scene(known_axes(3, 2), at(0), {0.012, unwanted, unwanted}, 0.08, no_clock);
+  CHECK(higher.rung.name() == "field1+mechanics1");
+  CHECK(higher.reached() == Reached::not_known);
+  // a closing that does not happen has no error either
+  SceneAxes still = known_axes(2, 2);
+  still.rung = [](std::size_t, std::size_t) {
+    return Rung{"f", "m", "no touch", [](const Case&, double, double, double) { return Trajectory{}; }};
+  };
+  const auto none = choose_scene(still, at(0), {0.01, unwanted, unwanted}, 0.08, no_clock);
+  CHECK(none.reached() == Reached::not_known);
+  CHECK(none.steps.back().unknown == std::vector<std::string>{"touch: does not happen"});
+}
+
 TEST_CASE("a single rung is refined by its step alone, and says when that is not enough", "[scene]") {
   const auto fine = choose_scene(known_axes(1, 1), at(0), {1e-6, unwanted, unwanted}, 0.08, no_clock);
-  CHECK(fine.met);
+  CHECK(fine.steps.back().share <= 1);
   CHECK(fine.setting < 1e-6);
   SceneAxes fixed = known_axes(1, 1);
   const auto make = fixed.rung;
@@ -79,7 +108,7 @@ TEST_CASE("a single rung is refined by its step alone, and says when that is not
     return r;
   };
   const auto coarse = choose_scene(fixed, at(0), {0.01, unwanted, unwanted}, 0.08, no_clock);
-  CHECK_FALSE(coarse.met);
+  CHECK(coarse.reached() == Reached::not_met);
   CHECK(coarse.setting == 6);
   CHECK(coarse.steps.back().setting_name == "cell mm");
 }
