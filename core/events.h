@@ -1,9 +1,11 @@
 #pragma once
 
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <limits>
 #include <string>
+#include <string_view>
 #include <vector>
 
 /// What happened in one closing, extracted from a record by `dsp/`. Times in seconds after the coil was switched on.
@@ -52,9 +54,23 @@ struct BounceTrain {
   Measured to;       ///< s: last touch of the part; unknown when it does not end closed
 };
 
+/// What a channel shows over a closing.
+enum class Shows : std::uint8_t {
+  contact,     ///< a force that presses
+  nothing,     ///< no contact
+  vibration,   ///< as much below zero as above: no contact force; contacts are not listed
+  not_usable,  ///< missing, dead, or mostly lost
+};
+inline constexpr std::array<std::string_view, 4> shows_names{"contact", "nothing", "vibration", "not usable"};
+inline std::string_view name(Shows s) {
+  return shows_names[static_cast<std::size_t>(s)];
+}
+
 /// The train of touches seen by one channel (a force channel or the contact-voltage channel).
 struct ContactTrain {
-  bool present = false;           ///< the channel exists and passed its quality gate
+  bool present = false;  ///< the channel exists and passed its quality gate
+  Shows shows = Shows::contact;
+  std::string reason;             ///< why it shows no contact; empty where it does
   std::vector<Contact> contacts;  ///< in order of touch
   Measured settled;          ///< s: last touch, after which the contact stays closed (AC pulsation allowed)
   Measured settled_force;    ///< N: mean force at the end of the record
@@ -81,6 +97,7 @@ struct CoreEvents {
 /// The coil and its supply.
 struct CoilEvents {
   Measured closing_angle;  ///< rad, [0, 2 pi): phase of the mains fundamental at the voltage step
+  std::string no_angle;    ///< why the closing angle is not known; empty where it is
   Measured switch_on;      ///< s: the coil-voltage step against the rig's own fire sample
   Measured mains_hertz;    ///< Hz
   Measured supply_volts;   ///< V rms of the fundamental before switch-on

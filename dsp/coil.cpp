@@ -1,7 +1,10 @@
 #include "dsp/coil.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstdio>
+#include <string>
 #include <vector>
 
 #include "core/phase.h"
@@ -96,6 +99,21 @@ Measured peak_current(const Record& record) {
   return last > before ? Measured{peak, noise} : Measured{};
 }
 
+/// Why there is no phase of the supply.
+std::string without_supply(const Record& record, const ExtractOptions& o) {
+  const Signal s = to_signal(record, Channel::mains_voltage);
+  if (s.empty()) return "no mains-voltage channel";
+  std::array<char, 128> text{};
+  const double needed = o.min_hum_periods / o.mains_hertz;
+  if (-s.t0 < needed)
+    std::snprintf(text.data(), text.size(), "%.1f ms of pre-trigger, %.1f needed", std::max(-s.t0, 0.0) * 1e3,
+                  needed * 1e3);
+  else
+    std::snprintf(text.data(), text.size(), "the mains-voltage channel shows no mains near %.0f Hz",
+                  o.mains_hertz);
+  return text.data();
+}
+
 }  // namespace
 
 std::optional<HarmonicFit> supply_fit(const Record& record, const ExtractOptions& o) {
@@ -109,18 +127,23 @@ std::optional<HarmonicFit> supply_fit(const Record& record, const ExtractOptions
 }
 
 CoilEvents coil_events(const Record& record, const std::optional<HarmonicFit>& supply,
-                       const ExtractOptions&) {
+                       const ExtractOptions& o) {
   CoilEvents e;
   e.switch_on = switch_on_time(record, to_signal(record, Channel::mains_voltage));
   e.peak_current = peak_current(record);
   if (!supply) {
     e.flags |= flag_no_hum_fit;
+    e.no_angle = without_supply(record, o);
     return e;
   }
   e.mains_hertz = {supply->hertz, supply->u_hertz};
   const double amplitude = supply->amplitude(0);
   e.supply_volts = {amplitude / std::sqrt(2.0), std::sqrt(supply->covariance[supply->parameters + 1] / 2.0)};
-  if (!e.switch_on.known()) return e;
+  if (!e.switch_on.known()) {
+    e.no_angle = record.find(Channel::coil_voltage) ? "the coil voltage shows no switching on"
+                                                    : "no coil-voltage channel";
+    return e;
+  }
   e.closing_angle = supply->phase_at(e.switch_on.value);
   e.closing_angle.u = std::hypot(e.closing_angle.u, 2 * pi * supply->hertz * e.switch_on.u);
   return e;

@@ -9,7 +9,9 @@
 #include "dsp/detect_round.h"
 #include "dsp/landing.h"
 #include "dsp/pulse_margin.h"
+#include "dsp/refine.h"
 #include "dsp/separate.h"
+#include "dsp/shows.h"
 #include "dsp/statistics.h"
 
 namespace powbench::dsp {
@@ -124,12 +126,16 @@ void hold_peak(Contact& c, const Signal& film) {
   c.peak.value = seen;
 }
 
-void fill_train(ContactTrain& train, const Round& r, const Force& f, double t_end, const ExtractOptions& o) {
-  for (const ContactFit& fit : r.fits) {
-    train.contacts.push_back(fit.contact);
-    hold_peak(train.contacts.back(), f.signal);
-    admit_amplifier(train.contacts.back(), f.delay);
-    train.flags |= fit.contact.flags & (flag_clipped | flag_gap);
+void fill_train(ContactTrain& train, const Round& r, const Force& f, const ForceAnalysis& a, double t_end,
+                const ExtractOptions& o) {
+  for (const ContactFit& fit : r.fits) train.contacts.push_back(fit.contact);
+  drop_swings(train.contacts, a.stripped, f.noise, o);
+  const double left = a.ring.empty() ? f.noise : open_noise(a.stripped, r, a.ring, t_end, f.noise);
+  refine_contacts(train.contacts, a.stripped, std::max(left, r.noise), o);
+  for (Contact& c : train.contacts) {
+    hold_peak(c, f.signal);
+    admit_amplifier(c, f.delay);
+    train.flags |= c.flags & (flag_clipped | flag_gap);
   }
   train.noise = f.noise;
   train.resolution = r.levels.resolution;
@@ -185,7 +191,7 @@ ForceAnalysis analyse_force(const Force& f, double t_end, const Measured& core_s
   const std::vector<Interval> unaided = round.intervals;
   Separated best, bare;
   bool bare_enough = false;
-  if (o.ring_modes > 0 && !round.intervals.empty()) {
+  if (o.ring_modes > 0 && !round.intervals.empty() && swings_below_zero(f, round.intervals, t_end, o)) {
     best = separate_ring(f, round, core_seat, t_end, o);
     // A ring has to earn its parameters: a settled force that bends a little is no vibration. Where the core was seen to land
     // vibration is expected, and only its absence asks.
@@ -209,10 +215,14 @@ ForceAnalysis analyse_force(const Force& f, double t_end, const Measured& core_s
     round = find_contacts(out.stripped, noise, f.settled, t_end, o);
   }
   if (round.overlap) out.train.flags |= flag_ring_overlap;
-  fill_train(out.train, round, f, t_end, o);
+  fill_train(out.train, round, f, out, t_end, o);
   if (!out.ring.empty() &&
       doubt_landing(out.train.contacts, unaided, core_seat, out.ring.amplitude_at(out.ring.onset)))
     out.train.flags |= flag_ring_overlap;
+  const Verdict verdict = verdict_of(f, out.train.contacts, t_end, o);
+  out.train.shows = verdict.shows;
+  out.train.reason = verdict.reason;
+  if (verdict.shows == Shows::vibration) out.train.contacts.clear();
   summarise(out.train, o.merge_openings);
   return out;
 }

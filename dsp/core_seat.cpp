@@ -202,7 +202,6 @@ CoreEvents core_events(const Record& record, const ExtractOptions& o) {
   if (!seat.found) return e;
   e.seat = e.settled = seat.at;
   e.impact_velocity = seat.velocity;
-  e.bounce_time = {0.0, 0.0};
   const double least = std::max(o.seat_share * largest->size, 8 * slope_noise);
   for (const Drop& d : drops) {
     if (d.at < seat.at.value + o.seat_window || d.size < least) continue;
@@ -214,7 +213,9 @@ CoreEvents core_events(const Record& record, const ExtractOptions& o) {
     e.seat = impact;
     if (!bounced) e.settled = impact;
   }
-  if (bounced) e.bounce_time = {e.settled.value - e.seat.value, std::hypot(e.settled.u, e.seat.u)};
+  // another landing within the resolution would not have been told apart
+  e.settled.u = std::hypot(e.settled.u, core_resolution(o) / std::sqrt(3.0));
+  e.bounce_time = {e.settled.value - e.seat.value, std::hypot(e.settled.u, e.seat.u)};
   const std::uint8_t mask = s.mask_within(e.seat.value - o.seat_window, e.seat.value + o.seat_window);
   if (mask & mask_gap) e.flags |= flag_gap;
   if (mask & mask_clipped) e.flags |= flag_clipped;

@@ -20,7 +20,8 @@ namespace powbench::dsp {
 CoreEvents core_events(const Record&, const ExtractOptions&);
 
 /// s: a second landing sooner than this after the first is not told apart from it. A core may strike again within it (after
-/// 0.15 ms on the simulated rig): `bounce_time` 0 means none later than this.
+/// 0.15 ms on the simulated rig): `bounce_time` 0 means none later than this, and u of `settled` and `bounce_time` holds this
+/// over sqrt(3).
 inline double core_resolution(const ExtractOptions& o) {
   return o.seat_window;
 }

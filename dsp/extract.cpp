@@ -25,7 +25,12 @@ double closing_end(const Record& record) {
 ContactTrain film_train(const Record& record, Channel c, const ExtractOptions& o, std::optional<double> hertz,
                         const Measured& seat) {
   const Force f = restore_force(record, c, o, hertz);
-  if (!f.present) return {};
+  if (!f.present) {
+    ContactTrain none;
+    none.shows = Shows::not_usable;
+    none.reason = record.find(c) ? "the channel stays at one value" : "no such channel";
+    return none;
+  }
   return analyse_force(f, closing_end(record, f.signal), seat, o).train;
 }
 

@@ -6,6 +6,7 @@
 #include "core/events.h"
 #include "dsp/mains.h"
 #include "dsp/statistics.h"
+#include "dsp/zero_level.h"
 
 namespace powbench::dsp {
 
@@ -155,13 +156,15 @@ Force restore_alone(const Record& record, Channel channel, const ExtractOptions&
     for (double& v : s.value) v -= zero;
   }
   f.noise = noise_of(quiet, count);
-  if (no_pretrigger) {  // white noise from first differences of the whole record
-    std::vector<double> d(s.size() - 1);
-    for (std::size_t i = 0; i + 1 < s.size(); ++i) d[i] = (s.value[i + 1] - s.value[i]) / std::sqrt(2.0);
+  if (!hum) {  // hum may be left: white noise from first differences, without a pre-trigger those of the whole record
+    const auto of = no_pretrigger ? std::span<const double>(s.value) : quiet;
+    std::vector<double> d(of.size() - 1);
+    for (std::size_t i = 0; i + 1 < of.size(); ++i) d[i] = (of[i + 1] - of[i]) / std::sqrt(2.0);
     f.noise = noise_of(d, count);
   }
   undo_droop(s.value, c.corner_hertz, s.dt);
   remove_pickup(s, f.noise, record);
+  follow_zero(s, f.noise, mains_hertz.value_or(o.mains_hertz));
 
   const double t_end = closing_end(record, s);
   f.settled = tail_median(s, t_end, o.settled_window);

@@ -73,7 +73,7 @@ inline constexpr double joint_margin_before =
 /// Pulses that do not fit get a free skew, then are left out.
 JointModel fit_joint(const JointInput&, JointModel start, int iterations);
 
-/// Takes ring and pedestal of the model out of a signal.
+/// Takes ring and pedestal of the model out of a signal; beyond the last touch the pedestal stays for 0.1 ms and fades in 0.2.
 void take_out(const JointModel&, Signal&);
 
 /// What `model` leaves of the samples it uses, on the rows of the fit. `usable`: 1 where the model claims to be complete.

@@ -165,6 +165,10 @@ std::string micro(double s) {
 
 void print_train(const char* title, const ContactTrain& train) {
   if (!train.present) return;
+  if (train.shows != Shows::contact) {
+    fmt::print("  {}: shows {}: {}\n", title, name(train.shows), train.reason);
+    return;
+  }
   fmt::print("  {}: {} re-openings, resolves {:.0f} us{}\n", title, train.bounce_count,
              train.resolution * 1e6, train.flags ? " [" + flag_names(train.flags) + "]" : "");
   const std::pair<const char*, const BounceTrain*> parts[] = {{"first train", &train.first_train},
@@ -189,6 +193,7 @@ void print_events(const Events& events) {
     fmt::print("  {:<9} {:>10} {:<3} +- {:<6} {:<3} {}\n", q.symbol, shown(m.value, unit), shown_unit(unit),
                time ? micro(m.u) : shown(m.u, unit), time ? "us" : shown_unit(unit), q.meaning);
   }
+  if (!events.coil.no_angle.empty()) fmt::print("  no closing angle: {}\n", events.coil.no_angle);
   print_train("contact voltage", events.contact_voltage);
   print_train("film A", events.pvdf_a);
   print_train("film B", events.pvdf_b);

@@ -38,7 +38,9 @@ Json train_json(const ContactTrain& t, std::uint32_t all) {
                         {"peak", number(c.peak.value)},
                         {"impulse", number(c.impulse.value)},
                         {"flags", flags_json(c.flags | t.flags | all)}});
-  return {{"contacts", contacts},
+  return {{"shows", name(t.shows)},
+          {"reason", t.reason.empty() ? Json(nullptr) : Json(t.reason)},
+          {"contacts", contacts},
           {"settled_s", number(t.settled.value)},
           {"u_settled_s", number(t.settled.u)},
           {"bounce_time_s", number(t.bounce_time.value)},
@@ -69,7 +71,8 @@ std::string to_events_json(const Events& e, const Record& record, int indent, co
   const Json j = {{"channels", channels},
                   {"core", core},
                   {"closing_angle_deg", number(degrees(e.coil.closing_angle.value))},
-                  {"u_closing_angle_deg", number(degrees(e.coil.closing_angle.u))}};
+                  {"u_closing_angle_deg", number(degrees(e.coil.closing_angle.u))},
+                  {"no_closing_angle", e.coil.no_angle.empty() ? Json(nullptr) : Json(e.coil.no_angle)}};
   return j.dump(indent);
 }
 

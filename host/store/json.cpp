@@ -1,5 +1,6 @@
 #include "host/store/json.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <nlohmann/json.hpp>
@@ -74,6 +75,8 @@ Ordered train_json(const ContactTrain& t) {
                         {"impulse", measured(c.impulse)},
                         {"flags", flags_json(c.flags)}});
   return {{"present", t.present},
+          {"shows", name(t.shows)},
+          {"reason", t.reason},
           {"contacts", contacts},
           {"settled_s", measured(t.settled)},
           {"settled_force", measured(t.settled_force)},
@@ -89,6 +92,13 @@ Ordered train_json(const ContactTrain& t) {
 ContactTrain train_from(const json& j) {
   ContactTrain t;
   t.present = j.at("present").get<bool>();
+  if (j.contains("shows")) {  // older texts have none
+    const auto shows = std::ranges::find(shows_names, j["shows"].get<std::string>());
+    if (shows == shows_names.end())
+      throw std::invalid_argument("shows: '" + j["shows"].get<std::string>() + "' is unknown");
+    t.shows = static_cast<Shows>(shows - shows_names.begin());
+    t.reason = j.value("reason", "");
+  }
   for (const json& c : j.at("contacts"))
     t.contacts.push_back({.touch = measured_from(c.at("touch_s")),
                           .release = measured_from(c.at("release_s")),
@@ -140,13 +150,18 @@ CoreEvents core_from(const json& j) {
 }
 
 Ordered coil_json(const CoilEvents& c) {
-  return {{"closing_angle_rad", measured(c.closing_angle)}, {"switch_on_s", measured(c.switch_on)},
-          {"mains_hertz", measured(c.mains_hertz)},         {"supply_volts", measured(c.supply_volts)},
-          {"peak_current", measured(c.peak_current)},       {"flags", flags_json(c.flags)}};
+  return {{"closing_angle_rad", measured(c.closing_angle)},
+          {"no_angle", c.no_angle},
+          {"switch_on_s", measured(c.switch_on)},
+          {"mains_hertz", measured(c.mains_hertz)},
+          {"supply_volts", measured(c.supply_volts)},
+          {"peak_current", measured(c.peak_current)},
+          {"flags", flags_json(c.flags)}};
 }
 
 CoilEvents coil_from(const json& j) {
   return {.closing_angle = measured_from(j.at("closing_angle_rad")),
+          .no_angle = j.value("no_angle", ""),
           .switch_on = measured_from(j.at("switch_on_s")),
           .mains_hertz = measured_from(j.at("mains_hertz")),
           .supply_volts = measured_from(j.at("supply_volts")),

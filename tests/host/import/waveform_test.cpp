@@ -272,13 +272,16 @@ TEST_CASE("a dead channel gives no number") {
 TEST_CASE("the events in the form for other programs") {
   const Imported in = import_text(csv_of({}));
   const auto j = nlohmann::json::parse(to_events_json(dsp::extract_events(in.record, in.options), in.record));
-  CHECK(j.size() == 4);
+  CHECK(j.size() == 5);
   CHECK(j["closing_angle_deg"].is_null());
+  CHECK(j["no_closing_angle"] == "no mains-voltage channel");
   CHECK(j["u_closing_angle_deg"].is_null());
   CHECK(j["core"]["seat_s"].is_null());
   REQUIRE(j["channels"].size() == 1);
   const auto& a = j["channels"]["pvdf_a"];
-  CHECK(a.size() == 5);
+  CHECK(a.size() == 7);
+  CHECK(a["shows"] == "contact");
+  CHECK(a["reason"].is_null());
   for (const char* key : {"settled_s", "u_settled_s", "bounce_time_s", "resolution_s"})
     CHECK(a[key].is_number());
   REQUIRE(a["contacts"].size() == 3);

@@ -1,0 +1,36 @@
+#pragma once
+
+#include <vector>
+
+#include "bench/dsp_synth.h"
+#include "core/events.h"
+
+/// Found events against the truth, and how true their stated uncertainties are.
+
+namespace powbench::bench {
+
+/// QuantityErrors of one quantity. Shares and moments are NaN where there is nothing.
+struct QuantityErrors {
+  std::vector<double> error, z;  ///< found - true; the same over u
+  double rms() const;
+  double median() const;  ///< of |error|
+  double bias() const;    ///< median of the errors: a few that match the wrong edge do not move it
+  double spread() const;  ///< rms of z
+  double beyond() const;  ///< share of |z| > 3
+  void add(const Measured& found, double truth);
+  void add(const QuantityErrors&);
+};
+
+struct Tally {
+  int records = 0, exact = 0, matched = 0, missed = 0, invented = 0;
+  int flagged = 0, contacts = 0;  ///< contacts found, and those that carry a flag
+  QuantityErrors touch, release, peak, settled;
+  double recall() const;
+  double precision() const;
+  double exact_share() const;
+  /// One-to-one on touch within 300 us.
+  void add(const std::vector<TrueContact>& truth, const ContactTrain& found);
+  void add(const Tally&);
+};
+
+}  // namespace powbench::bench

@@ -1,0 +1,40 @@
+#pragma once
+
+#include "core/events.h"
+#include "dsp/signal.h"
+
+/// When a contact force leaves zero or comes back to it, without a shape for the whole contact.
+///
+/// Near the edge, with tau = (t - t0) / span on its closed side and 0 on its open side,
+///   F(t) = tau^q (a0 + a1 tau + a2 tau^2) + b.
+/// q = 0 is a jump (a damped pad), 1 a linear spring, 1.5 Hertz; the terms bend it to whatever follows. For every q and t0
+/// on a grid the amplitudes have Gaussian priors and are integrated out in closed form; the mean over that posterior
+/// is the time, its standard deviation the uncertainty: what the laws disagree about is in it.
+
+namespace powbench::dsp {
+
+struct EdgeQuestion {
+  double near = 0;    ///< s: a first guess, right to a few samples
+  int side = +1;      ///< +1: closed after the edge (touch), -1: closed before it (release)
+  double open = 0;    ///< s that nothing else touches on the open side, > 0
+  double closed = 0;  ///< s of closed time to begin with, most of the rise, > 0
+  double noise = 0;   ///< N, one sample, > 0
+};
+
+struct EdgeAnswer {
+  bool known = false;     ///< enough samples
+  bool followed = false;  ///< the laws leave no more than noise over the span used
+  Measured time;          ///< s, mean and standard deviation
+  double span = 0;        ///< s of closed time used: as much as the laws can follow
+  double reduced_chi2 = 0;
+};
+
+/// The span begins with all of `closed` and shrinks until a shorter one agrees, so that what the laws
+/// cannot follow does not move the time. Clipped and lost samples end it. Cost: 0.1 .. 1 ms.
+EdgeAnswer locate_edge(const Signal& force, const EdgeQuestion&);
+
+/// Largest (side +1) or smallest (-1) force between two times, from a polynomial through it; N. The part used shrinks until the polynomial fits; the
+/// last change of the value counts as uncertainty. Not known with fewer than six good samples.
+Measured locate_extreme(const Signal& force, double from, double to, int side, double noise);
+
+}  // namespace powbench::dsp

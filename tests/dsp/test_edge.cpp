@@ -1,0 +1,128 @@
+#include <algorithm>
+#include <catch2/catch.hpp>
+#include <cmath>
+
+#include "bench/dsp_synth.h"
+#include "dsp/edge.h"
+#include "dsp/refine.h"
+#include "tests/effort.h"
+
+using namespace powbench;
+using namespace powbench::dsp;
+using powbench::bench::Random;
+
+namespace {
+
+constexpr double dt = 5e-6, noise = 0.03;
+
+/// 1 ms of force(t) from -0.4 ms on, sampled every 5 us at a random phase.
+Signal sampled(auto&& force, Random& random, double sigma = noise) {
+  Signal s;
+  s.dt = dt;
+  s.t0 = -0.4e-3 + random.uniform(0, dt);
+  for (std::size_t i = 0; i < 200; ++i) s.value.push_back(force(s.time(i)) + sigma * random.normal());
+  s.masked.assign(200, 0);
+  return s;
+}
+
+struct Tally {
+  double squares = 0, worst = 0, errors = 0;
+  int n = 0;
+  void add(const Measured& m, double truth) {
+    const double z = (m.value - truth) / m.u;
+    squares += z * z, worst = std::max(worst, std::abs(z)), errors += std::pow(m.value - truth, 2), ++n;
+  }
+  double spread() const { return std::sqrt(squares / n); }
+  double rms() const { return std::sqrt(errors / n); }
+};
+
+}  // namespace
+
+TEST_CASE("an edge is dated within its uncertainty whatever the law of the pad", "[edge]") {
+  const int rounds = 105 / effort::every;
+  const auto law = [](double q) {
+    return [q](double t) { return t > 0 ? 8 * std::pow(t / 0.3e-3, q) * std::exp(-t / 0.8e-3) : 0.0; };
+  };
+  const auto jump = [](double t) { return t > 0 ? 0.8 + 6 * std::sin(pi * t / 1.2e-3) : 0.0; };
+  const auto lossy = [](double t) {
+    return t > 0 && t < 0.6e-3 ? 30 * std::pow(t / 0.6e-3, 1.5) * (1 - t / 0.6e-3) : 0.0;
+  };
+  const auto judge = [&](auto&& force, double rise, double most) {
+    Tally on, off;
+    Random random(5);
+    for (int k = 0; k < rounds; ++k) {
+      const double at = random.uniform(0, 1e-5);
+      const Signal touch = sampled([&](double t) { return force(t - at); }, random);
+      const Signal release = sampled([&](double t) { return force(0.2e-3 - t - at); }, random);
+      const auto a = locate_edge(touch, {8e-6, +1, 0.15e-3, rise, noise});
+      const auto b = locate_edge(release, {0.2e-3 - 8e-6, -1, 0.15e-3, rise, noise});
+      REQUIRE((a.known && b.known));
+      on.add(a.time, at), off.add(b.time, 0.2e-3 - at);
+    }
+    CHECK(on.spread() < 1.3);
+    CHECK(off.spread() < 1.3);
+    CHECK(std::max(on.worst, off.worst) < 5);
+    CHECK(std::max(on.rms(), off.rms()) < most);
+  };
+  judge(law(1), 0.25e-3, 2e-6);
+  judge(law(1.25), 0.25e-3, 3e-6);
+  judge(law(1.5), 0.25e-3, 4e-6);
+  judge(jump, 0.25e-3, 2.5e-6);
+  judge(lossy, 0.2e-3, 4e-6);
+}
+
+TEST_CASE("an edge without samples is not known, and lost samples end its span", "[edge]") {
+  Random random(3);
+  const auto ramp = [](double t) { return t > 0 ? 2e4 * t : 0.0; };
+  Signal s = sampled(ramp, random);
+  CHECK_FALSE(locate_edge(s, {s.end() - 2 * dt, +1, 50e-6, 50e-6, noise}).known);
+  CHECK_FALSE(locate_edge(s, {s.t0, -1, 50e-6, 50e-6, noise}).known);
+  const auto whole = locate_edge(s, {0, +1, 0.15e-3, 0.3e-3, noise});
+  for (std::size_t i = s.index_at(0.1e-3); i < s.size(); ++i) s.masked[i] = mask_clipped, s.value[i] = 1.0;
+  const auto clipped = locate_edge(s, {0, +1, 0.15e-3, 0.3e-3, noise});
+  REQUIRE((whole.known && clipped.known));
+  CHECK(clipped.span < 0.1e-3);
+  CHECK(clipped.time.u > whole.time.u);
+  CHECK(std::abs(clipped.time.value) < 3.5 * clipped.time.u);
+}
+
+TEST_CASE("the largest and the least force between two times", "[edge]") {
+  Random random(9);
+  Tally top, bottom;
+  for (int k = 0; k < 105 / effort::every; ++k) {
+    const double at = random.uniform(0.1e-3, 0.14e-3);
+    const Signal s = sampled([&](double t) { return 5 * std::sin(pi * (t - at) / 0.5e-3 + pi / 2); }, random);
+    top.add(locate_extreme(s, at - 0.2e-3, at + 0.2e-3, +1, noise), 5);
+    const Signal dip =
+        sampled([&](double t) { return 1 - std::sin(pi * (t - at) / 0.5e-3 + pi / 2); }, random);
+    bottom.add(locate_extreme(dip, at - 0.2e-3, at + 0.2e-3, -1, noise), 0);
+  }
+  CHECK(top.rms() < 0.02);
+  CHECK(top.worst < 4.5);
+  CHECK(bottom.worst < 4.5);
+  Signal few;
+  few.dt = dt, few.value = {1, 2, 1}, few.masked = {0, 0, 0};
+  CHECK_FALSE(locate_extreme(few, 0, 1, +1, noise).known());
+}
+
+TEST_CASE("a dip that stays above zero is no opening; one that rests at zero is", "[edge]") {
+  Random random(13);
+  const auto dip = [](double least) {
+    return [least](double t) { return std::max(0.0, least + 5 * std::pow(t / 0.2e-3, 2)); };
+  };
+  const auto contacts = [&](double least, double open) {
+    const Signal s = sampled(dip(least), random);
+    std::vector<Contact> c(2);
+    c[0].touch = {-0.38e-3, 1e-5}, c[0].release = {-open, 1e-5}, c[0].peak = {20, 0.1};
+    c[1].touch = {open, 1e-5}, c[1].peak = {20, 0.1};
+    refine_contacts(c, s, noise, {});
+    return c;
+  };
+  const auto one = contacts(0.3, 20e-6);
+  REQUIRE(one.size() == 1);
+  CHECK_FALSE(one[0].release.known());
+  const auto two = contacts(-1.0, 80e-6);  // zero for 0.18 ms
+  REQUIRE(two.size() == 2);
+  CHECK(two[0].release.value == Approx(-89e-6).margin(8e-6));
+  CHECK(two[1].touch.value == Approx(89e-6).margin(8e-6));
+}

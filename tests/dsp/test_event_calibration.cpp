@@ -1,0 +1,94 @@
+#include <catch2/catch.hpp>
+
+#include "bench/dsp_synth.h"
+#include "bench/events/scenes.h"
+#include "bench/events/tally.h"
+#include "dsp/extract.h"
+#include "tests/effort.h"
+
+/// Events and their uncertainties on impacts from an equation of motion that the extraction does not know. bench_event_calibration prints
+/// the table; here are the bars, on other seeds.
+
+using namespace powbench;
+using namespace powbench::bench;
+
+namespace {
+
+constexpr std::uint64_t first_seed = 900000;
+
+Tally tally_of(const SceneClass& c, int records) {
+  Tally t;
+  for (int k = 0; k < records; ++k) {
+    const Scene s = c.make(first_seed + static_cast<std::uint64_t>(k));
+    t.add(s.contacts, dsp::extract_events(s.record, {}).pvdf_a);
+  }
+  return t;
+}
+
+bool rings(const SceneClass& c) {
+  return c.name.find("ring") != std::string::npos || c.name == "all at once";
+}
+
+}  // namespace
+
+TEST_CASE("impacts from their equation of motion: found, and dated within what is said", "[calibration]") {
+  Tally all;
+  for (const SceneClass& c : scene_classes())
+    if (c.touches && !rings(c)) all.add(tally_of(c, effort::every > 1 ? 1 : 6));
+  CHECK(all.recall() >= 0.98);
+  CHECK(all.precision() >= 0.97);
+  CHECK(all.exact_share() >= 0.92);
+  CHECK(all.touch.median() < 2e-6);
+  CHECK(all.release.median() < 3e-6);
+  CHECK(std::abs(all.release.bias()) < 2e-6);
+  CHECK(all.touch.beyond() < 0.05);
+  CHECK(all.release.beyond() < 0.06);
+  CHECK(all.touch.spread() < 1.5);
+}
+
+TEST_CASE("where nothing touches there is no contact, and the channel says what it shows", "[calibration]") {
+  int invented = 0, records = 0;
+  for (const SceneClass& c : scene_classes()) {
+    if (c.touches) continue;
+    for (int k = 0; k < (effort::every > 1 ? 2 : 8); ++k, ++records) {
+      const Scene s = c.make(first_seed + static_cast<std::uint64_t>(k));
+      const ContactTrain t = dsp::extract_events(s.record, {}).pvdf_a;
+      CAPTURE(c.name, k);
+      invented += !t.contacts.empty();
+      if (!t.contacts.empty()) continue;
+      CHECK((t.shows == Shows::nothing || t.shows == Shows::vibration));
+      CHECK_FALSE(t.reason.empty());
+      CHECK_FALSE(t.settled.known());
+    }
+  }
+  CHECK(invented * 20 <= records);
+}
+
+TEST_CASE("a channel that cannot be used says why", "[calibration]") {
+  Scene s = scene_classes().front().make(first_seed);
+  s.record.channels.front().raw.assign(s.record.samples(), 7);
+  const ContactTrain dead = dsp::extract_events(s.record, {}).pvdf_a;
+  CHECK(dead.shows == Shows::not_usable);
+  CHECK(dead.reason == "the channel stays at one value");
+  CHECK(dsp::extract_events(s.record, {}).pvdf_b.reason == "no such channel");
+}
+
+TEST_CASE("a closing angle that is not known has a reason", "[calibration]") {
+  FullTruth truth;
+  Record r = synthesise_full(1e5, 50, 1.0, 3, &truth);
+  CHECK(dsp::extract_events(r, {}).coil.no_angle.empty());
+  const std::int64_t cut = r.fire_sample - 3680;  // 36.8 ms stay
+  Record brief = r;
+  for (auto& c : brief.channels) c.raw.erase(c.raw.begin(), c.raw.begin() + cut);
+  brief.fire_sample -= cut;
+  const auto e = dsp::extract_events(brief, {});
+  CHECK_FALSE(e.coil.closing_angle.known());
+  CHECK(e.coil.no_angle == "36.8 ms of pre-trigger, 39.0 needed");
+  Record blind = r;
+  std::erase_if(blind.channels, [](const ChannelRecord& c) { return c.channel == Channel::mains_voltage; });
+  CHECK(dsp::extract_events(blind, {}).coil.no_angle == "no mains-voltage channel");
+  Record unswitched = r;
+  std::erase_if(unswitched.channels,
+                [](const ChannelRecord& c) { return c.channel == Channel::coil_voltage; });
+  CHECK(dsp::extract_events(unswitched, {}).coil.no_angle == "no coil-voltage channel");
+}
