@@ -49,7 +49,8 @@ TEST_CASE("the demo: every shot recorded, simulated, compared and reported", "[s
   }
 
   const std::string html = read_file(folder.file("demo/report.html"));
-  for (const char* part : {"<svg", "bounce", "commanded", "SIMULATED RIG", "Best closing angle", "Definitions"}) {
+  for (const char* part :
+       {"<svg", "bounce", "commanded", "SIMULATED RIG", "Best closing angle", "Definitions"}) {
     INFO(part);
     CHECK(html.find(part) != std::string::npos);
   }
@@ -107,6 +108,8 @@ TEST_CASE("export gives every sample in SI", "[system]") {
   REQUIRE(run(folder, {"run", plan, "--rig", "sim:", "--db", db}).status == 0);
   const Finished csv = run(folder, {"export", "1", "--db", db, "--to", "csv"});
   CHECK(csv.status == 0);
-  CHECK(csv.out.starts_with("# SIMULATED RIG, campaign 1, measured shot 1\ntime [s],pvdf_a [N],pvdf_b [N],laser [m],coil_current [A],"));
+  CHECK(
+      csv.out.starts_with("# SIMULATED RIG, campaign 1, measured shot 1\ntime [s],pvdf_a [N],pvdf_b "
+                          "[N],laser [m],coil_current [A],"));
   CHECK(std::count(csv.out.begin(), csv.out.end(), '\n') == 14'002);
 }
