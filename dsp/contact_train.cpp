@@ -126,12 +126,12 @@ void hold_peak(Contact& c, const Signal& film) {
   c.peak.value = seen;
 }
 
-void fill_train(ContactTrain& train, const Round& r, const Force& f, const ForceAnalysis& a, double t_end,
-                const ExtractOptions& o) {
+std::vector<Grazing> fill_train(ContactTrain& train, const Round& r, const Force& f, const ForceAnalysis& a,
+                                double t_end, const ExtractOptions& o) {
   for (const ContactFit& fit : r.fits) train.contacts.push_back(fit.contact);
   drop_swings(train.contacts, a.stripped, f.noise, o);
   const double left = a.ring.empty() ? f.noise : open_noise(a.stripped, r, a.ring, t_end, f.noise);
-  refine_contacts(train.contacts, a.stripped, std::max(left, r.noise), o);
+  auto grazing = refine_contacts(train.contacts, a.stripped, std::max(left, r.noise), o);
   for (Contact& c : train.contacts) {
     hold_peak(c, f.signal);
     admit_amplifier(c, f.delay);
@@ -148,6 +148,19 @@ void fill_train(ContactTrain& train, const Round& r, const Force& f, const Force
     // The zero level's own error, accumulated by the droop inverse, is small beside the pulsation's sampling.
     train.settled_force = {sum / n,
                            std::sqrt(std::max(squares / n - sum * sum / n / n, f.noise * f.noise) / n)};
+  }
+  return grazing;
+}
+
+/// A last opening that may be none, or a dip that may be an opening behind the last touch: settled may be as far off as they are
+/// apart.
+void admit_grazing(ContactTrain& t, const std::vector<Grazing>& dips) {
+  if (!t.settled.known()) return;
+  constexpr double same = 50e-6;  // s
+  for (const Grazing& g : dips) {
+    if (std::abs(t.settled.value - g.before) > same && std::abs(t.settled.value - g.after) > same) continue;
+    t.settled.u = std::hypot(t.settled.u, (g.after - g.before) / std::sqrt(3.0));
+    t.bounce_time.u = std::hypot(t.bounce_time.u, (g.after - g.before) / std::sqrt(3.0));
   }
 }
 
@@ -215,7 +228,9 @@ ForceAnalysis analyse_force(const Force& f, double t_end, const Measured& core_s
     round = find_contacts(out.stripped, noise, f.settled, t_end, o);
   }
   if (round.overlap) out.train.flags |= flag_ring_overlap;
-  fill_train(out.train, round, f, out, t_end, o);
+  const auto grazing = fill_train(out.train, round, f, out, t_end, o);
+  if (!out.ring.empty() && !bare_enough && !convincing(best))
+    doubt_stripping(out.train.contacts, f.signal, out.stripped, out.ring.onset, round.noise, o);
   if (!out.ring.empty() &&
       doubt_landing(out.train.contacts, unaided, core_seat, out.ring.amplitude_at(out.ring.onset)))
     out.train.flags |= flag_ring_overlap;
@@ -224,6 +239,7 @@ ForceAnalysis analyse_force(const Force& f, double t_end, const Measured& core_s
   out.train.reason = verdict.reason;
   if (verdict.shows == Shows::vibration) out.train.contacts.clear();
   summarise(out.train, o.merge_openings);
+  admit_grazing(out.train, grazing);
   return out;
 }
 

@@ -281,6 +281,13 @@ bool follows(const Polynomial& p, std::size_t samples) {
 
 }  // namespace
 
+Measured smooth_minimum(const Signal& s, double from, double to, double noise) {
+  const std::size_t a = s.index_at(from), b = std::min(s.index_at(to), s.size());
+  if (b < a + order + 1) return {};
+  const Polynomial p = polynomial_through(s, a, b, (a + b) / 2, 0.5 * (to - from), -1, noise);
+  return p.known && follows(p, b - a) ? Measured{-p.most.value, p.most.u} : Measured{};
+}
+
 Measured locate_extreme(const Signal& s, double from, double to, int side, double noise) {
   const std::size_t i1 = s.index_at(from), i2 = std::min(s.index_at(to), s.size());
   if (i2 < i1 + order + 1) return {};
@@ -293,6 +300,7 @@ Measured locate_extreme(const Signal& s, double from, double to, int side, doubl
     if (sum > top) top = sum, at = i - smooth / 2;
   }
   Measured before;
+  bool followed = false;
   for (double half = 0.3 * (to - from);; half *= 0.7) {
     const auto reach = static_cast<std::size_t>(half / s.dt);
     const std::size_t a = at > i1 + reach ? at - reach : i1, b = std::min(at + reach + 1, i2);
@@ -300,9 +308,11 @@ Measured locate_extreme(const Signal& s, double from, double to, int side, doubl
     const Polynomial p = polynomial_through(s, a, b, at, half, side, noise);
     if (!p.known) return before;
     Measured now{side * p.most.value, p.most.u};
-    if (before.known()) now.u = std::hypot(now.u, 0.5 * (now.value - before.value));
-    if (follows(p, b - a)) return now;
-    now.u *= std::sqrt(p.reduced_chi2);
+    // what the next narrower one says differently was not followed, only hidden by the noise
+    const double apart = before.known() ? now.value - before.value : 0.0;
+    if (followed) return {before.value, std::hypot(before.u, 0.7 * apart)};
+    followed = follows(p, b - a);
+    if (!followed) now.u = std::hypot(now.u * std::sqrt(p.reduced_chi2), 0.5 * apart);
     before = now;
   }
 }

@@ -33,15 +33,25 @@ double rise_of(const CalmForce& calm, const Signal& force, double t, int side, d
 }
 
 /// An opening shows no force. Where the least force between two contacts stands clear of zero they are one: the levels
-/// that found them lie above the dip.
-void close_dips(std::vector<Contact>& contacts, const Signal& force, double noise) {
+/// that found them lie above the dip. Where one smooth curve through both edges explains the force too, and its minimum is zero to three
+/// of its uncertainties, nobody knows: kept or not, the dip is told.
+std::vector<Grazing> close_dips(std::vector<Contact>& contacts, const Signal& force, double noise) {
   constexpr double longest_dip = 0.6e-3, beside = 40e-6;  // s
+  std::vector<Grazing> out;
   for (std::size_t i = 0; i + 1 < contacts.size(); ++i) {
     Contact &a = contacts[i], &b = contacts[i + 1];
     if (!(b.touch.value - a.release.value < longest_dip)) continue;
     const double margin = std::max(beside, 0.5 * (b.touch.value - a.release.value));
-    const Measured least = locate_extreme(force, a.release.value - margin, b.touch.value + margin, -1, noise);
-    if (!least.known() || !(least.value > least.u)) continue;
+    const double from = a.release.value - margin, to = b.touch.value + margin;
+    const Measured least = locate_extreme(force, from, to, -1, noise);
+    const Measured smooth = smooth_minimum(force, from, to, noise);
+    const bool uncertain = smooth.known() && std::abs(smooth.value) < 3 * std::hypot(smooth.u, noise);
+    if (uncertain) out.push_back({a.touch.value, b.touch.value});
+    if (!least.known() || !(least.value > least.u)) {
+      if (uncertain) b.flags |= flag_grazing;
+      continue;
+    }
+    if (uncertain) a.flags |= flag_grazing;
     if (!(a.peak.value > b.peak.value)) a.peak = b.peak;
     a.impulse = {a.impulse.value + b.impulse.value, std::hypot(a.impulse.u, b.impulse.u)};
     if (!b.release.known()) a.impulse = {};
@@ -50,6 +60,7 @@ void close_dips(std::vector<Contact>& contacts, const Signal& force, double nois
     contacts.erase(contacts.begin() + static_cast<std::ptrdiff_t>(i + 1));
     --i;
   }
+  return out;
 }
 
 /// s by which vibration that is still in the force may move an edge: as far as it swings below zero on the open side, so far the force may
@@ -89,7 +100,7 @@ struct Agreement {
   }
   bool holds() const { return edges > 0 && squares < edges * reduced_chi2_quantile(0.995, edges); }
   /// s of `u` that the agreement leaves open: a shape that is wrong by less than that is not found out.
-  double open(double u) const { return 0.5 * u / std::sqrt(edges); }
+  double open(double u) const { return 0.4 * u / std::sqrt(edges); }
 };
 
 /// Touch of a contact that stays closed. Its shape is a guess about what comes afterwards: the further it is from what the edge says,
@@ -104,11 +115,11 @@ Measured touch_that_lasts(const Contact& c, const EdgeAnswer& beside) {
 
 }  // namespace
 
-void refine_contacts(std::vector<Contact>& contacts, const Signal& force, double noise,
-                     const ExtractOptions& o) {
-  if (contacts.empty() || !(noise > 0)) return;
+std::vector<Grazing> refine_contacts(std::vector<Contact>& contacts, const Signal& force, double noise,
+                                     const ExtractOptions& o) {
+  if (contacts.empty() || !(noise > 0)) return {};
   const CalmForce calm = calm_force(force, noise, o);
-  close_dips(contacts, force, noise);
+  const std::vector<Grazing> grazing = close_dips(contacts, force, noise);
   std::vector<Beside> beside(contacts.size());
   Agreement agreement;
   for (std::size_t i = 0; i < contacts.size(); ++i) {
@@ -167,6 +178,29 @@ void refine_contacts(std::vector<Contact>& contacts, const Signal& force, double
     } else if (!shape && b.touch.followed && (!c.release.known() || b.release.followed)) {
       c.flags &= ~static_cast<std::uint32_t>(flag_poor_fit);  // each edge follows a law
     }
+  }
+  return grazing;
+}
+
+void doubt_stripping(std::vector<Contact>& contacts, const Signal& unaided, const Signal& stripped,
+                     double onset, double noise, const ExtractOptions& o) {
+  for (std::size_t i = 0; i < contacts.size(); ++i) {
+    Contact& c = contacts[i];
+    const double before = i > 0 ? contacts[i - 1].release.value : stripped.t0;
+    const double after = i + 1 < contacts.size() ? contacts[i + 1].touch.value : stripped.end();
+    const double closed = c.release.known() ? 0.4 * (c.release.value - c.touch.value) : o.edge_window;
+    const auto doubt = [&](Measured& edge, int side, double free) {
+      if (!edge.known() || edge.value < onset) return;
+      const EdgeQuestion q{edge.value, side, std::clamp(0.8 * free, 2 * stripped.dt, o.fit_margin),
+                           std::max(std::min(closed, o.edge_window), 8 * stripped.dt), noise};
+      const EdgeAnswer with = locate_edge(unaided, q), without = locate_edge(stripped, q);
+      if (!with.known || !without.known) return;
+      const double apart = with.time.value - without.time.value;
+      if (std::abs(apart) / std::sqrt(3.0) > edge.u) c.flags |= flag_ring_overlap;
+      edge.u = std::hypot(edge.u, apart / std::sqrt(3.0));
+    };
+    doubt(c.touch, +1, c.touch.value - before);
+    doubt(c.release, -1, after - c.release.value);
   }
 }
 

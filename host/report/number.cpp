@@ -71,7 +71,7 @@ std::string short_hash(const std::string& hash) {
 }
 
 std::string flags_text(std::uint32_t flags) {
-  static constexpr std::array<std::pair<std::uint32_t, std::string_view>, 11> words{
+  static constexpr std::array<std::pair<std::uint32_t, std::string_view>, 12> words{
       {{flag_clipped, "clipped"},
        {flag_gap, "lost samples"},
        {flag_edge, "filter edge"},
@@ -82,7 +82,8 @@ std::string flags_text(std::uint32_t flags) {
        {flag_ring_overlap, "core vibration overlaps"},
        {flag_no_calibration, "no valid calibration"},
        {flag_angle_off, "angle off"},
-       {flag_gain, "gain implausible"}}};
+       {flag_gain, "gain implausible"},
+       {flag_grazing, "opening not certain"}}};
   std::string text;
   for (const auto& [flag, word] : words) {
     if ((flags & flag) == 0) continue;

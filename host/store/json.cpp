@@ -14,7 +14,7 @@ namespace {
 using nlohmann::json;
 using Ordered = nlohmann::ordered_json;
 
-constexpr std::array<std::pair<std::uint32_t, const char*>, 11> flag_table{
+constexpr std::array<std::pair<std::uint32_t, const char*>, 12> flag_table{
     {{flag_clipped, "clipped"},
      {flag_gap, "gap"},
      {flag_edge, "edge"},
@@ -25,7 +25,8 @@ constexpr std::array<std::pair<std::uint32_t, const char*>, 11> flag_table{
      {flag_ring_overlap, "ring_overlap"},
      {flag_no_calibration, "no_calibration"},
      {flag_angle_off, "angle_off"},
-     {flag_gain, "gain"}}};
+     {flag_gain, "gain"},
+     {flag_grazing, "grazing"}}};
 
 Ordered flags_json(std::uint32_t flags) {
   Ordered list = Ordered::array();
