@@ -14,8 +14,9 @@ namespace powbench::bench {
 struct PhaseSay {
   double turns = 0;
   double hertz = 0;
-  double rate = 0;  ///< Hz/s
-  bool valid = false;
+  double rate = 0;         ///< Hz/s
+  bool valid = false;      ///< for an edge 20 ms ahead
+  bool valid_now = false;  ///< for an edge at once
 };
 
 struct SteadyErrors {
@@ -79,12 +80,12 @@ EventErrors judge_event(const MainsScenario& scenario, double hertz, double star
     if ((n + 1) % samples_per_say != 0 || t < event_start) continue;
     const PhaseSay say = estimator.say();
     const double error = degrees_between(say.turns, source.phase(t));
-    if (!say.valid) result.noticed = std::min(result.noticed, t - event_start);
-    if (say.valid) {
+    if (!say.valid_now) result.noticed = std::min(result.noticed, t - event_start);
+    if (say.valid_now) {
       double& worst = result.noticed < 1e9 ? result.worst_after : result.worst_before;
       worst = std::max(worst, error);
     }
-    if (t >= ends && (!say.valid || error > 1.0)) result.settled = t - ends;
+    if (t >= ends && (!say.valid_now || error > 1.0)) result.settled = t - ends;
   }
   return result;
 }

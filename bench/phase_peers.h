@@ -17,7 +17,8 @@ struct OurTracker {
   void push(std::int16_t counts) { tracker.push(counts); }
   PhaseSay say() const {
     const firmware::PhaseEstimate& e = tracker.estimate();
-    return {e.phase_turns, e.frequency, e.frequency_rate, e.valid()};
+    return {e.phase_turns, e.frequency, e.frequency_rate, e.valid(),
+            e.valid(0.001F, firmware::PhaseEstimate::usual_tolerance)};
   }
 };
 
@@ -37,7 +38,7 @@ struct DecimatedPeer {
   }
   PhaseSay say() const {
     const double hertz = follower.hertz();
-    return {static_cast<double>(follower.turns()) + hertz * 4.5 / mains_rate, hertz, 0.0, true};
+    return {static_cast<double>(follower.turns()) + hertz * 4.5 / mains_rate, hertz, 0.0, true, true};
   }
 };
 

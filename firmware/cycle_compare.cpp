@@ -13,7 +13,6 @@ void CycleCompare::reset() {
   samples_ = 0;
   mean_square_.fill(0.0F);
   newest_ = 0;
-  noise_ = 0.0F;
   usual_ = highest_limit;
   changing_ = false;
 }
@@ -24,14 +23,15 @@ void CycleCompare::push(const MainsRing& mains, float cycle) {
   const int age = MainsRing::final_age + whole;
   const float before = mains.back(age) + part * (mains.back(age + 1) - mains.back(age));
   const float difference = mains.back(MainsRing::final_age) - before;
-  sum_ += difference * difference;
+  sum_ += difference;
   ++samples_;
 }
 
 bool CycleCompare::judge() {
   if (samples_ == 0) return false;
   newest_ = (newest_ + 1) % blocks;
-  const float block = sum_ / static_cast<float>(samples_);
+  const float change = sum_ / static_cast<float>(samples_);
+  const float block = change * change;
   mean_square_[static_cast<unsigned>(newest_)] = block;
   sum_ = 0.0F;
   samples_ = 0;
@@ -39,14 +39,16 @@ bool CycleCompare::judge() {
   for (const float square : mean_square_) mean += square;
   mean /= static_cast<float>(blocks);
   const float rms = square_root(mean);
-  noise_ = 0.70710678F * rms;
   const float limit = usual_;
   const float wanted = 3.0F * rms;
   const float bounded =
       wanted < lowest_limit ? lowest_limit : (wanted > highest_limit ? highest_limit : wanted);
   usual_ += adaption * (bounded - usual_);
   const bool kept = block <= sudden_limit * sudden_limit && mean <= limit * limit;
-  changing_ = !kept && block > limit * limit;
+  float newer = 0.0F;
+  for (int i = 0; i < blocks / 2; ++i)
+    newer += mean_square_[static_cast<unsigned>((newest_ - i + blocks) % blocks)];
+  changing_ = !kept && newer > static_cast<float>(blocks / 2) * limit * limit;
   return kept;
 }
 

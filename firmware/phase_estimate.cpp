@@ -22,6 +22,17 @@ std::uint64_t phase_word(float turns) {
 
 }  // namespace
 
+float PhaseEstimate::deviation(float horizon) const {
+  if (!(variance >= 0.0F) || !(variance_ahead >= 0.0F)) return 1.0F;  // not a number: nothing is known
+  // What is not in the model grows with the square of the time since the middle of the window.
+  constexpr float age = 0.020F;
+  constexpr float ahead = (ahead_seconds + age) / age;
+  const float there = (horizon > 0.0F ? horizon + age : age) / age;
+  const float growth = (there * there * there * there - 1.0F) / (ahead * ahead * ahead * ahead - 1.0F);
+  const float more = variance_ahead > variance ? variance_ahead - variance : 0.0F;
+  return square_root(variance + growth * more);
+}
+
 PhaseInstant next_instant(const PhaseEstimate& estimate, float rate, CentiDegrees target,
                           std::int64_t earliest) {
   // Phase in a 64-bit word, one turn = 2^64: whole turns fall off by themselves, however far away `earliest`

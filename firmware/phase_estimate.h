@@ -1,6 +1,8 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
+#include <string_view>
 
 #include "core/phase.h"
 
@@ -21,6 +23,14 @@ enum class PhaseFault : std::uint16_t {
   disturbed = 1U << 7,      ///< the waveform is not the one of a cycle ago
 };
 
+inline constexpr std::array<std::string_view, 8> phase_fault_names{
+    "warming_up", "amplitude", "frequency", "residual", "cross_check", "third_opinion", "gap", "disturbed"};
+
+/// Turns in thousandths of a degree, rounded up; at most one turn.
+inline std::int32_t to_millidegrees(float turns) {
+  return turns < 1.0F ? static_cast<std::int32_t>(turns * 360000.0F) + 1 : 360000;
+}
+
 /// The mains fundamental v(n) = amplitude sin(phase + 2 pi frequency (n - sample) / rate), referred to sample
 /// index `sample`.
 struct PhaseEstimate {
@@ -31,7 +41,20 @@ struct PhaseEstimate {
   float amplitude = 0;       ///< counts, peak
   std::uint16_t faults = static_cast<std::uint16_t>(PhaseFault::warming_up);
 
-  bool valid() const { return faults == 0; }
+  float variance = 0;        ///< turns^2: square of the standard uncertainty of the phase at `sample` ...
+  float variance_ahead = 0;  ///< ... and at `ahead_seconds` after it
+
+  /// Nothing is wrong with the mains, and the bound at `horizon` (s after `sample`) is within `tolerance` (turns).
+  bool valid(float horizon, float tolerance) const {
+    return faults == 0 && coverage_factor * deviation(horizon) <= tolerance;
+  }
+  bool valid() const { return valid(ahead_seconds, usual_tolerance); }
+  /// Standard uncertainty of the phase `horizon` s after `sample`, turns.
+  float deviation(float horizon) const;
+
+  static constexpr float ahead_seconds = 0.020F;
+  static constexpr float usual_tolerance = 1.0F / 360;  ///< turns
+  static constexpr float coverage_factor = 3.0F;
 };
 
 /// Before anything is known.

@@ -1,42 +1,34 @@
 #include "firmware/phase_tracker.h"
 
 #include "firmware/math.h"
-#include "firmware/phase_fit.h"
 
 namespace powbench::firmware {
 
 namespace {
 
-constexpr float history_rate = 10000.0F;      ///< Hz, wanted
+constexpr float history_rate = 10000.0F;      ///< Hz, at most
 constexpr float lowest_valid_hertz = 44.85F;  ///< 45 .. 65 Hz, with what the estimate may be off
 constexpr float highest_valid_hertz = 65.15F;
 constexpr float absent_amplitude = 0.2F;  ///< of nominal: below it there is no mains
 constexpr float lowest_amplitude = 0.7F;  ///< of nominal
 constexpr float highest_amplitude = 1.2F;
-constexpr float largest_residual = 0.15F;      ///< rms, of the fundamental's
-constexpr float largest_scatter = 1.0F / 360;  ///< turns rms, phases about their fit
+constexpr float largest_residual = 0.15F;  ///< rms, of the fundamental's
 constexpr float cross_check_limit = 3.0F / 360;
 constexpr float third_opinion_limit = 5.0F / 360;
-constexpr int loud_entries = 32;        ///< the same when the mains is noisy
-constexpr int fewest_entries = 18;      ///< phasors a valid estimate rests on
-constexpr float shortest_span = 0.9F;   ///< cycles of phasors fitted when the mains is quiet ...
-constexpr float longest_span = 3.1F;    ///< ... and when it is not
-constexpr float quiet_noise = 0.0015F;  ///< of nominal amplitude
-constexpr float loud_noise = 0.004F;
-constexpr float quiet_weight = 0.3F;     ///< of the noise in the fit, likewise
-constexpr float loud_weight = 3.5F;      ///< neighbouring phasors share most of their samples
-constexpr int longest_memory = 1 << 14;  ///< samples of the history
-constexpr float expected_rate = 0.5F;    ///< Hz/s, one standard deviation
-constexpr float least_noise = 3.0e-4F;   ///< of nominal amplitude
-constexpr float stale_window = 0.01F;    ///< a window this much off in length is not used
+constexpr float repair_doubt = 0.7F / 360;  ///< turns for a mean repair of the nominal amplitude
+constexpr float clip_doubt = 0.6F / 360;    ///< turns for an input that always clips
+constexpr float least_clip_level = 0.5F;    ///< of nominal
+constexpr float clip_gain = 0.005F;         ///< a point of the history
+constexpr int fewest_level = 4;             ///< equal points after the first: 9 deg of 50 Hz
+constexpr int fewest_entries = 18;          ///< phasors a valid estimate rests on
+constexpr int longest_memory = 1 << 14;     ///< samples of the history
+constexpr int longest_coast = 96;           ///< updates
+constexpr int keep_interval = 32;           ///< updates
+constexpr float wrong_cycle = 0.004F;       ///< the window of one cycle is biased beyond it
+constexpr float stale_window = 0.03F;       ///< a window this much off in length is not used
 
 float magnitude(float x) {
   return x < 0.0F ? -x : x;
-}
-/// 0 = the mains repeats itself, 1 = as noisy as is expected.
-float loudness(float noise) {
-  const float loud = (noise - quiet_noise) / (loud_noise - quiet_noise);
-  return loud < 0.0F ? 0.0F : (loud > 1.0F ? 1.0F : loud);
 }
 std::uint16_t bit(PhaseFault fault, bool set) {
   return set ? static_cast<std::uint16_t>(fault) : std::uint16_t{0};
@@ -46,7 +38,7 @@ std::uint16_t bit(PhaseFault fault, bool set) {
 
 PhaseTracker::PhaseTracker(const PhaseTrackerConfig& config)
     : config_(config),
-      decimation_(static_cast<int>(config.sample_rate / history_rate + 0.5F)),
+      decimation_(static_cast<int>(config.sample_rate / history_rate + 0.999F)),
       rate_(config.sample_rate / static_cast<float>(decimation_)),
       update_step_(static_cast<int>(rate_ * 0.001F + 0.5F)),
       lag_(0.5F * static_cast<float>(decimation_ - 1) / config.sample_rate),
@@ -62,7 +54,7 @@ void PhaseTracker::reset() {
   pll_.reset();
   zero_cross_.reset();
   gap_ = false;
-  noise_ = 0.0F;
+  coast_ = 0;
   cycle_ = rate_ / config_.nominal_hertz;
   estimate_ = no_estimate(config_.nominal_hertz);
 }
@@ -70,11 +62,14 @@ void PhaseTracker::reset() {
 void PhaseTracker::restart() {
   ring_.reset();
   compare_.reset();
-  entry_count_ = newest_entry_ = 0;
+  entry_count_ = before_ = 0;
+  bank_.reset();
   sum_ = 0;
   summed_ = since_update_ = clean_ = 0;
   quiet_ = false;
-  fit_rms_ = 0.0F;
+  level_run_ = 0;
+  level_sum_ = 0;
+  clipped_ = 0.0F;
 }
 
 void PhaseTracker::mark_gap(std::int64_t lost) {
@@ -94,8 +89,17 @@ bool PhaseTracker::push_sample(std::int16_t mains_counts) {
   return take(sum);
 }
 
+/// Neighbouring points at the crest are equal only where the input clips: noise and the wave itself move them.
+void PhaseTracker::note_clipping(std::int32_t sum) {
+  const float level = magnitude(static_cast<float>(sum) * scale_);
+  level_run_ = sum == level_sum_ && level > least_clip_level ? level_run_ + 1 : 0;
+  level_sum_ = sum;
+  clipped_ += ((level_run_ >= fewest_level ? 1.0F : 0.0F) - clipped_) * clip_gain;
+}
+
 /// One more point of the history.
 bool PhaseTracker::take(std::int32_t sum) {
+  note_clipping(sum);
   ring_.push(static_cast<float>(sum) * scale_);
   if (ring_.count() > MainsRing::final_age) {
     pll_.push(ring_.back(MainsRing::final_age));
@@ -111,31 +115,49 @@ bool PhaseTracker::take(std::int32_t sum) {
   return true;
 }
 
-const PhaseTracker::Entry& PhaseTracker::entry(int updates_ago) const {
-  return entries_[static_cast<unsigned>((newest_entry_ - updates_ago + max_entries) % max_entries)];
+int PhaseTracker::clean_entries() const {
+  const int reach = middle_ + static_cast<int>(cycle_) + 1;
+  const int clean = clean_ < reach ? 0 : (clean_ - reach) / update_step_ + 1;
+  return clean < entry_count_ ? clean : entry_count_;
 }
 
-int PhaseTracker::clean_entries(int most) const {
-  int clean = 0;
-  while (clean < entry_count_ && clean < most) {
-    const Entry& candidate = entry(clean);
-    const float reach = static_cast<float>(clean * update_step_) + window_cycles * candidate.cycle;
-    if (reach > static_cast<float>(clean_) || magnitude(candidate.cycle - cycle_) > stale_window * cycle_)
-      break;
-    ++clean;
-  }
-  return clean;
+/// The middle stays whole updates before the newest sample, so that phases lie on an even grid.
+void PhaseTracker::place_window() {
+  const int least = static_cast<int>(cycle_) + 1;
+  if (entry_count_ == 0) middle_ = 0;
+  if (middle_ < least) middle_ = (least + update_step_ - 1) / update_step_ * update_step_;
+  if (middle_ > least + update_step_ + update_step_ / 4) middle_ -= update_step_;
 }
 
-int PhaseTracker::wanted_entries() const {
-  // A short memory follows a change of the frequency sooner, a long one averages what does not repeat.
-  const float span = shortest_span + loudness(noise_) * (longest_span - shortest_span);
-  const auto entries = static_cast<int>(span * cycle_ / static_cast<float>(update_step_));
-  return entries > fewest_entries ? entries : fewest_entries;
+void PhaseTracker::remember(const WindowPhasor& phasor) {
+  const float hertz = rate_ / cycle_;
+  const auto phase = static_cast<std::uint32_t>(phasor.turns * 4294967296.0F);
+  const int moved = before_ == 0 ? 1 : 1 - (middle_ - before_) / update_step_;  // places of the grid
+  before_ = middle_;
+  if (moved >= 2) bank_.push(newest_phase_ + (phase - newest_phase_) / 2), ++entry_count_;
+  if (moved >= 1) bank_.push(phase), ++entry_count_;
+  newest_phase_ = phase;
+  if (entry_count_ > longest_memory) entry_count_ = longest_memory;
+  const auto after = static_cast<int>(0.5F * cycle_ / static_cast<float>(update_step_) + 0.5F);
+  const float shift = (static_cast<float>(after * update_step_) - 0.5F * cycle_) * hertz / rate_;
+  bank_.push_late(static_cast<std::uint32_t>(wrap_turns(phasor.late_turns + shift) * 4294967296.0F), after);
+}
+
+/// The estimate as it follows from an earlier one; its rate counts for `rate_horizon`.
+void PhaseTracker::extrapolate(const PhaseEstimate& from) {
+  const float time =
+      static_cast<float>(static_cast<std::int32_t>(sample_ - from.sample)) / config_.sample_rate;
+  const float curved = time < rate_horizon ? time : rate_horizon;
+  const float rate = from.frequency_rate;
+  estimate_.phase_turns =
+      wrap_turns(from.phase_turns + time * from.frequency + rate * curved * (time - 0.5F * curved));
+  estimate_.frequency = clamp_hertz(from.frequency + rate * curved);
+  estimate_.frequency_rate = 0.0F;
+  estimate_.sample = sample_;
 }
 
 void PhaseTracker::update() {
-  estimate_.sample = sample_;
+  extrapolate(estimate_);
   quiet_ = compare_.judge();
   if (compare_.changing() && clean_ > static_cast<int>(cycle_) + MainsRing::final_age)
     clean_ = static_cast<int>(cycle_) + MainsRing::final_age;
@@ -145,31 +167,55 @@ void PhaseTracker::update() {
       crossing_hertz < highest_hertz) {
     cycle_ = rate_ / crossing_hertz;
   }
-  if (ring_.count() < static_cast<std::int32_t>(window_cycles * cycle_) + 2) {
+  place_window();
+  if (ring_.count() < middle_ + static_cast<std::int32_t>(cycle_) + 2) {
     estimate_.faults = static_cast<std::uint16_t>(PhaseFault::warming_up) | bit(PhaseFault::gap, gap_);
     return;
   }
-  const WindowPhasor phasor = window_phasor(ring_, cycle_);
+  const WindowPhasor phasor = window_phasor(ring_, cycle_, middle_);
   estimate_.amplitude = phasor.amplitude * config_.nominal_amplitude;
   if (phasor.amplitude < absent_amplitude) return absent();
-  newest_entry_ = (newest_entry_ + 1) % max_entries;
-  entries_[static_cast<unsigned>(newest_entry_)] = {phasor.turns, phasor.age, cycle_};
-  if (entry_count_ < max_entries) ++entry_count_;
-  noise_ += 0.05F * (compare_.noise() - noise_);
-
-  const int wanted = wanted_entries();
-  const int clean = clean_entries(wanted > loud_entries ? wanted : loud_entries);  // nobody asks for more
-  const int least = entry_count_ < fewest_entries ? entry_count_ : fewest_entries;
-  const int most = clean < wanted ? clean : wanted;
-  fit(most > least ? most : least, entry(0));
+  remember(phasor);
+  const int clean = clean_entries();
+  const float updates = static_cast<float>(update_step_) / rate_;
+  const auto step = static_cast<std::uint32_t>(updates * rate_ / cycle_ * 4294967296.0F);
+  const int now = middle_ / update_step_;
+  const int ahead = now + static_cast<int>(0.020F / updates + 0.5F);
+  if (clean < 2) bank_.event();
+  const float window_cycle = cycle_;
+  if (entry_count_ >= fewest_entries) {
+    const BankSay say = bank_.say(clean, step, now, ahead);
+    const PhaseEstimate before = estimate_;
+    publish(say, step, now, ahead);
+    const int newer = static_cast<int>(cycle_) + MainsRing::final_age;
+    if (say.broken && clean_ > newer) clean_ = newer;
+    if (clean >= fewest_entries) {
+      if (++since_kept_ >= keep_interval) {
+        since_kept_ = 0;
+        kept_[1] = kept_[0];
+        kept_[0] = estimate_;
+        if (coast_ < longest_coast) coast_ += keep_interval;
+      }
+    } else if (coast_ > 0) {
+      // after an event the phase goes on as it was until there is enough behind the event to go by
+      if (since_kept_ >= 0)
+        extrapolate(kept_[1]);
+      else
+        estimate_ = before;
+      since_kept_ = -1;
+      --coast_;
+    }
+  }
+  if (magnitude(cycle_ - window_cycle) > wrong_cycle * cycle_) bank_.forget_late();
+  if (magnitude(cycle_ - window_cycle) > stale_window * cycle_) entry_count_ = 0, before_ = 0;
   estimate_.faults = gate(phasor, clean);
   if (estimate_.valid()) gap_ = false;
 }
 
 void PhaseTracker::absent() {
   // The frequency stays, so that a mains that comes back is found at once.
-  entry_count_ = 0;
-  fit_rms_ = 0.0F;
+  entry_count_ = before_ = 0;
+  bank_.event();
   estimate_.frequency_rate = 0.0F;
   estimate_.faults = static_cast<std::uint16_t>(PhaseFault::warming_up) |
                      static_cast<std::uint16_t>(PhaseFault::amplitude) | bit(PhaseFault::gap, gap_) |
@@ -177,28 +223,28 @@ void PhaseTracker::absent() {
   zero_cross_.reset();
 }
 
-void PhaseTracker::fit(int entries, const Entry& newest) {
-  std::array<PhasePoint, max_entries> points;
-  const float window_hertz = rate_ / newest.cycle;
-  const float newest_time = -(newest.age / rate_ + lag_);
-  for (int i = 0; i < entries; ++i) {
-    const Entry& old = entry(i);
-    const float time = -(old.age / rate_ + lag_) - static_cast<float>(i * update_step_) / rate_;
-    points[static_cast<unsigned>(i)] = {
-        wrap_half(old.turns - newest.turns + window_hertz * (newest_time - time)), time};
-  }
-  // Phase noise of the ten samples behind one point: sqrt(2 / 10) noise / amplitude, rad.
-  const float amplitude = estimate_.amplitude / config_.nominal_amplitude;
-  const float size = amplitude > 0.1F ? amplitude : 0.1F;
-  const float weight = quiet_weight + loudness(noise_) * (loud_weight - quiet_weight);
-  const float noise = (noise_ > least_noise ? noise_ : least_noise) * 0.0712F * weight / size;
-  const PhaseFit result = fit_phase({points.data(), static_cast<unsigned>(entries)}, noise, expected_rate);
-  fit_rms_ = result.rms;
-  const float hertz = clamp_hertz(window_hertz + result.hertz);
-  estimate_.phase_turns = wrap_turns(newest.turns - window_hertz * newest_time + result.turns);
+void PhaseTracker::publish(const BankSay& say, std::uint32_t step, int now, int ahead) {
+  const float update = static_cast<float>(update_step_) / rate_;
+  const float span = static_cast<float>(ahead - now) * update;
+  const float rate = say.rate / (update * update);
+  const float reference = static_cast<float>(step) * 0x1p-32F / update;
+  const float hertz = clamp_hertz(reference + (say.ahead - say.now) / span - 0.5F * rate * span);
+  const std::uint32_t word = newest_phase_ + step * static_cast<std::uint32_t>(now);
+  estimate_.phase_turns = wrap_turns(static_cast<float>(word) * 0x1p-32F + say.now + hertz * lag_);
   estimate_.frequency = hertz;
-  estimate_.frequency_rate = result.rate;
+  estimate_.frequency_rate = rate;
+  const float model = model_variance();
+  estimate_.variance = say.variance_now + model;
+  estimate_.variance_ahead = say.variance_ahead + model;
   cycle_ = rate_ / hertz;
+}
+
+/// A bias that does not change is not seen in errors of predictions. It comes from what has been put in the place of
+/// samples and from an input that clips; turns^2.
+float PhaseTracker::model_variance() const {
+  const float repaired = repair_doubt * ring_.altered();
+  const float clipped = clip_doubt * clipped_;
+  return repaired * repaired + clipped * clipped;
 }
 
 std::uint16_t PhaseTracker::gate(const WindowPhasor& phasor, int clean) const {
@@ -206,9 +252,7 @@ std::uint16_t PhaseTracker::gate(const WindowPhasor& phasor, int clean) const {
   // The other two stand where the history has become final.
   const float final_lag = lag_ + static_cast<float>(MainsRing::final_age) / rate_;
   const float then = wrap_turns(estimate_.phase_turns - hertz * final_lag);
-  const auto more =
-      static_cast<int>(loudness(compare_.noise()) * static_cast<float>(loud_entries - fewest_entries));
-  const bool enough = clean >= fewest_entries + more;
+  const bool enough = clean >= fewest_entries;
   const bool zero_cross_agrees = zero_cross_.ready() && zero_cross_.since_crossing() < cycle_ &&
                                  magnitude(wrap_half(zero_cross_.turns() - then)) <= third_opinion_limit;
   std::uint16_t faults = 0;
@@ -216,8 +260,7 @@ std::uint16_t PhaseTracker::gate(const WindowPhasor& phasor, int clean) const {
   faults |= bit(PhaseFault::amplitude,
                 !(phasor.amplitude >= lowest_amplitude && phasor.amplitude <= highest_amplitude));
   faults |= bit(PhaseFault::frequency, !(hertz >= lowest_valid_hertz && hertz <= highest_valid_hertz));
-  faults |=
-      bit(PhaseFault::residual, !(phasor.residual <= largest_residual) || !(fit_rms_ <= largest_scatter));
+  faults |= bit(PhaseFault::residual, !(phasor.residual <= largest_residual));
   faults |= bit(PhaseFault::cross_check, !(magnitude(wrap_half(pll_.turns() - then)) <= cross_check_limit));
   faults |= bit(PhaseFault::third_opinion, !zero_cross_agrees);
   faults |= bit(PhaseFault::gap, gap_ && !enough);

@@ -5,6 +5,7 @@
 
 #include "firmware/cycle_compare.h"
 #include "firmware/mains_ring.h"
+#include "firmware/phase_bank.h"
 #include "firmware/phase_estimate.h"
 #include "firmware/sogi.h"
 #include "firmware/window_phasor.h"
@@ -26,22 +27,19 @@ struct PhaseTrackerConfig {
 ///    last; its droop at the mains frequency, (pi f / rate)^2 / 6 < 1e-4, is left in the amplitude.
 ///    Commutation notches are repaired (MainsRing).
 /// 2. Every millisecond the phasor of the last two cycles is taken with a Hann window whose length follows
-///    the frequency.
-/// 3. The phases of the last 0.9 cycles (a mains that repeats itself), 18 ms at least, to 3.1 cycles (a noisy one) are fitted
-///    with a parabola in time, whose bend is held back by the noise, and the parabola is evaluated at the
-///    newest sample.
-/// 4. The waveform is compared with that of a cycle ago: an event is noticed within a few milliseconds,
-///    invalidates the estimate, and the memory of step 3 starts again behind it.
+///    the frequency, and that of the last cycle alone (window_phasor.h).
+/// 3. Polynomials over memories from 10 ms to half a second predict the phase; their average, weighted by what each
+///    has lately been wrong by, is the estimate, and its errors are the uncertainty (PhaseBank).
+/// 4. The waveform is compared with that of a cycle ago: an event is noticed within a few milliseconds and
+///    invalidates the estimate. The phase goes on as it was before the event while the memory of step 3 starts again
+///    behind it.
 /// 5. A SOGI-PLL and the zero crossings must agree with the result before it is valid.
-/// Nothing in steps 1 to 3 is recursive, so whatever has left the memory is forgotten.
 ///
-/// State is bounded (5.4 kB) and may live in static memory. push() costs a few operations, at each tenth
+/// State is bounded (11 kB) and may live in static memory. push() costs a few operations, at each tenth
 /// sample some hundred, and once a millisecond the estimate. PhaseFeed keeps all but the few operations out of
 /// the interrupt of the samples.
 class PhaseTracker {
  public:
-  static constexpr int max_entries = 80;  ///< phasors in the memory, one a millisecond
-
   explicit PhaseTracker(const PhaseTrackerConfig& config);
 
   void reset();
@@ -73,20 +71,17 @@ class PhaseTracker {
   }
 
  private:
-  struct Entry {
-    float turns;  ///< phase at the middle of the window
-    float age;    ///< samples of the history from there to the update that made it
-    float cycle;  ///< samples of the history in the cycle of the window
-  };
-
   bool take(std::int32_t sum);
+  void note_clipping(std::int32_t sum);
+  float model_variance() const;
   void restart();
   void absent();
-  int clean_entries(int most) const;  ///< phasors whose windows lie behind the last event, `most` at most
-  int wanted_entries() const;         ///< phasors to fit
-  void fit(int entries, const Entry& newest);
+  void place_window();  ///< chooses middle_
+  void remember(const WindowPhasor& phasor);
+  int clean_entries() const;  ///< phasors whose windows lie behind the last event
+  void publish(const BankSay& say, std::uint32_t step, int now, int ahead);
+  void extrapolate(const PhaseEstimate& from);
   std::uint16_t gate(const WindowPhasor& phasor, int clean) const;
-  const Entry& entry(int updates_ago) const;
 
   PhaseTrackerConfig config_;
   int decimation_;
@@ -98,18 +93,24 @@ class PhaseTracker {
   CycleCompare compare_;
   SogiPll pll_;
   ZeroCross zero_cross_;
-  std::array<Entry, max_entries> entries_{};
-  int entry_count_ = 0;
-  int newest_entry_ = 0;
+  PhaseBank bank_;
+  int middle_ = 0;  ///< samples of the history from the middle of the window to the newest: whole updates
+  int before_ = 0;  ///< middle_ of the newest phasor, 0 = none
+  int entry_count_ = 0;                  ///< phasors since the memory started
+  std::uint32_t newest_phase_ = 0;       ///< 2^-32 turns
+  std::array<PhaseEstimate, 2> kept_{};  ///< older estimates: what goes on after an event is from before it
+  int since_kept_ = 0;
+  int coast_ = 0;  ///< updates that the estimate may still go on without new phases
   std::int32_t sum_ = 0;
   int summed_ = 0;
   int since_update_ = 0;
   int clean_ = 0;  ///< samples of the history since the last event, saturates
+  std::int32_t level_sum_ = 0;
+  int level_run_ = 0;  ///< points equal to the one before
+  float clipped_ = 0;  ///< share of the points at which the input clips
   bool gap_ = false;
   bool quiet_ = false;
-  float noise_ = 0;    ///< of nominal amplitude, smoothed
-  float cycle_ = 0;    ///< samples of the history in a cycle, now
-  float fit_rms_ = 0;  ///< turns
+  float cycle_ = 0;  ///< samples of the history in a cycle, now
   std::int64_t sample_ = -1;
   PhaseEstimate estimate_;
 };

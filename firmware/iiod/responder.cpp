@@ -254,7 +254,7 @@ int Responder::write_all(const Device& device, std::span<const Attribute> attrib
     if (static_cast<std::int32_t>(length) <= 0) continue;
     if (packed.size() < length) return -einval;
     if (!a.write) return -eperm;
-    const int error = write_attribute(context_, device, a, packed.substr(0, length));
+    const int error = write_attribute(context_, device, a, {packed.data(), length});
     if (error < 0) return error;
     packed.remove_prefix(padded(length) < packed.size() ? padded(length) : packed.size());
   }

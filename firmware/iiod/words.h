@@ -58,8 +58,9 @@ struct Words {
         too_many = true;
         return;
       }
-      word[count++] = line.substr(0, end);
-      line.remove_prefix(end == std::string_view::npos ? line.size() : end);
+      const std::size_t length = end == std::string_view::npos ? line.size() : end;
+      word[count++] = {line.data(), length};  // substr() could throw
+      line.remove_prefix(length);
     }
   }
   std::string_view operator[](std::size_t i) const { return i < count ? word[i] : std::string_view{}; }

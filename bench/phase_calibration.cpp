@@ -1,0 +1,116 @@
+// The phase tracker on families of disturbed mains: errors beside a SOGI-PLL and a zero-cross controller, and
+// whether what the tracker says of its own error is true.
+//
+//   bench_phase_calibration [--json PATH] [--draws tuning|scoring] [--cases N] [--family NAME]
+
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <stdexcept>
+
+#include "bench/phase_calibration.h"
+
+namespace {
+
+using namespace powbench::bench;
+using nlohmann::json;
+
+struct Arguments {
+  std::string json_path, only;
+  Draws draws = Draws::scoring;
+  int cases = 40;
+};
+
+Arguments read(int count, char** words) {
+  Arguments a;
+  for (int i = 1; i + 1 < count; i += 2) {
+    const std::string word = words[i], value = words[i + 1];
+    if (word == "--json") a.json_path = value;
+    if (word == "--family") a.only = value;
+    if (word == "--cases") a.cases = std::max(1, std::atoi(value.c_str()));
+    if (word == "--draws") a.draws = value == "tuning" ? Draws::tuning : Draws::scoring;
+  }
+  return a;
+}
+
+json to_json(const FamilyScore& s) {
+  static constexpr const char* who[3] = {"tracker", "sogi_pll", "zero_cross"};
+  json row = {{"family", s.family},
+              {"estimates", s.judged},
+              {"valid_20ms", s.valid},
+              {"valid_1ms", s.valid_soon},
+              {"valid_beyond_tolerance", s.beyond},
+              {"valid_beyond_tolerance_by_a_break", s.surprised},
+              {"valid",
+               {{"now_rms_deg", s.valid_now.rms()},
+                {"now_worst_deg", s.valid_now.worst},
+                {"ahead_rms_deg", s.valid_ahead.rms()},
+                {"ahead_worst_deg", s.valid_ahead.worst}}},
+              {"error_by_u_now", s.u_now.deviation()},
+              {"error_by_u_ahead", s.u_ahead.deviation()},
+              {"coverage_now", s.u_now.coverage()},
+              {"coverage_ahead", s.u_ahead.coverage()},
+              {"shots", s.shots},
+              {"shots_beyond_tolerance", s.shots_beyond},
+              {"shots_beyond_tolerance_and_3u", s.shots_outside},
+              {"worst_shot_deg", s.worst_shot}};
+  for (int i = 0; i < 3; ++i)
+    row[who[i]] = {{"now_rms_deg", s.now[i].rms()},
+                   {"now_worst_deg", s.now[i].worst},
+                   {"ahead_rms_deg", s.ahead[i].rms()},
+                   {"ahead_worst_deg", s.ahead[i].worst}};
+  return row;
+}
+
+void print(const FamilyScore& s) {
+  const auto share = [&](std::int64_t n) {
+    return 100.0 * static_cast<double>(n) / static_cast<double>(s.judged);
+  };
+  std::printf(
+      "%-21s|%7.3f%7.3f%7.2f|%7.3f%7.3f|%7.3f%7.3f|%6.1f%6.1f|%6lld%6lld|%6.2f%5.2f|%6.1f%6.1f|%6lld%4lld%"
+      "4lld%6.2f\n",
+      s.family.c_str(), s.now[0].rms(), s.ahead[0].rms(), s.ahead[0].worst, s.now[1].rms(), s.ahead[1].rms(),
+      s.now[2].rms(), s.ahead[2].rms(), share(s.valid_soon), share(s.valid), static_cast<long long>(s.beyond),
+      static_cast<long long>(s.surprised), s.u_now.deviation(), s.u_ahead.deviation(),
+      100 * s.u_now.coverage(), 100 * s.u_ahead.coverage(), static_cast<long long>(s.shots),
+      static_cast<long long>(s.shots_beyond), static_cast<long long>(s.shots_outside), s.worst_shot);
+  std::fflush(stdout);
+}
+
+}  // namespace
+
+int main(int count, char** words) {
+  const Arguments a = read(count, words);
+  std::printf(
+      "Families of mains, %d %s draws each; errors in deg, now and 20 ms ahead, rms and worst away from "
+      "breaks\n",
+      a.cases, a.draws == Draws::tuning ? "tuning" : "scoring");
+  std::puts(
+      "valid %: for an edge in 1 ms, in 20 ms. false: valid and beyond 1 deg 20 ms later (foreseeable, by a "
+      "break)\n"
+      "                     | tracker             |  SOGI-PLL    |  zero-cross  |  valid %   |   false    | "
+      "error/u   |  within 1.96u| shots: all, > 1 deg, > 1 deg + 3u, worst");
+  json report;
+  FamilyScore all;
+  all.family = "all";
+  for (const std::string_view family : family_names()) {
+    if (!a.only.empty() && a.only != family) continue;
+    FamilyScore sum;
+    sum.family = family;
+    for (int i = 0; i < a.cases; ++i) sum.add(judge_case(draw_case(family, a.draws, i)));
+    print(sum);
+    report["families"].push_back(to_json(sum));
+    all.add(sum);
+  }
+  print(all);
+  report["all"] = to_json(all);
+  report["cases"] = a.cases;
+  if (a.json_path.empty()) return 0;
+  std::ofstream out(a.json_path);
+  out << report.dump(1) << '\n';
+  if (out) return 0;
+  std::fprintf(stderr, "cannot write %s\n", a.json_path.c_str());
+  return 1;
+}

@@ -1,0 +1,246 @@
+#include "firmware/phase_bank.h"
+
+namespace powbench::firmware {
+
+namespace {
+
+constexpr float first_expectation = 4.0e-7F;  ///< turns^2: (0.23 deg)^2, until errors have been seen
+constexpr float known_after = 50.0F;          ///< errors: then the expectation does not count any more
+constexpr float trusted_after = 20.0F;        ///< errors: then a memory may outdo the others
+constexpr float longest_count = 200.0F;       ///< errors that the slow mean remembers: 0.4 s
+constexpr float quick_gain = 0.04F, quick_gain_mixed = 0.02F;
+constexpr float largest_square = 1.7e-5F;   ///< turns^2: beyond 1.5 deg nothing is valid anyway
+constexpr float deviation_unit = 0x1p-22F;  ///< turns
+constexpr float least_variance = 1.0e-11F;
+constexpr float test_factor = 9.0F;    ///< of the innovation test: squares
+constexpr float surprise_gain = 9.0F;  ///< from the newest cycle to 20 ms ahead, squared
+constexpr float least_share = 0.15F;   ///< of the mean square that a long memory is left with
+constexpr float revision_factor = 6.0F, revision_share = 0.35F, alarm_decay = 0.95F;
+constexpr float now_share = 0.04F;                ///< of an alarm 20 ms ahead, now
+constexpr float step_square = 1.9e-4F;            ///< turns^2: (5 deg)^2
+constexpr int scatter_lag = 20;                   ///< updates
+constexpr int keep_interval = 32;                 ///< updates
+constexpr std::array<int, 3> lags = {5, 10, 20};  ///< updates
+
+/// What counts of the first expectation after so many errors.
+float unproven(float errors) {
+  const float rest = 1.0F - errors * (1.0F / known_after);
+  return rest > 0.0F ? rest * rest : 0.0F;
+}
+
+float fourth_power(float x) {
+  return x * x * x * x;
+}
+
+}  // namespace
+
+void PhaseBank::Track::add(float square, float least_gain) {
+  if (count < longest_count) count += 1.0F;
+  const float gain = 1.0F / (count + 2.0F);
+  const float limit = 100.0F * (slow + 1.0e-9F);
+  slow += ((count > known_after && square > limit ? limit : square) - slow) * gain;
+  const float bounded = square < largest_square ? square : largest_square;
+  fast += (bounded - fast) * (gain > least_gain ? gain : least_gain);
+}
+
+void PhaseBank::reset() {
+  history_.newest = history_.newest_late = history_.late_count = 0;
+  forget_predictions();
+  track_ = {};
+  kept_ = {};
+  since_kept_ = 0;
+  innovation_.fill({});
+  scatter_ = scatter_count_ = 0.0F;
+  said_count_ = 0;
+  revision_.fill(0.0F);
+  alarm_ = 0.0F;
+}
+
+void PhaseBank::event() {
+  forget_predictions();
+  if (since_kept_ < 0) return;
+  track_ = kept_[1];
+  kept_[0] = kept_[1];
+  since_kept_ = -1;
+  said_count_ = 0;
+  alarm_ = 0.0F;
+}
+
+void PhaseBank::push(PhaseWord phase) {
+  history_.push(phase);
+  judge(phase);
+}
+
+void PhaseBank::push_late(PhaseWord phase, int after) {
+  // the grid of one cycle slips against that of two when the frequency changes: a place left out gets the middle
+  const std::int32_t place = history_.newest + after;
+  const PhaseWord before = history_.late_at(history_.newest_late);
+  if (place == history_.newest_late + 2)
+    history_.late[static_cast<std::uint32_t>(place - 1) % phase_memory] = before + (phase - before) / 2;
+  history_.late[static_cast<std::uint32_t>(place) % phase_memory] = phase;
+  history_.newest_late = place;
+  if (history_.late_count < phase_memory) ++history_.late_count;
+}
+
+/// The window has come to a place that was predicted.
+void PhaseBank::judge(PhaseWord phase) {
+  if (history_.newest % 2 != 0) return;
+  for (unsigned h = 0; h < 2; ++h) {
+    Predicted& then = predicted(h, history_.newest);
+    const std::uint32_t known = then.known;
+    then.known = 0;
+    if (known == 0) continue;
+    const float error = to_turns(phase - then.mixed);
+    track_[h][mixed].add(error * error, quick_gain_mixed);
+    for (unsigned p = 0; p < predictor_count; ++p) {
+      if ((known >> p & 1U) == 0) continue;
+      const float own = error - static_cast<float>(then.less[p]) * deviation_unit;
+      track_[h][p].add(own * own, quick_gain);
+    }
+  }
+}
+
+void PhaseBank::note_predictions(const Predictions& said, PhaseWord base, unsigned horizon, float average,
+                                 std::int32_t place) {
+  if (place % 2 != 0) return;
+  Predicted& then = predicted(horizon, place);
+  then.mixed = base + to_word(average);
+  then.known = static_cast<std::uint16_t>(said.usable | 1U << mixed);
+  for (unsigned p = 0; p < predictor_count; ++p) {
+    if ((said.usable >> p & 1U) == 0) continue;
+    const float less = (said.at[horizon][p] - average) * (1.0F / deviation_unit);
+    then.less[p] =
+        static_cast<std::int16_t>(less > 32767.0F ? 32767.0F : (less < -32767.0F ? -32767.0F : less));
+  }
+}
+
+void PhaseBank::forget_predictions() {
+  for (auto& horizon : predicted_)
+    for (Predicted& then : horizon) then.known = 0;
+}
+
+/// What differs from window to window without being a movement.
+void PhaseBank::note_scatter() {
+  const auto y = [&](int lags_ago) { return history_.at(history_.newest - lags_ago * scatter_lag); };
+  const float third = to_turns(y(0) - y(3) - 3U * (y(1) - y(2)));
+  if (scatter_count_ < 250.0F) scatter_count_ += 1.0F;
+  scatter_ += (third * third * (1.0F / 16.0F) - scatter_) / scatter_count_;
+}
+
+void PhaseBank::weigh(const Predictions& said, bool judged) {
+  std::array<float, predictor_count> expected;
+  float best = 1.0e9F;
+  for (unsigned p = 0; p < predictor_count; ++p) {
+    weight_[p] = 0.0F;
+    if ((said.usable >> p & 1U) == 0) continue;
+    const Track& track = track_[1][p];
+    float e = track.worse() + first_expectation * unproven(track.count) + phase_predictors[p].doubt;
+    Usual& usual = innovation_[p];
+    const float surprise = said.late_error[p] * said.late_error[p];
+    const float limit = test_factor * usual.mean_square + 1.0e-10F;
+    if (surprise > limit && usual.count > 20.0F) e += surprise_gain * surprise;
+    if (judged) {
+      if (usual.count < 2.0F * longest_count) usual.count += 1.0F;
+      const bool wild = usual.count > 50.0F && surprise > 4.0F * limit;
+      usual.mean_square += ((wild ? 4.0F * limit : surprise) - usual.mean_square) / usual.count;
+    }
+    expected[p] = e;
+    if (track.count >= trusted_after && e < best) best = e;
+  }
+  // one whose errors are not known yet must not outdo those that have been right
+  const float least = best < 1.0e8F ? 4.0F * best : 0.0F;
+  for (unsigned p = 0; p < predictor_count; ++p) {
+    if ((said.usable >> p & 1U) == 0) continue;
+    if (track_[1][p].count < trusted_after && expected[p] < least) expected[p] = least;
+    if (expected[p] < best) best = expected[p];
+  }
+  float total = 0.0F;
+  expected_ = {};
+  for (unsigned p = 0; p < predictor_count; ++p) {
+    if ((said.usable >> p & 1U) == 0) continue;
+    const float weight = fourth_power(best / expected[p]);
+    const Track& now = track_[0][p];
+    weight_[p] = weight;
+    total += weight;
+    expected_[0] += weight * (now.worse() + first_expectation * unproven(now.count));
+    expected_[1] += weight * expected[p];
+  }
+  const float scale = 1.0F / total;
+  for (float& weight : weight_) weight *= scale;
+  for (float& e : expected_) e *= scale;
+}
+
+float PhaseBank::variance(unsigned horizon) const {
+  const float recent = track_[horizon][mixed].fast;
+  const float seen = recent > expected_[horizon] ? recent : expected_[horizon];
+  const float own = seen - scatter_;
+  const float least = least_share * seen;
+  return (own > least ? own : least) + least_variance;
+}
+
+/// How much has what was said lately of 20 ms ahead been revised?
+void PhaseBank::revise(BankSay& out, Said said, bool long_known) {
+  const auto at = static_cast<std::uint32_t>(history_.newest);
+  said_[at % said_slots] = said;
+  for (unsigned l = 0; l < lags.size() && said_count_ >= lags[l]; ++l) {
+    const Said& old = said_[(at - static_cast<std::uint32_t>(lags[l])) % said_slots];
+    const auto later = static_cast<float>(said.place - old.place);
+    const float moved =
+        to_turns(said.ahead - old.ahead - old.step * static_cast<std::uint32_t>(said.place - old.place)) -
+        later * (old.slope + 0.5F * old.bend * later);
+    const float square = moved * moved;
+    float& usual = revision_[l];
+    const float limit = revision_factor * (usual > out.variance_ahead ? usual : out.variance_ahead);
+    if (square > limit && revision_share * square > alarm_) alarm_ = revision_share * square;
+    if (square > 4.0F * limit && square > step_square && long_known) out.broken = true;
+    usual += ((square > 4.0F * limit ? 4.0F * limit : square) - usual) *
+             (said_count_ < static_cast<int>(said_slots) ? 0.1F : 0.01F);
+  }
+  if (alarm_ > out.variance_ahead) out.variance_ahead = alarm_;
+  if (now_share * alarm_ > out.variance_now) out.variance_now = now_share * alarm_;
+  alarm_ *= alarm_decay;
+  if (said_count_ < static_cast<int>(said_slots)) ++said_count_;
+}
+
+/// What is put back at an event is from before it.
+void PhaseBank::keep_tracks() {
+  if (++since_kept_ < keep_interval) return;
+  since_kept_ = 0;
+  kept_[1] = kept_[0];
+  kept_[0] = track_;
+}
+
+BankSay PhaseBank::say(int clean, PhaseWord step, int now, int ahead) {
+  const bool judged = clean >= fewest;
+  const std::array<int, 2> reach = {now, ahead};
+  const Predictions said = predict(history_, clean, step, reach);
+  if (clean > 3 * scatter_lag) note_scatter();
+  weigh(said, judged);
+  if (judged) keep_tracks();
+
+  BankSay out;
+  std::array<float, 2> value{};
+  const PhaseWord origin = history_.at(history_.newest);
+  for (unsigned h = 0; h < 2; ++h) {
+    const PhaseWord base = origin + step * static_cast<std::uint32_t>(reach[h]);
+    for (unsigned p = 0; p < predictor_count; ++p) {
+      if ((said.usable >> p & 1U) == 0) continue;
+      value[h] += weight_[p] * said.at[h][p];
+      if (h == 0) out.rate += weight_[p] * said.bend[p];
+    }
+    if (judged) note_predictions(said, base, h, value[h], history_.newest + reach[h]);
+  }
+  out.now = value[0];
+  out.ahead = value[1];
+  out.variance_now = variance(0);
+  out.variance_ahead = variance(1);
+  const auto span = static_cast<float>(ahead - now);
+  revise(out,
+         {origin + step * static_cast<std::uint32_t>(ahead) + to_word(out.ahead), step,
+          (out.ahead - out.now) / span + 0.5F * out.rate * span, out.rate, history_.newest + ahead},
+         clean > 128);
+  if (!judged) said_count_ = 0;
+  return out;
+}
+
+}  // namespace powbench::firmware
