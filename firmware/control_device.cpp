@@ -147,6 +147,24 @@ int read_fault(const void* self, std::uint32_t, Text& out) {
   return 0;
 }
 
+/// Bits and words: what is wrong with the mains.
+int read_phase_faults(const void* self, std::uint32_t, Text& out) {
+  const std::uint16_t faults = control_of(self).phase().faults;
+  out.put_int(faults);
+  for (std::size_t bit = 0; bit < phase_fault_names.size(); ++bit)
+    if ((faults >> bit & 1U) != 0) out.put(' ').put(phase_fault_names[bit]);
+  if (faults == 0) out.put(" none");
+  return 0;
+}
+
+/// Standard uncertainty of the phase now and 20 ms ahead.
+int read_phase_uncertainty(const void* self, std::uint32_t, Text& out) {
+  const PhaseEstimate& phase = control_of(self).phase();
+  out.put_int(to_millidegrees(phase.deviation(0.0F))).put(' ');
+  out.put_int(to_millidegrees(phase.deviation(PhaseEstimate::ahead_seconds)));
+  return 0;
+}
+
 /// What the last reset was; after a crash with its kind, program counter and link register.
 int read_last_reset(const void* self, std::uint32_t, Text& out) {
   constexpr std::array<std::string_view, 5> causes{"power_on", "pin", "software", "watchdog", "brown_out"};
@@ -246,8 +264,8 @@ constexpr std::array attributes{
     Attribute{"lease", read_lease, write_lease},
     Attribute{"operations",
               [](const void* s, std::uint32_t, Text& t) { return t.put_int(control_of(s).operations()), 0; }},
-    Attribute{"phase_faults", [](const void* s, std::uint32_t,
-                                 Text& t) { return t.put_int(control_of(s).phase().faults), 0; }},
+    Attribute{"phase_faults", read_phase_faults},
+    Attribute{"phase_u_millideg", read_phase_uncertainty},
     Attribute{"safety_relay", [](const void* s, std::uint32_t,
                                  Text& t) { return t.put(control_of(s).relay_closed() ? '1' : '0'), 0; }},
     Attribute{"state",

@@ -127,6 +127,9 @@ class FireControl {
   /// Sample index of the rising zero crossing next before the gate edge, by the estimate the edge was
   /// scheduled from.
   std::int64_t zero_cross_sample() const { return zero_cross_sample_; }
+  /// Standard uncertainty of the mains phase at the closing angle, as it was known when the edge was to be committed,
+  /// turns.
+  float angle_deviation() const { return angle_deviation_; }
 
  private:
   Refusal refuse(Refusal, std::string_view why);
@@ -136,6 +139,11 @@ class FireControl {
   void feed_mains(const Block&);
   Fault examine(const Block&, std::int64_t end);
   void schedule(const Block&);
+  void wait_for_phase(std::int64_t end);
+  float target_deviation() const;
+  bool angle_known() const {
+    return PhaseEstimate::coverage_factor * angle_deviation_ <= PhaseEstimate::usual_tolerance;
+  }
   void plan_edge(const Block&, std::int64_t now);
   void commit(std::int64_t now);
   void note_gate_change(std::span<const GateEdge>);
@@ -170,10 +178,12 @@ class FireControl {
   std::int64_t fired_at_ = 0;
   Tick plan_{};                      ///< gate edge as predicted by the latest estimate
   std::int64_t plan_basis_ = 0;      ///< sample of that estimate
+  std::int64_t plan_target_ = 0;     ///< sample of the tracker at the planned instant of the closing angle
   std::int64_t next_sample_ = 0;     ///< first sample not yet seen
   std::int64_t tracker_origin_ = 0;  ///< sample index of the tracker's sample 0
   std::int64_t gate_since_ = 0;
   std::int64_t zero_cross_sample_ = 0;
+  float angle_deviation_ = 0;
   bool first_block_ = true;
 };
 

@@ -62,11 +62,7 @@ std::int64_t FireControl::lead_samples_256() const {
 /// of it.
 void FireControl::schedule(const Block& block) {
   const std::int64_t end = block.first_sample + block.samples();
-  if (!mains_->estimate().valid()) {
-    planned_ = false;
-    if (end - fired_at_ > config_->phase_timeout_samples) trip(Fault::phase_invalid, end);
-    return;
-  }
+  if (mains_->estimate().faults != 0) return wait_for_phase(end);
   // valid all the time and still no edge: every crossing has been missed
   if (end - fired_at_ > 2 * config_->phase_timeout_samples) return trip(Fault::phase_stale, end);
   const std::int64_t now =
@@ -77,7 +73,24 @@ void FireControl::schedule(const Block& block) {
     ++deadlines_missed_;
     return;
   }
-  if (plan_.sample < end + config_->lead_samples + block.samples()) commit(end);
+  if (plan_.sample >= end + config_->lead_samples + block.samples()) return;
+  angle_deviation_ = target_deviation();
+  if (!angle_known()) return wait_for_phase(end);
+  commit(end);
+}
+
+/// No edge on a phase that is not known well enough where it matters: the next crossing, or the end of patience.
+void FireControl::wait_for_phase(std::int64_t end) {
+  planned_ = false;
+  if (end - fired_at_ > config_->phase_timeout_samples) trip(Fault::phase_invalid, end);
+}
+
+/// Standard uncertainty of the phase at the planned instant of the closing angle, turns.
+float FireControl::target_deviation() const {
+  const PhaseEstimate& estimate = mains_->estimate();
+  const std::int64_t distance = plan_target_ - estimate.sample;
+  return estimate.deviation(static_cast<float>(static_cast<std::int32_t>(distance)) /
+                            static_cast<float>(config_->sample_rate));
 }
 
 void FireControl::plan_edge(const Block& block, std::int64_t now) {
@@ -97,6 +110,7 @@ void FireControl::plan_edge(const Block& block, std::int64_t now) {
   plan_.sample = instant.sample + tracker_origin_ - lead_whole + (sub < 0 ? -1 : 0);
   plan_.fraction = static_cast<std::uint16_t>(sub < 0 ? sub + 65536 : sub);
   plan_basis_ = estimate.sample;
+  plan_target_ = instant.sample;
   planned_ = true;
 }
 
@@ -104,7 +118,7 @@ void FireControl::plan_edge(const Block& block, std::int64_t now) {
 void FireControl::commit(std::int64_t now) {
   const PhaseEstimate& estimate = mains_->estimate();
   const Gate::Permit permit{.armed_and_fired = fired_,
-                            .phase_valid = estimate.valid(),
+                            .phase_valid = estimate.faults == 0 && angle_known(),
                             .no_fault = fault_ == Fault::none,
                             .config_intact = !config_damaged_ && !stored_lost_,
                             .hold_samples = hold_samples(),

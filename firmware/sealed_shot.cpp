@@ -53,6 +53,7 @@ void put_gaps(const Recorder& recorder, Text& out) {
 void put_record(const Controller& controller, Pairs& pairs) {
   const Recorder& recorder = controller.recorder();
   pairs.number("fire_sample", recorder.fire_sample()).number("fire_offset_ns", fire_offset_ns(controller));
+  pairs.number("angle_u_mdeg", to_millidegrees(controller.fire_control().angle_deviation()));
   put_gaps(recorder, pairs.begin("gaps"));
   pairs.number("overruns", recorder.overruns()).number("marks", recorder.marks());
   pairs.begin("record_crc").put_hex32(recorder.crc());

@@ -131,6 +131,7 @@ ChannelRecord parse_channel(std::size_t number, std::string_view text) {
 void parse_record(Pairs& pairs, SealedShot& s) {
   s.fire_sample = pairs.number("fire_sample", 0, s.samples - 1);
   s.fire_offset_ns = pairs.number("fire_offset_ns", 0, 1'000'000'000 / s.sample_rate);
+  if (pairs.next_is("angle_u_mdeg")) s.angle_u_mdeg = pairs.number("angle_u_mdeg", 0, 360'000);
   s.gaps = parse_gaps(pairs.take("gaps"), s.samples);
   s.overruns = pairs.number("overruns", 0, s.samples);
   s.marks = pairs.number("marks", 0, 255);

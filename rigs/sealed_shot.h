@@ -31,6 +31,7 @@ struct SealedShot {
 
   // with stage "complete" only
   std::int64_t fire_sample = 0, fire_offset_ns = 0, overruns = 0, marks = 0;
+  std::int64_t angle_u_mdeg = 0;  ///< standard uncertainty of the mains phase at the closing angle, 0.001 deg
   std::vector<Gap> gaps;
   std::uint32_t record_crc = 0;
   std::vector<ChannelRecord> channels;  ///< without samples, in scan order, SI

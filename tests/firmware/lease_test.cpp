@@ -239,6 +239,16 @@ TEST_CASE("a sealed shot says what was latched and recorded, under its checksum"
   CHECK(text.find(wanted.view()) != std::string::npos);
   CHECK(text.find(" fire_sample=1000 ") != std::string::npos);
   CHECK(text.find(" gaps=none overruns=0 marks=0 ") != std::string::npos);
+  // what was known of the phase: it was fired on, so that three times it is within a degree
+  const std::size_t place = text.find(" angle_u_mdeg=");
+  REQUIRE(place != std::string::npos);
+  const int u = std::stoi(text.substr(place + 14));
+  CHECK(u >= 1);
+  CHECK(u <= 334);
+  CHECK(b.read("iio:device1 phase_faults") == "0 none");
+  const std::string now_and_ahead = b.read("iio:device1 phase_u_millideg");
+  CHECK(std::stoi(now_and_ahead) >= 1);
+  CHECK(std::stoi(now_and_ahead.substr(now_and_ahead.find(' '))) <= 334);
   // an abort that gives the record up gives its seal up, one behind it does not
   b.write("abort", "1 t");
   CHECK(b.read("iio:device0 sealed_shot") == text);

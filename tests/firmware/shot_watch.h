@@ -23,13 +23,17 @@ class ShotWatch {
       must(w.ons == ons_ + 1, "two edges in one block");
       must(fire_open_, "energised without fire");
       must(valid_, "energised on an invalid phase");
+      must(firmware::PhaseEstimate::coverage_factor * f.angle_deviation() <=
+               firmware::PhaseEstimate::usual_tolerance,
+           "energised on a phase that was not known within a degree");
       fire_open_ = false;
       ons_ = w.ons;
     }
     if (!firing) fire_open_ = false;
     // with an edge of the block just handed out the phase may have become invalid since: two blocks count
-    valid_ = valid_before_ || f.phase().valid();
-    valid_before_ = f.phase().valid();
+    const bool valid = f.phase().valid(edge_horizon, firmware::PhaseEstimate::usual_tolerance);
+    valid_ = valid_before_ || valid;
+    valid_before_ = valid;
     // on only while firing; the pin follows at the start of the next block
     if (firing) firing_at_ = w.next;
     must(!w.pin || w.next <= firing_at_ + FaultBench::block_samples, "energised outside of a shot");
@@ -51,6 +55,8 @@ class ShotWatch {
   static void must(bool holds, const char* otherwise) {
     if (!holds) FAIL(otherwise);
   }
+
+  static constexpr float edge_horizon = 0.001F;  ///< s: an edge is committed no earlier
 
   std::uint32_t ons_ = 0, fires_ = 0;
   bool fire_open_ = false;  ///< fire was accepted and has not led to an edge yet
