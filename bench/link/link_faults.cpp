@@ -67,6 +67,7 @@ int print_faults(const char* title, const std::vector<FaultRow>& rows, Json& jso
                     {"longest_s", r.longest}});
   }
   line("all", "", sum);
+  for (const auto& [reason, times] : sum.reasons) fmt::print("reported {:>5} times: {}\n", times, reason);
   for (const std::string& sentence : sum.wrong) fmt::print("{}\n", sentence);
   return sum.silent + sum.lost + sum.twice + sum.late;
 }

@@ -4,6 +4,7 @@
 #include <array>
 #include <cstdint>
 #include <functional>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -21,16 +22,17 @@ struct FaultRow {
   LineFault::Kind kind = LineFault::Kind::none;
   bool to_rig = false;
   int tried = 0;
-  int struck = 0;                    ///< the fault fell into the shot
-  int same = 0;                      ///< complete at once, and equal to the undisturbed record
-  int fetched = 0;                   ///< the same, after the connection had been reported lost
-  int reported = 0;                  ///< no record, and said so
-  int silent = 0;                    ///< a record that differs, taken for good
-  int lost = 0;                      ///< the rig holds the complete record, the host never got it
-  int twice = 0;                     ///< the coil was energised more than once
-  int late = 0;                      ///< answered later than the deadline
-  double longest = 0;                ///< s
-  std::vector<std::string> wrong{};  ///< one sentence for each trial that did what must not happen
+  int struck = 0;                        ///< the fault fell into the shot
+  int same = 0;                          ///< complete at once, and equal to the undisturbed record
+  int fetched = 0;                       ///< the same, after the connection had been reported lost
+  int reported = 0;                      ///< no record, and said so
+  int silent = 0;                        ///< a record that differs, taken for good
+  int lost = 0;                          ///< the rig holds the complete record, the host never got it
+  int twice = 0;                         ///< the coil was energised more than once
+  int late = 0;                          ///< answered later than the deadline
+  double longest = 0;                    ///< s
+  std::map<std::string, int> reasons{};  ///< of what was reported
+  std::vector<std::string> wrong{};      ///< one sentence for each trial that did what must not happen
 
   FaultRow& operator+=(const FaultRow& other) {
     for (auto field :
@@ -38,6 +40,7 @@ struct FaultRow {
           &FaultRow::silent, &FaultRow::lost, &FaultRow::twice, &FaultRow::late})
       this->*field += other.*field;
     longest = std::max(longest, other.longest);
+    for (const auto& [reason, times] : other.reasons) reasons[reason] += times;
     wrong.insert(wrong.end(), other.wrong.begin(), other.wrong.end());
     return *this;
   }
