@@ -13,7 +13,7 @@
   X(1, mains_lost, gate_off, 20'000, shot, acknowledge, "mains below 0.2 of nominal for 1.5 half-cycles",    \
     "mains lost: check the supply, then write 1 to abort")                                                   \
   X(2, phase_invalid, withhold, 20'000, shot, acknowledge,                                                   \
-    "the phase tracker's own validity; latches when it lasts 1 s after fire",                                \
+    "a fault of the mains, or three u of the phase at the closing angle beyond 1 deg; lasts 1 s after fire", \
     "mains phase not valid for 1 s: see phase_faults, then write 1 to abort")                                \
   X(3, coil_overcurrent, gate_off, 120, shot, acknowledge,                                                   \
     "two samples above the trip level, or the comparator that cuts the gate by itself",                      \
