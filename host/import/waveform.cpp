@@ -14,6 +14,7 @@
 #include "host/config/bad_input.h"
 #include "host/import/clock.h"
 #include "host/import/column.h"
+#include "host/import/comtrade.h"
 #include "host/import/counts.h"
 #include "host/import/csv_table.h"
 
@@ -43,8 +44,8 @@ class Importer {
   Importer(const std::string& file, const Calibration& k, const std::string& calibration_file)
       : file_(file), k_(k), calibration_file_(calibration_file) {}
 
-  Imported run(std::string_view text, const std::string& today) {
-    table_ = read_csv(text, file_);
+  Imported run(CsvTable table, const std::string& today) {
+    table_ = std::move(table);
     columns_ = read_header(table_.header, file_, table_.header_line, std::isnan(k_.sample_rate), k_.columns);
     for (const Column& c : columns_)
       if (c.passed_over) note(fmt::format("column '{}': not asked for, passed over", c.title));
@@ -155,7 +156,7 @@ class Importer {
     const bool film = channel == Channel::pvdf_a || channel == Channel::pvdf_b;
     const CountsNote counts = to_counts(s.value, s.valid, film, std::abs(k.step * gain), to);
     set_clip(to, (gain > 0 ? k.clip_low : k.clip_high) * gain, (gain > 0 ? k.clip_high : k.clip_low) * gain);
-    to.delay = k.delay;
+    to.delay = k.delay + (table_.delay.empty() ? 0.0 : table_.delay[c]);
     to.corner_hertz = k.corner_hertz;
     add_gaps(to, s.valid);
     tell(to, s, counts);
@@ -319,7 +320,7 @@ std::string today_text() {
 
 Imported import_waveform(std::string_view text, const std::string& file, const Calibration& k,
                          const std::string& calibration_file, const std::string& today) {
-  return Importer(file, k, calibration_file).run(text, today);
+  return Importer(file, k, calibration_file).run(read_csv(text, file), today);
 }
 
 Imported import_file(const std::filesystem::path& path,
@@ -327,13 +328,15 @@ Imported import_file(const std::filesystem::path& path,
   const std::string name = path.string();
   std::error_code ignored;
   if (std::filesystem::is_directory(path, ignored)) throw BadInput({name + ": is a directory, not a file"});
+  const std::filesystem::path beside = calibration.value_or(calibration_path(path));
+  const bool given = calibration || std::filesystem::exists(beside, ignored);
+  const Calibration k = given && beside != path ? read_calibration(beside) : Calibration{};
+  if (is_comtrade(path))
+    return Importer(name, k, beside.string()).run(to_table(read_comtrade(path)), today_text());
   errno = 0;
   std::ifstream in(path, std::ios::binary);
   if (!in) throw BadInput({name + ": cannot be read: " + std::strerror(errno != 0 ? errno : ENOENT)});
   const std::string text(std::istreambuf_iterator<char>(in), {});
-  const std::filesystem::path beside = calibration.value_or(calibration_path(path));
-  const bool given = calibration || std::filesystem::exists(beside, ignored);
-  const Calibration k = given && beside != path ? read_calibration(beside) : Calibration{};
   return import_waveform(text, name, k, beside.string(), today_text());
 }
 
