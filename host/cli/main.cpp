@@ -221,7 +221,8 @@ void add_result_verbs(CLI::App& app) {
 
 void add_import_verb(CLI::App& app) {
   auto args = std::make_shared<ImportArgs>();
-  CLI::App* in = verb(app, "import", "Store anyone's waveform (CSV, COMTRADE) as a shot", args, import_waveform_file);
+  CLI::App* in =
+      verb(app, "import", "Store anyone's waveform (CSV, COMTRADE) as a shot", args, import_waveform_file);
   in->add_option("file", args->file, "waveform file (CSV)")->required();
   in->add_option("--calibration", args->calibration,
                  "calibration file (TOML); FILE.toml beside FILE.csv if left out");
