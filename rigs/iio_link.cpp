@@ -11,6 +11,7 @@
 #include <thread>
 
 #include "core/channels.h"
+#include "rigs/phase_words.h"
 
 /// The only file that knows libiio.
 
@@ -181,6 +182,7 @@ RigInfo IioLink::read_info(const std::string& uri) try {
   info.programmable_source = has_source();
   info.sample_rate = to_number(read(Device::daq, "sampling_frequency"), "sampling_frequency");
   info.calibration = read(Device::daq, "calibration");
+  info.phase = phase();
   for (const ChannelInfo& row : channel_table) {
     iio_channel* c = iio_device_find_channel(impl_->daq, std::string(row.iio_id).c_str(), false);
     if (!c) continue;
@@ -193,6 +195,14 @@ RigInfo IioLink::read_info(const std::string& uri) try {
   return info;
 } catch (const LinkBroken& b) {
   throw RigError(uri + ": " + b.sentence);
+}
+
+std::string IioLink::phase() {
+  for (const char* attribute : {"phase_faults", "phase_u_millideg"})
+    if (!iio_device_find_attr(impl_->device(Device::control), attribute))
+      return phase_words({}, {});  // an older rig
+  const std::string faults = read(Device::control, "phase_faults");
+  return phase_words(faults, read(Device::control, "phase_u_millideg"));
 }
 
 std::string IioLink::read(Device d, const char* attribute) {

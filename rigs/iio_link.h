@@ -45,6 +45,8 @@ class IioLink {
   RigInfo read_info(const std::string& uri);
 
   // each throws LinkBroken, the writing ones Refusal too
+  /// What the rig says of the phase of its mains now.
+  std::string phase();
   std::string read(Device, const char* attribute);
   void write(Device, const char* attribute, const std::string& value);
   void write_angle(const std::string& value);

@@ -282,7 +282,8 @@ std::string IioRig::last_error() {
 }
 
 Failed IioRig::trip() {
-  const std::string why = last_error();
+  std::string why = last_error();
+  if (why.starts_with("mains phase")) why += "; now " + link_->phase();
   abort();
   return {Outcome::error, "the rig tripped: " + why, true};
 }

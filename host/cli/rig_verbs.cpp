@@ -50,6 +50,7 @@ Exit show_rig(const InfoArgs& args) {
                                 {"programmable_source", info.programmable_source},
                                 {"sample_rate_hz", info.sample_rate},
                                 {"calibration", info.calibration},
+                                {"phase", info.phase},
                                 {"channels", nlohmann::ordered_json::array()}};
     for (const auto& c : info.channels)
       j["channels"].push_back({{"id", c.id}, {"label", c.label}, {"unit", c.unit}, {"scale", c.scale}});
@@ -61,6 +62,7 @@ Exit show_rig(const InfoArgs& args) {
   fmt::print("  sampling     {:.0f} kS/s on {} channels\n", info.sample_rate / 1e3, info.channels.size());
   fmt::print("  source       {}\n",
              info.programmable_source ? "programmable (voltage, frequency, ambient)" : "fixed mains");
+  fmt::print("  mains phase  {}\n", info.phase);
   for (const auto& c : info.channels)
     fmt::print("  {:<10} {:<14} {:.6g} {} per count\n", c.id, c.label, c.scale, c.unit);
   return Exit::pass;
