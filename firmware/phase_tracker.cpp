@@ -254,7 +254,7 @@ std::uint16_t PhaseTracker::gate(const WindowPhasor& phasor, int clean) const {
   const float then = wrap_turns(estimate_.phase_turns - hertz * final_lag);
   const bool enough = clean >= fewest_entries;
   const bool zero_cross_agrees = zero_cross_.ready() && zero_cross_.since_crossing() < cycle_ &&
-                                 magnitude(wrap_half(zero_cross_.turns() - then)) <= third_opinion_limit;
+                                 magnitude(wrap_half(zero_cross_.turns(hertz) - then)) <= third_opinion_limit;
   std::uint16_t faults = 0;
   faults |= bit(PhaseFault::warming_up, !enough);
   faults |= bit(PhaseFault::amplitude,

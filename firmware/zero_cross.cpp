@@ -44,13 +44,13 @@ void ZeroCross::crossing(float age, bool rising) {
   if (crossings_ >= 3 && cycle > 0.0F) hertz_ = config_.rate / cycle;
 }
 
-float ZeroCross::delay_turns() const {
-  const float turn = hertz_ / config_.rate;
+float ZeroCross::delay_turns(float hertz) const {
+  const float turn = hertz / config_.rate;
   return 2.0F * atan2_turns(keep_ * sin_turns(turn), 1.0F - keep_ * cos_turns(turn));
 }
 
-float ZeroCross::turns() const {
-  const float per_sample = hertz_ / config_.rate;
+float ZeroCross::turns(float hertz) const {
+  const float per_sample = hertz / config_.rate;
   float phase = last_rising_ ? 0.0F : 0.5F;
   float age = since_last_;
   if (config_.cancel_offset) {
@@ -58,7 +58,7 @@ float ZeroCross::turns() const {
     phase = last_rising_ ? 0.75F : 0.25F;
     age += 0.5F * half_[0];
   }
-  return wrap_turns(phase + age * per_sample + delay_turns());
+  return wrap_turns(phase + age * per_sample + delay_turns(hertz));
 }
 
 }  // namespace powbench::firmware

@@ -24,13 +24,15 @@ class ZeroCross {
   void push(float value);
 
   bool ready() const { return crossings_ >= 4; }  ///< enough crossings for a phase and a frequency
-  float turns() const;                            ///< [0, 1) at the last pushed sample
+  float turns() const { return turns(hertz_); }   ///< [0, 1) at the last pushed sample
+  /// The same with a frequency that is known better than that of the last cycle.
+  float turns(float hertz) const;
   float hertz() const { return hertz_; }
   float since_crossing() const { return since_last_; }  ///< samples since the newest crossing
 
  private:
   void crossing(float age, bool rising);
-  float delay_turns() const;
+  float delay_turns(float hertz) const;
 
   Config config_;
   float keep_;  ///< 1 - pole gain
