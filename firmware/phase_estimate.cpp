@@ -11,8 +11,8 @@ namespace {
 /// Turns, [0, 1), as a fraction of 2^64; what is below 2^-64 is cut off. Integers only: a processor without
 /// double precision would call a library for the conversion.
 std::uint64_t phase_word(float turns) {
-  const auto bits = std::bit_cast<std::uint32_t>(turns);
-  const auto exponent = static_cast<std::int32_t>(bits >> 23);  // the sign is 0
+  const auto bits = std::bit_cast<std::uint32_t>(turns) & 0x7FFFFFFFU;  // 0 may come as -0
+  const auto exponent = static_cast<std::int32_t>(bits >> 23);
   const std::uint64_t mantissa = (bits & 0x7FFFFFU) | 0x800000U;
   // value = mantissa 2^(exponent - 150), to be multiplied by 2^64
   const std::int32_t shift = exponent - 86;

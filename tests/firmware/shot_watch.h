@@ -18,22 +18,25 @@ class ShotWatch {
     const bool firing = f.state() == firmware::State::firing;
     must((f.state() == firmware::State::fault) == (f.fault() != firmware::Fault::none),
          "a fault without its state");
-    // energised: only by arm and fire, on a valid phase, once each
+    // an edge is committed on the estimate that the block before has left, or on one that is out of date by now
+    const bool valid = f.phase().valid(edge_horizon, firmware::PhaseEstimate::usual_tolerance);
+    if (f.operations() > operations_) {
+      must(f.operations() == operations_ + 1, "two edges in one block");
+      must(valid || valid_before_, "committed on an invalid phase");
+      must(firmware::PhaseEstimate::coverage_factor * f.angle_deviation() <=
+               firmware::PhaseEstimate::usual_tolerance,
+           "committed on a phase that was not known within a degree");
+    }
+    operations_ = f.operations();  // a reset counts from zero
+    valid_before_ = valid;
+    // energised: only by arm and fire, once each
     if (w.ons != ons_) {
       must(w.ons == ons_ + 1, "two edges in one block");
       must(fire_open_, "energised without fire");
-      must(valid_, "energised on an invalid phase");
-      must(firmware::PhaseEstimate::coverage_factor * f.angle_deviation() <=
-               firmware::PhaseEstimate::usual_tolerance,
-           "energised on a phase that was not known within a degree");
       fire_open_ = false;
       ons_ = w.ons;
     }
     if (!firing) fire_open_ = false;
-    // with an edge of the block just handed out the phase may have become invalid since: two blocks count
-    const bool valid = f.phase().valid(edge_horizon, firmware::PhaseEstimate::usual_tolerance);
-    valid_ = valid_before_ || valid;
-    valid_before_ = valid;
     // on only while firing; the pin follows at the start of the next block
     if (firing) firing_at_ = w.next;
     must(!w.pin || w.next <= firing_at_ + FaultBench::block_samples, "energised outside of a shot");
@@ -56,11 +59,11 @@ class ShotWatch {
     if (!holds) FAIL(otherwise);
   }
 
-  static constexpr float edge_horizon = 0.001F;  ///< s: an edge is committed no earlier
+  static constexpr float edge_horizon = 0.0F;  ///< s: an edge may follow at once; its own bound is checked beside
 
-  std::uint32_t ons_ = 0, fires_ = 0;
+  std::uint32_t ons_ = 0, fires_ = 0, operations_ = 0;
   bool fire_open_ = false;  ///< fire was accepted and has not led to an edge yet
-  bool valid_ = false, valid_before_ = false;
+  bool valid_before_ = false;
   std::int64_t firing_at_ = -1;
   std::int64_t hold_ = 0, most_hold_ = 0;
 };
