@@ -59,7 +59,8 @@ class ShotWatch {
     if (!holds) FAIL(otherwise);
   }
 
-  static constexpr float edge_horizon = 0.0F;  ///< s: an edge may follow at once; its own bound is checked beside
+  static constexpr float edge_horizon =
+      0.0F;  ///< s: an edge may follow at once; its own bound is checked beside
 
   std::uint32_t ons_ = 0, fires_ = 0, operations_ = 0;
   bool fire_open_ = false;  ///< fire was accepted and has not led to an edge yet
