@@ -12,6 +12,7 @@ using firmware::GateEdge;
 namespace {
 constexpr std::int64_t closing_samples = 1200;  // current until the contact touches
 constexpr std::int64_t opening_samples = 800;   // and without it until it opens
+constexpr std::int64_t relay_samples = 800;     // until the relay follows
 constexpr std::int64_t starved_blocks = 24;
 constexpr int contact_open_counts = 19'000, travel_counts = 16'000;
 
@@ -41,6 +42,7 @@ firmware::ControllerConfig FaultBench::make_config() {
   c.interlocks.mains_lost_counts = mains_peak / 5;
   c.interlocks.mains_lost_samples = 1600;
   c.interlocks.contact_open_counts = contact_open_counts / 2;
+  c.interlocks.relay_samples = 10'000;
   c.interlocks.travel_least_counts = -1000;
   c.interlocks.travel_most_counts = 20'000;
   c.interlocks.travel_open_counts = 2000;
@@ -95,10 +97,22 @@ void FaultBench::drive_pin(std::int64_t n) {
   if (world.causes.comparator) set_pin(false, n);
 }
 
+/// Told by the firmware; it drops when its supply or its coil is gone.
+void FaultBench::drive_relay(std::int64_t n) {
+  World& w = world;
+  if (const bool told = fire_control().relay_closed(); told != w.relay_told) {
+    w.relay_told = told;
+    w.relay_told_at = n;
+  }
+  if (n - w.relay_told_at >= relay_samples) w.relay_in = w.relay_told || (w.relay_in && w.causes.relay_stuck);
+  if (w.causes.relay_dead) w.relay_in = false;
+}
+
 void FaultBench::sample(std::int16_t* scan) {
   const std::int64_t n = world.next;
   if (n == inject_at && inject) inject(*this);
   drive_pin(n);
+  drive_relay(n);
   const Causes& c = world.causes;
   const auto& wave = sine();
   const auto at = static_cast<std::size_t>(n % cycle);
@@ -108,8 +122,10 @@ void FaultBench::sample(std::int16_t* scan) {
   // a triac goes on conducting until its current passes through zero
   const bool zero =
       flow * wave[(lagging + static_cast<std::size_t>(cycle) - 1) % static_cast<std::size_t>(cycle)] <= 0;
-  const bool supplied = (fire_control().relay_closed() || c.relay_stuck) && !c.coil_open;
+  const bool supplied = world.relay_in && !c.coil_open;
+  const bool conducted_before = world.conducts;
   world.conducts = supplied && (world.pin || c.switch_stuck || (world.conducts && !zero));
+  if (world.conducts && !conducted_before) world.conducts_since = n;
   const auto moved = world.conducted + (world.conducts ? 1 : -1);
   world.conducted = std::clamp<std::int64_t>(moved, 0, closing_samples + opening_samples);
   if (!world.conducts && world.conducted < opening_samples) world.conducted = 0;
@@ -153,6 +169,7 @@ void FaultBench::step() {
   block.overrun = c.overrun;
   block.brown_out = c.brown_out;
   block.clock_failed = c.clock_failed;
+  block.relay_in = world.relay_in;
   block.owner_present = !c.host_silent;
   block.counter = world.counter;
   block.late = c.late;

@@ -28,6 +28,7 @@ struct FaultBench {
     bool comparator = false;     ///< the same, seen by the comparator, which cuts the pin
     bool switch_stuck = false;   ///< coil switch conducts without a gate
     bool relay_stuck = false;    ///< the safety relay does not open
+    bool relay_dead = false;     ///< the safety relay does not close
     bool contact_stuck = false;  ///< contact closed whatever the coil does
     bool laser_out = false;      ///< laser beyond its range
     bool force_clipped = false;  ///< film A at full scale
@@ -52,14 +53,17 @@ struct FaultBench {
     firmware::Tick off_by{};     ///< second compare channel
     std::int64_t conducted = 0;  ///< samples the coil has conducted lately, saturates: moves the contact
     std::int64_t pin_on_since = 0, pin_off_since = 0;
-    std::int64_t last_on = -1;       ///< last sample with the pin on
-    std::int64_t last_current = -1;  ///< last sample with coil current
-    std::uint32_t ons = 0;           ///< how often the pin went on
-    std::int64_t on_time_most = 0;   ///< longest time on, samples
+    std::int64_t last_on = -1;        ///< last sample with the pin on
+    std::int64_t last_current = -1;   ///< last sample with coil current
+    std::uint32_t ons = 0;            ///< how often the pin went on
+    std::int64_t on_time_most = 0;    ///< longest time on, samples
+    std::int64_t conducts_since = 0;  ///< sample at which the coil last began to conduct
     std::int64_t last_feed = 0;
     std::int64_t counter = 0;
     std::int64_t starved = 0;  ///< blocks since the background last ran
     std::int16_t laser = 0;
+    bool relay_in = false, relay_told = false;
+    std::int64_t relay_told_at = 0;  ///< sample at which the relay was last told something else
   };
   struct Snapshot {
     World world;
@@ -101,6 +105,7 @@ struct FaultBench {
  private:
   void sample(std::int16_t* scan);
   void drive_pin(std::int64_t n);
+  void drive_relay(std::int64_t n);
   void set_pin(bool on, std::int64_t n);
   void hand_over(std::span<const std::int16_t> scans);
   void watch();

@@ -49,7 +49,7 @@ void hang(FaultBench& b) {
 }
 
 using Inject = void (*)(FaultBench&);
-constexpr std::array<Inject, 20> injections{
+constexpr std::array<Inject, firmware::fault_table.size()> injections{
     [](FaultBench& b) { b.world.causes.mains = 0.0; },
     [](FaultBench& b) { b.world.causes.mains = 0.4; },
     [](FaultBench& b) { (b.inject_at % 2 ? b.world.causes.coil_shorted : b.world.causes.comparator) = true; },
@@ -70,6 +70,8 @@ constexpr std::array<Inject, 20> injections{
     flip_config_bit,
     [](FaultBench& b) { b.world.causes.contact_stuck = true; },
     [](FaultBench& b) { b.world.causes.estimator_starves = true; },
+    [](FaultBench& b) { b.world.causes.relay_stuck = true; },
+    [](FaultBench& b) { b.world.causes.relay_dead = true; },
 };
 
 constexpr std::int64_t usual_hold_ms = 100;
@@ -180,6 +182,8 @@ CaseResult FaultCases::judge_latched(Fault fault, Start) {
     cause = std::max(at_, b.world.pin_on_since);
   if (fault == Fault::coil_stuck_on || fault == Fault::contact_welded)
     cause = std::max(at_, b.world.last_on + 1);
+  if (fault == Fault::coil_stuck_on)
+    cause = std::max(cause, b.world.conducts_since);  // not before the relay closes
   std::int64_t safe = std::max(latched, b.world.last_on + 1);
   if (fault == Fault::crash_reset || fault == Fault::reset_while_energised) {
     if (latched - cause > FaultBench::block_samples) return failed("started without the fault");
@@ -322,6 +326,37 @@ CaseResult FaultCases::ignored(Start) {
   return {true, 0, {}};
 }
 
+/// The shot goes on, for the relay is to be closed in it; behind it the relay has to open, and does not.
+CaseResult FaultCases::relay_welded() {
+  auto& b = bench_;
+  const auto& fire = b.fire_control();
+  for (const std::int64_t end = b.world.next + 65'000; b.world.next < end && fire.state() != State::fault;)
+    b.step();
+  if (fire.fault() != Fault::relay_welded) return failed("latched " + std::string(name(fire.state())));
+  const auto told = std::max(at_, b.world.relay_told_at);
+  if (b.world.relay_told || b.world.last_on > told)
+    return failed("the relay was not told to open behind the shot");
+  b.fire_control().abort();
+  if (fire.state() != State::fault) return failed("acknowledged with the relay welded");
+  return {true, us_per_sample * static_cast<double>(b.world.next - told), {}};
+}
+
+/// Never an edge without the relay; where the coil is energised already, the current that ends is noticed first.
+CaseResult FaultCases::relay_open(Start start) {
+  auto& b = bench_;
+  const auto& fire = b.fire_control();
+  while (fire.state() != State::fault && b.world.next < at_ + 20'000) b.step();
+  const bool energised = start == Start::energised || b.world.ons != ons_before_;
+  const Fault expected = energised ? Fault::coil_not_energising : Fault::relay_open;
+  if (fire.fault() != expected) return failed("state " + std::string(name(fire.state())));
+  if (start == Start::idle || start == Start::armed)
+    if (b.world.ons != ons_before_) return failed("energised without its relay");
+  return {true,
+          us_per_sample *
+              static_cast<double>(b.world.next - std::max(at_, start == Start::idle ? asked_at_ : at_)),
+          {}};
+}
+
 CaseResult FaultCases::run(Fault fault, Start state, int phase) {
   start(fault, state, phase);
   CaseResult result;
@@ -341,6 +376,12 @@ CaseResult FaultCases::run(Fault fault, Start state, int phase) {
       break;
     case Fault::deadline_missed:
       result = deadline_missed(state);
+      break;
+    case Fault::relay_welded:
+      result = relay_welded();
+      break;
+    case Fault::relay_open:
+      result = relay_open(state);
       break;
     case Fault::reset_while_energised:
       result = state == Start::energised ? judge_latched(fault, state) : clean_reset();

@@ -36,6 +36,8 @@ class FaultCases {
   CaseResult bad_parameter(Start);
   CaseResult double_fire(Start);
   CaseResult deadline_missed(Start);
+  CaseResult relay_welded();
+  CaseResult relay_open(Start);
   CaseResult clean_reset();
   CaseResult ignored(Start);
   CaseResult finished_shot(firmware::Fault, Start);

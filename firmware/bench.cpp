@@ -29,6 +29,7 @@ BenchReport Bench::report() const {
           .gate_on = fire.gate_on(),
           .settling = fire.settling(),
           .phase_valid = fire.phase().valid(),
+          .relay_closed = fire.relay_closed(),
           .lease_held = controller_.lease().held(),
           .owner_connected = owner_connected()};
 }

@@ -17,6 +17,7 @@ struct Block {
   bool overrun = false;                   ///< a converter or the DMA has dropped something in this block
   bool brown_out = false;                 ///< the supply monitor warns
   bool clock_failed = false;              ///< the clock monitor has switched to the internal oscillator
+  bool relay_in = false;                  ///< the safety relay's read-back contact says that it is closed
   bool owner_present = false;  ///< the port vouches for the owner: its time runs ahead of any heartbeat
   std::int64_t counter = -1;   ///< blocks the DMA has filled so far; -1: the port does not count
   std::int64_t late = 0;       ///< samples that have passed since the block's end

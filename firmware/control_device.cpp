@@ -84,6 +84,11 @@ int write_touch_delay(void* self, std::uint32_t, std::string_view value) {
   return write_set_point(self, value, [](FireControl& f, std::int64_t v) { return f.set_touch_delay_us(v); });
 }
 
+int write_tolerance(void* self, std::uint32_t, std::string_view value) {
+  return write_set_point(self, value,
+                         [](FireControl& f, std::int64_t v) { return f.set_angle_tolerance(v); });
+}
+
 int read_lease(const void* self, std::uint32_t, Text& out) {
   const Lease& lease = bench(self).lease();
   if (!lease.held()) return out.put("free"), 0;
@@ -240,6 +245,13 @@ int write_calibration_store(void* self, std::uint32_t, std::string_view value) {
 
 constexpr std::array attributes{
     Attribute{"abort", read_zero, write_abort},
+    Attribute{"angle_tolerance_millideg",
+              [](const void* s, std::uint32_t, Text& t) {
+                return t.put_int(control_of(s).tolerance_millideg()), 0;
+              },
+              write_tolerance},
+    Attribute{"angle_tolerance_millideg_available",
+              [](const void*, std::uint32_t, Text& t) { return t.put("[10 1 90000]"), 0; }},
     Attribute{"arm",
               [](const void* s, std::uint32_t, Text& t) {
                 return t.put(control_of(s).state() == State::armed ? '1' : '0'), 0;

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <string_view>
 
-/// The twenty faults of the bench, once: what is noticed, what happens, how fast, and what the user is told.
+/// The twenty-two faults of the bench, once: what is noticed, what happens, how fast, and what the user is told.
 /// Enumeration, texts, latching and docs/faults.md derive from this table.
 /// Columns: number | name | reaction | limit in us from the cause | when it is watched | what clears it |
 ///          detection | reason (what happened and what to do)
@@ -13,7 +13,8 @@
   X(1, mains_lost, gate_off, 20'000, shot, acknowledge, "mains below 0.2 of nominal for 1.5 half-cycles",    \
     "mains lost: check the supply, then write 1 to abort")                                                   \
   X(2, phase_invalid, withhold, 20'000, shot, acknowledge,                                                   \
-    "a fault of the mains, or three u of the phase at the closing angle beyond 1 deg; lasts 1 s after fire", \
+    "a fault of the mains, or three u of the phase at the closing angle beyond its tolerance; 1 s after "    \
+    "fire",                                                                                                  \
     "mains phase not valid for 1 s: see phase_faults, then write 1 to abort")                                \
   X(3, coil_overcurrent, gate_off, 120, shot, acknowledge,                                                   \
     "two samples above the trip level, or the comparator that cuts the gate by itself",                      \
@@ -60,7 +61,13 @@
     "contact closed 100 ms after the gate opened, coil without current",                                     \
     "contact is still closed 100 ms after switch-off: it may be welded, inspect the contactor")              \
   X(20, phase_stale, gate_off, 2'200, shot, acknowledge, "phase estimate older than 2 ms",                   \
-    "the phase estimate is not renewed in time: the controller is overloaded, write 1 to abort")
+    "the phase estimate is not renewed in time: the controller is overloaded, write 1 to abort")             \
+  X(21, relay_welded, gate_off, 100'200, always, cause_gone,                                                 \
+    "relay told to open, read back closed for 100 ms",                                                       \
+    "the safety relay does not open: switch the supply off and replace it, or mend the wire that reads it "  \
+    "back")                                                                                                  \
+  X(22, relay_open, gate_off, 100'200, shot, acknowledge, "relay told to close, read back open for 100 ms",  \
+    "the safety relay does not close: check its supply and the stop chain, then write 1 to abort")
 
 namespace powbench::firmware {
 
@@ -113,7 +120,7 @@ inline constexpr std::array fault_table{
     POWBENCH_FAULTS(POWBENCH_X)
 #undef POWBENCH_X
 };
-static_assert(fault_table.size() == 20);
+static_assert(fault_table.size() == 22);
 
 /// The row of a fault other than none.
 constexpr const FaultInfo& info(Fault fault) {

@@ -82,7 +82,7 @@ Refusal FireControl::arm() {
   fired_ = planned_ = false;
   state_ = State::armed;
   last_error_ = "no error";
-  latched_ = {latched_.number + 1, closing_angle_, hold_time_ms_, touch_delay_us_};
+  latched_ = {latched_.number + 1, closing_angle_, hold_time_ms_, touch_delay_us_, tolerance_millideg_};
   return Refusal::accepted;
 }
 
@@ -173,6 +173,14 @@ Refusal FireControl::set_touch_delay_us(std::int64_t us) {
     return refuse(Refusal::out_of_range, "touch delay outside 0 .. 50000 us");
   if (const Refusal latched = refuse_latched(); latched != Refusal::accepted) return latched;
   touch_delay_us_ = us;
+  return Refusal::accepted;
+}
+
+Refusal FireControl::set_angle_tolerance(std::int64_t millidegrees) {
+  if (millidegrees < least_tolerance_millideg || millidegrees > most_tolerance_millideg)
+    return refuse(Refusal::out_of_range, "angle tolerance outside 10 .. 90000 thousandths of a degree");
+  if (const Refusal latched = refuse_latched(); latched != Refusal::accepted) return latched;
+  tolerance_millideg_ = millidegrees;
   return Refusal::accepted;
 }
 

@@ -23,7 +23,7 @@ std::string_view name(State);
 struct LatchedShot {
   std::uint32_t number = 0;  ///< of the shot since the start; 0: none was armed
   CentiDegrees closing_angle = 0;
-  std::int64_t hold_time_ms = 0, touch_delay_us = 0;
+  std::int64_t hold_time_ms = 0, touch_delay_us = 0, tolerance_millideg = 0;
 };
 
 /// Answer to a command: accepted, or why not.
@@ -45,6 +45,7 @@ struct FireConfig {
 class FireControl {
  public:
   static constexpr std::int64_t longest_touch_delay_us = 50'000;
+  static constexpr std::int64_t least_tolerance_millideg = 10, most_tolerance_millideg = 90'000;
 
   FireControl(const FireConfig&, Interlocks&, PhaseFeed&, Recorder&);
 
@@ -75,6 +76,8 @@ class FireControl {
   /// Time from the coil's voltage to the contact's touch, us. 0: the coil is switched at the closing angle;
   /// otherwise it is switched so much earlier that the contact touches there.
   Refusal set_touch_delay_us(std::int64_t us);
+  /// No edge is committed unless three standard uncertainties of the phase at the closing angle are within this, 0.001 deg.
+  Refusal set_angle_tolerance(std::int64_t millidegrees);
 
   /// Why a shot cannot begin yet, found by the controller; empty: it may. The text lives as long as the program.
   void set_unready(std::string_view why) { unready_ = why; }
@@ -113,6 +116,7 @@ class FireControl {
   CentiDegrees closing_angle() const { return closing_angle_; }
   std::int64_t hold_time_ms() const { return hold_time_ms_; }
   std::int64_t touch_delay_us() const { return touch_delay_us_; }
+  std::int64_t tolerance_millideg() const { return tolerance_millideg_; }
   std::uint32_t shots_armed() const { return latched_.number; }
   const LatchedShot& latched() const { return latched_; }
   /// A shot has its set-points, and they cannot change.
@@ -138,11 +142,13 @@ class FireControl {
   void trip(Fault, std::int64_t next_sample);
   void feed_mains(const Block&);
   Fault examine(const Block&, std::int64_t end);
+  const Interlocks::GateView& gate_view(std::int64_t now);
   void schedule(const Block&);
   void wait_for_phase(std::int64_t end);
   float target_deviation() const;
   bool angle_known() const {
-    return PhaseEstimate::coverage_factor * angle_deviation_ <= PhaseEstimate::usual_tolerance;
+    return PhaseEstimate::coverage_factor * angle_deviation_ <=
+           static_cast<float>(tolerance_millideg_) / 360000.0F;
   }
   void plan_edge(const Block&, std::int64_t now);
   void commit(std::int64_t now);
@@ -166,12 +172,14 @@ class FireControl {
   CentiDegrees closing_angle_ = 0;
   std::int64_t hold_time_ms_ = 100;
   std::int64_t touch_delay_us_ = 0;
+  std::int64_t tolerance_millideg_ = 1000;
   LatchedShot latched_{};
   std::uint32_t deadlines_missed_ = 0, operations_ = 0;
   bool token_ = false;    ///< armed and not yet fired
   bool fired_ = false;    ///< the token is spent, the edge not yet committed
   bool planned_ = false;  ///< a crossing has been chosen; only its instant is refined
   bool relay_closed_ = true;
+  Interlocks::GateView view_{};  ///< gate and relay, as of the last block
   bool config_damaged_ = false;
   bool stored_lost_ = false;    ///< a calibration was stored, and cannot be read
   bool was_energised_ = false;  ///< the gate has been on since the start

@@ -34,11 +34,21 @@ void FireControl::feed_mains(const Block& block) {
   mains_->push(block);
 }
 
+/// Gate and relay as the interlocks are to find them in the block that begins at `now`.
+const Interlocks::GateView& FireControl::gate_view(std::int64_t now) {
+  const bool relay = relay_closed();
+  if (first_block_ || relay != view_.relay) view_.relay_since = now;
+  view_.relay = relay;
+  view_.on = gate_.on();
+  view_.since = gate_since_;
+  return view_;
+}
+
 /// The first thing wrong that counts in the present state.
 Fault FireControl::examine(const Block& block, std::int64_t end) {
   const bool in_shot = state_ == State::armed || state_ == State::firing || gate_.on();
   const bool overdue = gate_.on() && gate_.off_at().sample < block.first_sample;
-  Fault found = interlocks_->check(block, {gate_.on(), gate_since_});
+  Fault found = interlocks_->check(block, gate_view(block.first_sample));
   if (overdue) return Fault::on_time_exceeded;
   if (first_block_ && !interlocks_->coil_quiet(end)) return Fault::reset_while_energised;
   if (found == Fault::none && stored_lost_) return Fault::config_corrupt;
@@ -74,6 +84,10 @@ void FireControl::schedule(const Block& block) {
     return;
   }
   if (plan_.sample >= end + config_->lead_samples + block.samples()) return;
+  if (!interlocks_->switch_proven(end)) {  // not yet: the relay's own fault ends the waiting
+    planned_ = false;
+    return;
+  }
   angle_deviation_ = target_deviation();
   if (!angle_known()) return wait_for_phase(end);
   commit(end);

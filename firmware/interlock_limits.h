@@ -33,6 +33,8 @@ struct InterlockLimits {
   double travel_open_metres = 0.5e-3;    ///< from rest: below it the contact must be open
   double travel_closed_metres = 3.2e-3;  ///< above it the contact must be closed
   double implausible_seconds = 0.005;
+  double relay_seconds =
+      0.100;  ///< the safety relay's time to follow: some 10 ms of pump and armature, and its bounce
 };
 
 /// One channel as the front end gives it: quantity = (counts - zero) * si_per_count. 0 counts a scale: there is no such
@@ -80,6 +82,7 @@ constexpr InterlockConfig interlock_config(const InterlockLimits& limits, const 
   c.travel_open_counts = level(Channel::laser, limits.travel_open_metres);
   c.travel_closed_counts = level(Channel::laser, limits.travel_closed_metres);
   c.implausible_samples = samples(limits.implausible_seconds);
+  c.relay_samples = samples(limits.relay_seconds);
   return c;
 }
 

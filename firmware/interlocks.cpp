@@ -164,7 +164,7 @@ void Interlocks::observe(const Block& block) {
   clock_failed_ = block.clock_failed;
 }
 
-Fault Interlocks::judge_coil(GateView gate) const {
+Fault Interlocks::judge_coil(const GateView& gate) const {
   const InterlockConfig& c = *config_;
   const std::int64_t now = next_sample_;
   const std::int64_t since = now - gate.since;
@@ -182,19 +182,34 @@ Fault Interlocks::judge_coil(GateView gate) const {
   return Fault::none;
 }
 
-Fault Interlocks::check(const Block& block, GateView gate) {
+Fault Interlocks::judge_relay(const Block& block, const GateView& gate) {
+  relay_in_ = block.relay_in;
+  if (!relay_in_) relay_out_ = next_sample_;
+  if (relay_in_ == gate.relay) {
+    relay_agreed_ = next_sample_;
+    return Fault::none;
+  }
+  const std::int64_t since = relay_agreed_ > gate.relay_since ? relay_agreed_ : gate.relay_since;
+  if (config_->relay_samples == 0 || next_sample_ - since <= config_->relay_samples) return Fault::none;
+  return gate.relay ? Fault::relay_open : Fault::relay_welded;
+}
+
+Fault Interlocks::check(const Block& block, const GateView& gate) {
   const Fault stream = check_stream(block);
   observe(block);
+  const Fault relay = judge_relay(block, gate);
   // a supply that sags reaches the gate by the same way as the comparator: it is named first
   if (brown_out_) return Fault::brown_out;
   if (over_tripped_) return Fault::coil_overcurrent;
   if (clock_failed_) return Fault::config_corrupt;
   const Fault coil = judge_coil(gate);
   if (coil != Fault::none && info(coil).watch == Watch::always) return coil;
+  if (relay == Fault::relay_welded) return relay;
   if (stream != Fault::none) return stream;
   if (emergency_stop_) return Fault::emergency_stop;
   if (next_sample_ - last_mains_ > config_->mains_lost_samples) return Fault::mains_lost;
   if (coil != Fault::none) return coil;
+  if (relay != Fault::none) return relay;
   constexpr std::uint8_t implausible = bit(Mark::laser_range) | bit(Mark::contact_travel);
   if (!gate.on && (marks_ & implausible) != 0) return Fault::sensor_implausible;
   return Fault::none;
@@ -210,6 +225,8 @@ bool Interlocks::present(Fault fault) const {
       return emergency_stop_;
     case Fault::config_corrupt:
       return clock_failed_;
+    case Fault::relay_welded:
+      return relay_in_;
     case Fault::contact_welded:  // closed now, and not only for the moment of a bounce
       return config_->contact_open_counts != 0 && last_closed_ >= next_sample_ - block_length_ &&
              next_sample_ - last_open_ > config_->contact_open_samples;

@@ -29,6 +29,7 @@ struct InterlockConfig {
   std::int32_t travel_closed_counts = 0;    ///< above it the contact must be closed; 0: not compared
   std::int64_t implausible_samples = 500;   ///< time that an implausible signal must last
   std::int32_t saturation_counts = 32'700;  ///< |force| beyond it is clipped
+  std::int64_t relay_samples = 0;           ///< time the safety relay has to follow; 0: it is not read back
 };
 
 /// What makes a record doubtful, one bit each.
@@ -43,7 +44,9 @@ class Interlocks {
   /// State of the gate, as fire control knows it.
   struct GateView {
     bool on = false;
-    std::int64_t since = 0;  ///< sample at which it last changed
+    std::int64_t since = 0;        ///< sample at which it last changed
+    bool relay = false;            ///< the safety relay is told to close
+    std::int64_t relay_since = 0;  ///< sample at which it was last told something else
   };
 
   explicit Interlocks(const InterlockConfig& config) : config_(&config) {}
@@ -54,7 +57,7 @@ class Interlocks {
   /// The owner has spoken since the block before.
   void hear_host() { host_heard_ = true; }
   /// Checks one block; Fault::none, or the first thing wrong.
-  Fault check(const Block&, GateView);
+  Fault check(const Block&, const GateView&);
 
   /// The cause of a latched fault is still there.
   bool present(Fault) const;
@@ -70,6 +73,11 @@ class Interlocks {
   bool contact_open(std::int64_t sample) const {
     return config_->contact_open_counts == 0 || sample - last_closed_ > config_->contact_open_samples;
   }
+  /// The relay has been closed without coil current for longer than a switch that is stuck on could hide: the switch is off.
+  bool switch_proven(std::int64_t sample) const {
+    return config_->relay_samples == 0 ||
+           sample - (relay_out_ > last_current_ ? relay_out_ : last_current_) > config_->stuck_on_samples;
+  }
   /// So long after the off edge whatever has not ended by itself is a fault.
   bool waited_enough(std::int64_t since_off) const {
     return since_off > config_->weld_samples && since_off > config_->stuck_on_samples;
@@ -82,7 +90,8 @@ class Interlocks {
  private:
   Fault check_stream(const Block&);
   void observe(const Block&);
-  Fault judge_coil(GateView) const;
+  Fault judge_coil(const GateView&) const;
+  Fault judge_relay(const Block&, const GateView&);
   void observe_current(const Block&);
   void observe_sensors(const Block&);
 
@@ -95,6 +104,8 @@ class Interlocks {
   std::int64_t laser_good_ = 0;    ///< last sample with the laser in range
   std::int64_t contact_good_ = 0;  ///< last sample at which contact and travel agreed
   std::int64_t last_host_ = 0;
+  std::int64_t relay_out_ = 0;     ///< last sample at which the relay was read back open
+  std::int64_t relay_agreed_ = 0;  ///< last sample at which it was what it was told to be
   std::int64_t next_sample_ = -1;
   std::int64_t block_length_ = 0;
   std::int64_t counter_ = -1;
@@ -103,7 +114,7 @@ class Interlocks {
   bool current_known_ = true;
   bool over_tripped_ = false;
   bool host_heard_ = false;
-  bool emergency_stop_ = false, brown_out_ = false, clock_failed_ = false;
+  bool emergency_stop_ = false, brown_out_ = false, clock_failed_ = false, relay_in_ = false;
   std::uint8_t marks_ = 0;
 };
 

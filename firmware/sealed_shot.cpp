@@ -99,7 +99,7 @@ int write_sealed_shot(const Controller& controller, const SetPoints* source,
   pairs.begin("config").put_hex32(made.config_crc32);
   pairs.text("calibration", made.calibration_id);
   pairs.number("angle_centideg", shot.closing_angle).number("hold_ms", shot.hold_time_ms);
-  pairs.number("touch_us", shot.touch_delay_us);
+  pairs.number("touch_us", shot.touch_delay_us).number("tolerance_mdeg", shot.tolerance_millideg);
   if (source) {
     pairs.number("supply_mv", source->supply_millivolts).number("mains_mhz", source->mains_millihertz);
     pairs.number("ambient_mdegc", source->ambient_millidegc).number("seed", source->seed);

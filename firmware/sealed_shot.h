@@ -11,6 +11,7 @@
 /// but letters, digits and ._:+- as % and two hexadecimal digits.
 ///
 ///   powbench_shot=1 stage=armed boot= shot= model= serial= firmware= calibration= angle_centideg= hold_ms= touch_us=
+///   tolerance_mdeg=
 ///   [supply_mv= mains_mhz= ambient_mdegc= seed=]      on rigs with a programmable source
 ///   sample_rate= samples=
 ///   and with stage=complete

@@ -153,6 +153,7 @@ void IioRig::set_conditions(const Conditions& c) {
   link_->write_angle(owned(std::to_string(to_centi_degrees(angle))));
   set(Device::control, "hold_time_ms", std::to_string(std::llrint(c.hold_time * 1000.0)));
   set(Device::control, "touch_delay_us", "0");
+  set(Device::control, "angle_tolerance_millideg", milli(degrees(c.angle_tolerance)));
 }
 
 SealedShot IioRig::read_sealed() {
@@ -176,7 +177,8 @@ std::string IioRig::read_state() {
 void IioRig::refuse_other_set_points(const SealedShot& s, const Conditions& c) const {
   const double angle = c.closing_angle + (c.polarity < 0 ? pi : 0.0);
   bool same = s.angle_centideg == to_centi_degrees(angle) && s.hold_ms == std::llrint(c.hold_time * 1000.0) &&
-              s.touch_us == 0 && s.source.has_value() == link_->has_source();
+              s.touch_us == 0 && s.tolerance_mdeg == std::llrint(degrees(c.angle_tolerance) * 1000.0) &&
+              s.source.has_value() == link_->has_source();
   if (same && s.source)
     same = s.source->supply_millivolts == std::llrint(c.supply_volts * 1000.0) &&
            s.source->mains_millihertz == std::llrint(c.mains_hertz * 1000.0) &&

@@ -167,6 +167,7 @@ SealedShot parse_sealed_shot(std::string_view text) {
   s.angle_centideg = pairs.number("angle_centideg", 0, 35'999);
   s.hold_ms = pairs.number("hold_ms", 1, 10'000);
   s.touch_us = pairs.number("touch_us", 0, 50'000);
+  s.tolerance_mdeg = pairs.number("tolerance_mdeg", 10, 90'000);
   if (pairs.next_is("supply_mv")) {
     firmware::SetPoints source;
     constexpr std::int64_t most = 1'000'000'000'000'000'000;

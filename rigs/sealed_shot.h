@@ -25,7 +25,7 @@ struct SealedShot {
   std::uint32_t image_crc32 = 0;  ///< of the program; 0: not known
   std::uint32_t config_crc32 = 0;
   std::int64_t shot = 0;
-  std::int64_t angle_centideg = 0, hold_ms = 0, touch_us = 0;
+  std::int64_t angle_centideg = 0, hold_ms = 0, touch_us = 0, tolerance_mdeg = 0;
   std::optional<firmware::SetPoints> source;
   std::int64_t sample_rate = 0, samples = 0;
 

@@ -87,6 +87,8 @@ struct ScatterConfig {
 /// Faults on request, so that error paths can be tested. All off by default.
 struct FaultConfig {
   std::int32_t lost_samples = 0;  ///< conversions lost once, 5 ms after switch-on
+  bool relay_welded = false;      ///< the safety relay does not open any more once it was closed
+  bool relay_open = false;        ///< the safety relay does not close
   bool coil_open = false;         ///< coil circuit interrupted: no current flows
   bool laser_dropout = false;     ///< laser reads its last value for 2 ms around the core impact
   double mains_dip = 1.0;         ///< factor on the supply from the moment the rig is armed

@@ -13,6 +13,7 @@ namespace {
 
 constexpr std::int64_t block_samples = 10;  // what the board's DMA half-buffer holds at 100 kS/s
 constexpr std::int64_t batch_blocks = 20;   // handed over at once while no edge can come
+constexpr double relay_travel = 0.005;      // s: until the safety relay follows
 constexpr double warm_up_least = 0.100;     // s: pre-trigger and the phase tracker's memory
 constexpr double warm_up_most = 0.500;      // s: after that the firmware may say why it does not fire
 
@@ -104,7 +105,8 @@ void SimWorld::begin_shot(firmware::SetPoints set_points) {
   sensors_ = std::make_unique<SensorChain>(config_.sensors, config_.sample_rate, mains.hertz, random.next());
   sensors_->set_front_end(config_.front_end);
   connect_reference(set_points);
-  origin_ = sample_;
+  origin_ = relay_since_ = sample_;
+  relay_in_ = relay_in_ && config_.faults.relay_welded;  // it has opened while nothing went on
   edges_.clear();
   scheduled_.clear();
   switched_.clear();
@@ -122,13 +124,26 @@ void SimWorld::connect_reference(const firmware::SetPoints& s) {
       1e-6 * static_cast<double>(s.reference_micro));
 }
 
+/// A shot that was cut short ends before the next request, and a relay that does not open is found out: beyond that no time
+/// passes while nothing goes on.
+bool SimWorld::at_rest() const {
+  const auto& report = board_->report();
+  if (report.state == firmware::State::firing) return true;
+  const bool welded = config_.faults.relay_welded && relay_in_ && !report.relay_closed &&
+                      report.state != firmware::State::fault;
+  return !report.gate_on && !report.settling && !welded;
+}
+
+/// The safety relay follows what it is told.
+void SimWorld::move_relay() {
+  const bool told = board_->report().relay_closed && !config_.faults.relay_open;
+  const bool stays = told == relay_in_ || (relay_in_ && config_.faults.relay_welded);
+  if (stays) relay_since_ = sample_;
+  if (static_cast<double>(sample_ - relay_since_) >= relay_travel * config_.sample_rate) relay_in_ = told;
+}
+
 void SimWorld::notice_commands() {
-  // a shot that was cut short ends before the next request: no time passes while nothing goes on
-  const auto over = [&] {
-    const auto& report = board_->report();
-    return report.state == firmware::State::firing || (!report.gate_on && !report.settling);
-  };
-  while (!over()) step_blocks(1);
+  while (!at_rest()) step_blocks(1);
   const firmware::SetPoints& wanted = board_->report().set_points;
   if (wanted.reference_channel != reference_channel_ || wanted.reference_micro != reference_micro_)
     connect_reference(wanted);
@@ -191,6 +206,7 @@ void SimWorld::step_blocks(std::int64_t count) {
 
 /// Advances plant and sensors by one block.
 firmware::Block SimWorld::convert_block(std::span<std::int16_t> scans) {
+  move_relay();
   const double dt = 1.0 / (config_.sample_rate * oversampling);
   const std::int64_t first = (sample_ - origin_) * oversampling;
   for (std::size_t i = 0; i < times_.size(); ++i)
@@ -203,8 +219,10 @@ firmware::Block SimWorld::convert_block(std::span<std::int16_t> scans) {
                       scans.subspan(i * channel_count, channel_count));
 
   // virtual time passes faster than anyone can speak: an open connection of the owner stands for the heartbeat
-  firmware::Block block{
-      .first_sample = sample_, .scans = scans, .owner_present = board_->report().owner_connected};
+  firmware::Block block{.first_sample = sample_,
+                        .scans = scans,
+                        .relay_in = relay_in_,
+                        .owner_present = board_->report().owner_connected};
   sample_ += block_samples;
   if (config_.faults.lost_samples > 0 && !samples_lost_ && since_on > 0.005) {
     samples_lost_ = true;  // this block's first conversions never arrive

@@ -50,6 +50,8 @@ class SimWorld {
   void begin_shot(firmware::SetPoints);
   void connect_reference(const firmware::SetPoints&);
   void step_blocks(std::int64_t count);
+  void move_relay();
+  bool at_rest() const;
   firmware::Block convert_block(std::span<std::int16_t> scans);
   std::vector<SwitchEdge> due_edges(double until);
 
@@ -68,6 +70,8 @@ class SimWorld {
   std::vector<firmware::GateEdge> scheduled_;  ///< all of this shot
   std::vector<SwitchEdge> switched_;           ///< all that took effect in this shot
   double switched_on_ = -1.0;                  ///< plant time of the last on edge, < 0: not yet in this shot
+  bool relay_in_ = false;                      ///< the safety relay is closed
+  std::int64_t relay_since_ = 0;               ///< sample at which it was last as it was told to be
   bool samples_lost_ = false;                  ///< the fault on request has been played
   std::vector<double> times_;
   std::vector<sim::PlantSample> states_;

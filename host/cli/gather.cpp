@@ -15,6 +15,7 @@
 #include "host/cli/scene.h"
 #include "host/cli/vibration.h"
 #include "host/report/view.h"
+#include "rigs/sealed_shot.h"
 
 namespace powbench::host {
 
@@ -173,6 +174,19 @@ std::set<std::int64_t> shots_to_draw(const std::vector<StoredShot>& shots) {
   return drawn;
 }
 
+/// What the rig knew of the mains' phase when it fired, rad; NaN: nobody has told.
+double phase_deviation(const Store& store, const StoredShot& shot) {
+  constexpr double untold = std::numeric_limits<double>::quiet_NaN();
+  const std::string text = shot.record_hash.empty() ? std::string() : store.sealed_text(shot.id);
+  if (text.empty()) return untold;
+  try {
+    const rigs::SealedShot sealed = rigs::parse_sealed_shot(text);
+    return sealed.complete() ? radians(static_cast<double>(sealed.angle_u_mdeg) * 1e-3) : untold;
+  } catch (const rigs::SealError&) {
+    return untold;  // of an earlier firmware
+  }
+}
+
 ReportInput gather_report(const Store& store, const CampaignInfo& c, const std::string& database) {
   const Plan plan = stored_plan(c);
   const sim::Specimen specimen = stored_specimen(c);
@@ -221,6 +235,7 @@ ReportInput gather_report(const Store& store, const CampaignInfo& c, const std::
                            .outcome = judged.outcome,
                            .reason = judged.reason,
                            .events = events,
+                           .phase_u = phase_deviation(store, s),
                            .waveforms = std::move(waves),
                            .record_hash = s.record_hash});
   }

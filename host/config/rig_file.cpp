@@ -97,6 +97,8 @@ void declare_deviations(FileKind& kind, rigs::SimRigConfig& c) {
   kind.integer("lost_samples", c.faults.lost_samples, {0, 100'000},
                "conversions lost once, 5 ms after switch-on");
   kind.yes_no("coil_open", c.faults.coil_open, "coil circuit interrupted");
+  kind.yes_no("relay_welded", c.faults.relay_welded, "the safety relay does not open any more");
+  kind.yes_no("relay_open", c.faults.relay_open, "the safety relay does not close");
   kind.yes_no("laser_dropout", c.faults.laser_dropout,
               "laser holds its value for 2 ms around the core impact");
   kind.seed("line_seed", c.faults.line.seed,

@@ -46,6 +46,7 @@ std::vector<PlannedShot> expand(const Plan& plan, const std::string& specimen_na
       c.supply_volts = plan.supply_volts;
       c.mains_hertz = plan.mains_hertz;
       c.closing_angle = plan.angles[place];
+      c.angle_tolerance = plan.angle_tolerance;
       c.polarity = polarity_of(plan, index, repeat);
       c.hold_time = plan.hold_time;
       c.ambient = plan.ambient;

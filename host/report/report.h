@@ -35,6 +35,8 @@ struct ReportShot {
   Outcome outcome = Outcome::error;
   std::string reason;            ///< one line for anything but pass
   std::optional<Events> events;  ///< absent without a valid record
+  double phase_u = std::numeric_limits<
+      double>::quiet_NaN();  ///< rad: of the mains at the edge, by the rig; NaN = not told
   std::vector<Waveform> waveforms;
   std::string record_hash;  ///< empty without a record
 };

@@ -48,8 +48,8 @@ Markup shot_section(const ReportInput& input) {
   }
   out.open("table", {{"class", "shots"}}).open("thead").open("tr");
   for (const std::string_view head :
-       {"shot", "asked", "reached \xC2\xB1 u / \xC2\xB0", "outcome", "t_ct1 / ms", "t_ct_bon / ms",
-        "t_xt1 / ms", "re-openings", "seed", "record", "remarks"})
+       {"shot", "asked", "reached \xC2\xB1 u / \xC2\xB0", "u of rig / \xC2\xB0", "outcome", "t_ct1 / ms",
+        "t_ct_bon / ms", "t_xt1 / ms", "re-openings", "seed", "record", "remarks"})
     out.element("th", head, {{"scope", "col"}});
   out.close().close().open("tbody");
   std::size_t left_out = 0, listed = 0;
@@ -65,6 +65,7 @@ Markup shot_section(const ReportInput& input) {
     out.element("td", fmt::format("{}", shot.index));
     out.element("td", angle_text(effective_angle(shot.conditions)));
     out.element("td", reached_text(shot), {{"class", "nowrap"}});
+    out.element("td", fixed(degrees(shot.phase_u), 3));
     out.open("td").element("span", name(shot.outcome), {{"class", badge_class(shot.outcome)}}).close();
     for (const std::string_view symbol : {"t_ct1", "t_ct_bon", "t_xt1"})
       out.element("td", value_text(shot, symbol));
@@ -81,8 +82,12 @@ Markup shot_section(const ReportInput& input) {
     out.element("p",
                 fmt::format("{} more are not listed here; powbench shots lists all, powbench show ID one.",
                             left_out));
-  out.element("p", "Contact times are those of the channel named under Definitions. Seeds are hexadecimal.",
-              {{"class", "fine"}});
+  out.element(
+      "p",
+      "Contact times are those of the channel named under Definitions. u of rig: standard uncertainty "
+      "of the phase of the mains at the closing angle, as the rig knew it when it fired. Seeds are "
+      "hexadecimal.",
+      {{"class", "fine"}});
   return out.close();
 }
 

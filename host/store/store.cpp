@@ -321,6 +321,11 @@ Record Store::load_record(std::int64_t shot) const {
   return record;
 }
 
+std::string Store::sealed_text(std::int64_t shot) const {
+  Statement s(impl_->db, "SELECT sealed FROM record WHERE shot_id = ?");
+  return s.bind(shot).step() ? s.text(0) : std::string();
+}
+
 std::optional<Events> Store::load_events(std::int64_t shot) const {
   Statement s(
       impl_->db,

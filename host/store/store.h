@@ -114,6 +114,8 @@ class Store {
 
   /// Throws StoreError when the samples do not match their hash.
   Record load_record(std::int64_t shot) const;
+  /// The rig's sealed shot as it came, without the samples; empty: none.
+  std::string sealed_text(std::int64_t shot) const;
   /// The newest events of a shot.
   std::optional<Events> load_events(std::int64_t shot) const;
   void store_events(std::int64_t shot, const Events&, const ExtractionInfo&);

@@ -41,7 +41,10 @@ struct Bench {
     return c;
   }
 
-  double phase_at(double sample) const { return phase + 2 * pi * mains_hertz * sample / rate; }
+  double phase_at(double sample) const {
+    const double t = sample / rate;
+    return phase + 2 * pi * mains_hertz * t + hunting * std::sin(2 * pi * hunting_hertz * t);
+  }
 
   /// One block of the ideal front end.
   void step(bool emergency_stop = false) {
@@ -98,6 +101,7 @@ struct Bench {
   firmware::FireControl& fire_control() { return controller.fire_control(); }
 
   double mains_hertz, phase;
+  double hunting = 0, hunting_hertz = 2;  ///< rad, Hz: swing of the phase
   bool mains_on = true, shorted = false;
   bool owner_present = true;  ///< stands for a heartbeat in every block
   int current = 8000;

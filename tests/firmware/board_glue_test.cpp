@@ -107,8 +107,9 @@ TEST_CASE("the block queue keeps order, and drops the newest when the reader is 
 TEST_CASE("any alarm reaches the controller as an open stop chain") {
   using port::Alarms;
   port::BlockQueue<2, 2> queue;
-  for (const Alarms& alarms : {Alarms{}, Alarms{.stop_open = true}, Alarms{.supply_low = true},
-                               Alarms{.cut_off = true}, Alarms{.no_crystal = true}}) {
+  for (const Alarms& alarms :
+       {Alarms{}, Alarms{.stop_open = true}, Alarms{.supply_low = true}, Alarms{.cut_off = true},
+        Alarms{.no_crystal = true}, Alarms{.relay_in = true}}) {
     auto* slot = queue.free_slot();
     REQUIRE(slot != nullptr);
     slot->alarms = alarms;
@@ -118,6 +119,7 @@ TEST_CASE("any alarm reaches the controller as an open stop chain") {
     CHECK(block.brown_out == alarms.supply_low);
     CHECK(block.comparator_trip == alarms.cut_off);
     CHECK(block.clock_failed == alarms.no_crystal);
+    CHECK(block.relay_in == alarms.relay_in);
     queue.release();
   }
   CHECK_FALSE(Alarms{}.any());

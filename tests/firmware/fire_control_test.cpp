@@ -109,8 +109,37 @@ TEST_CASE("set-points out of range are refused, never clamped", "[fire]") {
   CHECK(f.set_closing_angle(36000) == Refusal::out_of_range);
   CHECK(f.set_hold_time_ms(0) == Refusal::out_of_range);
   CHECK(f.set_hold_time_ms(10'001) == Refusal::out_of_range);
+  CHECK(f.set_angle_tolerance(9) == Refusal::out_of_range);
+  CHECK(f.set_angle_tolerance(90'001) == Refusal::out_of_range);
   CHECK(f.closing_angle() == 0);
   CHECK(f.hold_time_ms() == 100);
+  CHECK(f.tolerance_millideg() == 1000);
+}
+
+TEST_CASE("a shot is fired within the tolerance it was armed with, or not at all", "[fire][phase]") {
+  const auto fired_on_hunting_mains = [](std::int64_t tolerance) {
+    Bench b;
+    b.hunting = radians(3);
+    auto& f = b.fire_control();
+    REQUIRE(f.set_angle_tolerance(tolerance) == Refusal::accepted);
+    b.run(0.1);
+    REQUIRE(f.arm() == Refusal::accepted);
+    CHECK(f.set_angle_tolerance(1000) == Refusal::wrong_state);
+    b.run(0.5);
+    REQUIRE(f.fire() == Refusal::accepted);
+    b.run(1.5);
+    INFO(tolerance << " millidegrees: u " << f.angle_deviation() * 360 << " deg, " << name(f.state()));
+    if (b.history.empty()) {
+      CHECK(f.fault() == Fault::phase_invalid);
+      return false;
+    }
+    CHECK(f.state() == State::captured);
+    CHECK(f.angle_deviation() * 360'000 * 3 <= static_cast<float>(tolerance));
+    CHECK(std::abs(edge_error_deg(b, b.history[0], 0)) * 1e3 < static_cast<double>(tolerance));
+    return true;
+  };
+  CHECK(fired_on_hunting_mains(20'000));
+  CHECK_FALSE(fired_on_hunting_mains(10));
 }
 
 TEST_CASE("the gate has one door, and it is shut unless all conditions hold", "[fire]") {

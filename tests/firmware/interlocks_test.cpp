@@ -112,9 +112,41 @@ TEST_CASE("the safety relay is in from arm to the end of the shot only", "[fault
 TEST_CASE("coil current in the first block after a reset is a fault by itself", "[fault]") {
   FaultBench b;
   b.world.next = 500;  // current at its crest
-  b.world.causes.switch_stuck = b.world.causes.relay_stuck = true;
+  b.world.causes.switch_stuck = b.world.causes.relay_stuck = b.world.relay_in = true;
   b.step();
   CHECK(b.fire_control().fault() == Fault::reset_while_energised);
+}
+
+TEST_CASE("no edge before the relay has been closed for longer than a stuck switch could hide",
+          "[fault][relay]") {
+  FaultBench b;
+  b.world.causes.relay_dead = true;
+  b.arm();
+  REQUIRE(b.fire_control().fire() == firmware::Refusal::accepted);
+  while (b.world.next < b.world.relay_told_at + 9000) b.step();
+  CHECK(b.world.ons == 0);
+  b.world.causes.relay_dead = false;  // 90 ms late: just in time
+  const std::int64_t closed = b.world.next;
+  for (const std::int64_t end = closed + 20'000; b.world.ons == 0 && b.world.next < end;) b.step();
+  REQUIRE(b.world.ons == 1);
+  CHECK(b.world.pin_on_since - closed > b.controller.config().interlocks.stuck_on_samples);
+  CHECK(b.world.pin_on_since - closed <
+        b.controller.config().interlocks.stuck_on_samples + 2 * FaultBench::cycle);
+}
+
+TEST_CASE("a switch that is stuck on is found by arm, before anything is fired", "[fault][relay]") {
+  FaultBench b;
+  b.run(2000);
+  b.world.causes.switch_stuck = true;
+  b.run(5000);
+  CHECK(b.fire_control().fault() == Fault::none);  // the relay is open: no current, no heat
+  CHECK(b.world.last_current < 0);
+  REQUIRE(b.fire_control().arm() == firmware::Refusal::accepted);
+  b.fire_control().fire();
+  b.run(6000);
+  CHECK(b.fire_control().fault() == Fault::coil_stuck_on);
+  CHECK(b.world.ons == 0);
+  CHECK_FALSE(b.world.relay_in);
 }
 
 TEST_CASE("the survivor says on exactly while the gate is on", "[fault]") {

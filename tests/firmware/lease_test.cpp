@@ -218,12 +218,13 @@ TEST_CASE("a sealed shot says what was latched and recorded, under its checksum"
   b.write("hold_time_ms", "20 t");
   b.write("arm", "1 t");
   const std::string armed = b.read("iio:device0 sealed_shot");
-  CHECK(armed.starts_with(
-      "powbench_shot=1 stage=armed boot=b%201 shot=1 model=a%3db%25 serial=S firmware=1.2 "
-      "commit=0123456789ab-dirty board=B image=1234abcd config=" +
-      b.read("iio:device0 config_crc32") +
-      " calibration=none angle_centideg=0 hold_ms=20 touch_us=0 sample_rate=100000 samples=3000 "
-      "seal="));
+  CHECK(
+      armed.starts_with("powbench_shot=1 stage=armed boot=b%201 shot=1 model=a%3db%25 serial=S firmware=1.2 "
+                        "commit=0123456789ab-dirty board=B image=1234abcd config=" +
+                        b.read("iio:device0 config_crc32") +
+                        " calibration=none angle_centideg=0 hold_ms=20 touch_us=0 tolerance_mdeg=1000 "
+                        "sample_rate=100000 samples=3000 "
+                        "seal="));
   b.run(0.2);
   b.write("fire", "1 t");
   b.run(0.4);

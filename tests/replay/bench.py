@@ -74,6 +74,10 @@ class Bench:
         assert self.wait_gate(1), self.ctl("last_error")
         return self
 
+    def now(self):
+        """s since the start."""
+        return self.chip.now / HERTZ
+
     def run_us(self, microseconds):
         self.cpu.run(self.chip.now + int(microseconds * US))
 

@@ -164,8 +164,10 @@ def with_offsets(image, report):
     b = Bench(image, world).boot(130)
     report.verdict("current at rest after the start: fault", b.state(), b.state() == ("fault", "16 reset_while_energised"))
     b.command("abort")
-    report.verdict("current at rest after the start: not armed", b.command("arm"), b.ctl("state") == "idle")
-    world.shorted = False
+    report.verdict("current at rest after the start: not armed", f"{b.command('arm')}, {b.ctl('fault')}",
+                   b.state() == ("fault", "21 relay_welded"))
+    world.shorted = world.relay_welded = False
+    b.command("abort")
     b.command("zero_capture")
     world.wait(120)
     report.verdict("current ended: captured on command", b.ctl("zero_capture"), b.command("arm") == 1)

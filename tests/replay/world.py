@@ -25,7 +25,7 @@ class World:
         self.shorted = False  # the coil's switch does not open
         self.coil_open = False
         self.welded = False
-        self.relay_welded = False
+        self.relay_welded = self.relay_dead = False
         self.gate_changes = []  # (s, level)
         self.pump_edges = []  # ticks
         self.received = bytearray()
@@ -65,8 +65,8 @@ class World:
 
     def relay(self, t):
         """The safety relay is in: its pump has moved within the last 10 ms."""
-        if self.relay_welded:
-            return True
+        if self.relay_welded or self.relay_dead:
+            return self.relay_welded
         return len(self.pump_edges) > 1 and t * HERTZ - self.pump_edges[-1] < 0.010 * HERTZ
 
     lag = 0.003  # s, of the coil's current behind its voltage
@@ -114,6 +114,8 @@ class World:
 
     def pin(self, port, number):
         """Level of a digital input."""
+        if (port, number) == ("c", 12):  # a contact to ground that is closed while the relay is out
+            return self.relay(self.chip.now / HERTZ)
         return self.stop_open if (port, number) == ("c", 10) else False
 
     def gate_moved(self, tick, level):

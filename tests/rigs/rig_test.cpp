@@ -6,6 +6,7 @@
 #include "rigs/iio_rig.h"
 #include "rigs/iiod_server.h"
 #include "rigs/registry.h"
+#include "rigs/sealed_shot.h"
 #include "tests/rigs/proxy.h"
 #include "tests/rigs/raw_client.h"
 #include "tests/waiting.h"
@@ -60,6 +61,43 @@ TEST_CASE("a shot through libiio gives a whole record", "[rig]") {
   CHECK(peak > 0.1);
   // film, area and charge amplifier come together as newtons
   CHECK(r.find(Channel::pvdf_a)->scale == Approx(250.0 / 32768).epsilon(1e-6));
+}
+
+TEST_CASE("the rig fires by the tolerance of the plan, and seals it", "[rig]") {
+  const auto rig = open("sim:", {}, {});
+  Conditions c = at(90);
+  c.angle_tolerance = radians(2.5);
+  const Shot wide = rig->fire(c, 5s);
+  REQUIRE(wide.outcome == Outcome::pass);
+  CHECK(wide.record.sealed.find(" tolerance_mdeg=2500 ") != std::string::npos);
+  c.angle_tolerance = radians(0.01);
+  const Shot narrow = rig->fire(c, 5s);
+  REQUIRE(narrow.outcome == Outcome::pass);  // a clean source: known to some thousandths
+  CHECK(narrow.record.sealed.find(" tolerance_mdeg=10 ") != std::string::npos);
+  CHECK(3 * parse_sealed_shot(narrow.record.sealed).angle_u_mdeg <= 10 + 3);  // u is rounded up
+}
+
+TEST_CASE("a safety relay that does not follow is a fault of its own, and nothing is fired without it",
+          "[rig][fault]") {
+  SimRigConfig config;
+  SECTION("it does not close") {
+    config.faults.relay_open = true;
+    const Shot shot = open("sim:", config, {})->fire(at(90), 5s);
+    CHECK(shot.outcome != Outcome::pass);
+    CHECK(shot.interlock);
+    INFO(shot.reason);
+    CHECK(shot.reason.find("does not close") != std::string::npos);
+  }
+  SECTION("it does not open: the first shot is whole, the second is refused") {
+    config.faults.relay_welded = true;
+    const auto rig = open("sim:", config, {});
+    CHECK(rig->fire(at(90), 5s).outcome == Outcome::pass);
+    const Shot second = rig->fire(at(90), 5s);
+    CHECK(second.outcome != Outcome::pass);
+    CHECK(second.interlock);
+    INFO(second.reason);
+    CHECK(second.reason.find("does not open") != std::string::npos);
+  }
 }
 
 TEST_CASE("equal conditions and seed give equal records, on one rig and on two", "[rig]") {

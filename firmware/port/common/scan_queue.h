@@ -67,12 +67,13 @@ class HalfOrder {
   bool second_ = false;  ///< the second half is expected next
 };
 
-/// What the board found out about itself while a block was collected. Any of it keeps the coil off.
+/// What the board found out about itself while a block was collected. Any but the last keeps the coil off.
 struct Alarms {
   bool stop_open = false;   ///< the stop chain
   bool supply_low = false;  ///< the supply monitor
   bool cut_off = false;     ///< the gate's hardware cut-off has tripped, or has refused an on edge
   bool no_crystal = false;  ///< the clock is the internal oscillator
+  bool relay_in = false;    ///< read back; for the interlocks to judge
   bool any() const { return stop_open || supply_low || cut_off || no_crystal; }
 };
 
@@ -94,7 +95,8 @@ class BlockQueue {
               .comparator_trip = alarms.cut_off,
               .overrun = overrun,
               .brown_out = alarms.supply_low,
-              .clock_failed = alarms.no_crystal};
+              .clock_failed = alarms.no_crystal,
+              .relay_in = alarms.relay_in};
     }
   };
 

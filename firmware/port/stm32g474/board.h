@@ -48,6 +48,7 @@ inline constexpr unsigned pin_gate = 10;  ///< PA10: TIM1 channel 3, alternate f
 inline constexpr unsigned pin_lamp = 5;   ///< PA5: the board's green lamp, gate on
 inline constexpr unsigned pin_serial_tx = 2;  ///< PA2, alternate function 7, to the virtual serial port
 inline constexpr unsigned pin_serial_rx = 3;  ///< PA3
+inline constexpr unsigned pin_relay = 12;     ///< PC12: closed to ground = relay out, open = relay in
 inline constexpr unsigned pin_stop = 10;      ///< PC10: closed to ground = ready, open = stop
 inline constexpr unsigned pin_charge_pump =
     11;  ///< PC11: toggles while the control step lives and sees no fault

@@ -25,7 +25,7 @@ compile() {
   local object=$1/${2//\//_} small=()
   # what only talks to a host is built small, what a sample waits for is built fast
   case $2 in
-    */sealed_shot.cpp | */calibration.cpp | */controller_calibration.cpp | */bench_devices.cpp | */iiod/*.cpp) small=(-Os) ;;
+    */control_device.cpp | */source_device.cpp | */identity.cpp | */sealed_shot.cpp | */calibration.cpp | */controller_calibration.cpp | */bench_devices.cpp | */iiod/*.cpp) small=(-Os) ;;
   esac
   shift 2
   "$@" "${small[@]}" -o "${object%.cpp}.o"

@@ -109,6 +109,8 @@ void set_up_gate() {
   gpioa().mode(pin_lamp, PinMode::output);
   gpioc().pull(pin_stop, Pull::up);
   gpioc().mode(pin_stop, PinMode::input);
+  gpioc().pull(pin_relay, Pull::up);
+  gpioc().mode(pin_relay, PinMode::input);
   gpioc().mode(pin_charge_pump, PinMode::output);
 }
 
@@ -191,6 +193,10 @@ std::uint16_t gate_counter() {
 
 bool stop_open() {
   return gpioc().idr.any(bit(pin_stop));
+}
+
+bool relay_in() {
+  return gpioc().idr.any(bit(pin_relay));
 }
 
 void pump_safety_relay() {

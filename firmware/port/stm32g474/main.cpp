@@ -168,7 +168,8 @@ extern "C" void samples_handler() {
   const port::Alarms alarms{.stop_open = stop_open() || cut_by(Cut::stop),
                             .supply_low = supply_low() || cut_by(Cut::supply),
                             .cut_off = cut_off_tripped() || refused,
-                            .no_crystal = !b.may_fire};
+                            .no_crystal = !b.may_fire,
+                            .relay_in = relay_in()};
   b.converters.collect(b.queue, alarms);
   b.progress.moved(port::Progress::samples);
   scb().icsr.write(Scb::icsr_pendsv_set);
