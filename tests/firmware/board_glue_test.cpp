@@ -434,6 +434,10 @@ TEST_CASE("an abort is found among the bytes of a line, and nothing else is one"
   CHECK(found("WRITE contactor-ctl arm 1\r\n1") == 0);
   CHECK(found("READ contactor-ctl abort \r\n1") == 0);
   CHECK(found("WRITE contactor-ctl abort 1") == 0);
+  // behind the value of another request, which has no line end
+  CHECK(found("WRITE contactor-ctl fire 3\r\n1 tWRITE contactor-ctl abort 1\r\n1") == 1);
+  CHECK(found("WRITE contactor-ctl fire 50\r\n1 " + std::string(48, 'k') +
+              "WRITE contactor-ctl abort 1\r\n1") == 1);
   // a line too long for any request, and one behind it
   CHECK(found(std::string(60, 'x') + " abort 1\n1") == 0);
   CHECK(found(std::string(60, 'x') + "\nWRITE contactor-ctl abort 1\n1") == 1);

@@ -183,6 +183,9 @@ class Cpu:
         uc = self.uc
         number, _, entered, frame = self.active.pop()
         spent = self.instructions - entered
+        if self.active:  # what interrupted a level is not its own
+            below = self.active[-1]
+            self.active[-1] = (*below[:2], below[2] + spent, below[3])
         runs = self.handlers.setdefault(number, [0, 0, 0])
         self.handlers[number] = [runs[0] + 1, runs[1] + spent, max(runs[2], spent)]
         data = uc.mem_read(frame, 4 * 26)

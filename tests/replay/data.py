@@ -205,7 +205,7 @@ class Usart(Plain):
 
     def status(self):
         room = len(self.fifo_out) < 8
-        return (self.r.get(0x1C, 0) & 15) | (1 << 5 if self.fifo_in else 0) | (1 << 7 if room else 0) | \
+        return (self.r.get(0x1C, 0) & 31) | (1 << 5 if self.fifo_in else 0) | (1 << 7 if room else 0) | \
             (0 if self.sending or self.fifo_out else 1 << 6)
 
     def read(self, offset):
@@ -231,7 +231,16 @@ class Usart(Plain):
             self.feed_dma()
 
     def looked(self, left):
-        self.unseen = False
+        if not self.chip.cpu.active:
+            self.unseen = False
+
+    def _idle(self, last):
+        """No byte for the time of one."""
+        if last == self.last:
+            self.r[0x1C] = self.r.get(0x1C, 0) | 1 << 4
+            if self.r.get(0, 0) >> 4 & 1:
+                self.chip.met("usart_idle")
+                self.chip.cpu.pend(16 + 38)
 
     def _send(self):
         if not self.sending and self.fifo_out and self.r.get(0, 0) & 9 == 9:
@@ -255,7 +264,8 @@ class Usart(Plain):
         """A byte from the line; `flags`: framing 2, noise 4."""
         if self.r.get(0, 0) & 5 != 5:
             return
-        self.unseen = True
+        self.unseen, self.last = True, self.chip.now
+        self.chip.at(self.chip.now + self.byte_ticks(), lambda t, last=self.last: self._idle(last))
         self.r[0x1C] = self.r.get(0x1C, 0) | flags
         if len(self.fifo_in) >= 8:
             self.r[0x1C] |= 8

@@ -63,6 +63,7 @@ RULES = {
     "dma_locked": ("CNDTR, CPAR, CMAR take no write while EN is set", "RM0440 DMA_CCR"),
     "dmamux": ("a channel serves the request in DMAREQ_ID: 5, 36 .. 39 the converters, 26 and 27 USART2, 56 TIM2",
                "RM0440 DMAMUX, table of requests"),
+    "usart_idle": ("IDLE is set one frame after the last byte, requests interrupt 38 with IDLEIE, is cleared by ICR", "RM0440 USART"),
     "usart_frame": ("a byte takes ten bit times of BRR; FIFO of eight; a byte that finds it full sets ORE", "RM0440 USART"),
     # --- core ---
     "exception_frame": ("entry stacks 8 words, and 18 more of the floating-point unit, on an 8-byte boundary", "ARM B1.5"),

@@ -112,6 +112,20 @@ def shot(b, report, degrees=37.0):
     report.broken("shot: rules broken", b)
 
 
+# exception number -> name, most instructions a run in the mean, most in one
+LEVELS = {16 + 15: ("samples", 2000, 2500), 14: ("control", 2000, 3000), 16 + 90: ("background", 4000, 25000),
+          16 + 38: ("serial line", 1500, 3000)}
+
+
+def levels(b, report):
+    """Instructions of each interrupt level since the start, a shot and its record among them."""
+    for number, (name, mean_limit, limit) in LEVELS.items():
+        runs, total, worst = b.cpu.handlers.get(number, [0, 0, 0])
+        mean = total / max(runs, 1)
+        report.verdict(f"instructions: {name}", f"{mean:.0f} a run, worst {worst}, {runs} runs",
+                       runs > 0 and mean <= mean_limit and worst <= limit)
+
+
 def mains_delay(b):
     """s: how much later the mains channel shows its quantity, by the bench's own attribute."""
     b.world.received.clear()
@@ -178,4 +192,5 @@ def run(image, report):
     identity(b, report)
     serial_line(b, report)
     shot(b, report)
+    levels(b, report)
     report.rules.update(b.chip.rules)

@@ -4,7 +4,7 @@ from bench import Bench, branch
 from cpu import HERTZ, US
 
 LIMIT = 120.0  # us, faults.h: stop, overcurrent, lost samples, supply
-BY_WIRE = 400.0  # us from the last byte: the estimate of each millisecond and the steps come first
+BY_WIRE = 120.0  # us from the last byte
 
 
 def edges(b):

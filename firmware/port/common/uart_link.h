@@ -40,8 +40,9 @@ class UartLink {
   std::uint32_t line_errors_ = 0;
 };
 
-/// Finds the request to abort among the bytes of a line while the main loop is busy with an answer: `WRITE DEVICE abort N`
-/// and, behind its line end, the value 1. The request itself is answered in its turn; abort may come twice.
+/// Finds the request to abort among the bytes of a line, whatever stands before it: the value of a request has no line end, and
+/// what a damaged line left behind none either. `WRITE DEVICE abort N` and, behind its line end, the value 1. The request
+/// itself is answered in its turn; abort may come twice.
 class AbortScan {
  public:
   /// True when the byte completes the request.
@@ -52,20 +53,29 @@ class AbortScan {
       if (c == '1') return true;
     }
     if (c != '\n') {
-      if (length_ < line_.size()) line_[length_] = c;
-      ++length_;
+      tail_[length_++ % tail_.size()] = c;
       return false;
     }
-    const std::string_view line(line_.data(), length_ <= line_.size() ? length_ : 0);
+    value_next_ = asks_to_abort();
     length_ = 0;
-    constexpr std::string_view verb = "WRITE ", name = " abort ";
-    value_next_ = line.find(name) != line.npos && line.size() >= verb.size() &&
-                  iiod::same_word(line.substr(0, verb.size()), verb);
     return false;
   }
 
  private:
-  std::array<char, 48> line_{};
+  bool asks_to_abort() const {
+    std::array<char, 48> line{};
+    const std::size_t n = length_ < tail_.size() ? length_ : tail_.size();
+    for (std::size_t i = 0; i < n; ++i) line[i] = tail_[(length_ - n + i) % tail_.size()];
+    const std::string_view text(line.data(), n);
+    constexpr std::string_view verb = "WRITE ", name = " abort ";
+    const std::size_t end = text.find(name);
+    if (end == text.npos) return false;
+    for (std::size_t i = 0; i + verb.size() <= end; ++i)
+      if (iiod::same_word({line.data() + i, verb.size()}, verb)) return true;
+    return false;
+  }
+
+  std::array<char, 48> tail_{};  ///< the last characters of the line
   std::size_t length_ = 0;
   bool value_next_ = false;
 };

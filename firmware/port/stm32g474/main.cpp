@@ -34,8 +34,6 @@ namespace {
 
 constexpr ControllerConfig configuration = controller_config();
 
-void listen();
-
 struct Board {
   CalibrationFlash calibrations;
   Controller controller{configuration, record_memory};
@@ -45,7 +43,7 @@ struct Board {
   Converters converters;
   Converters::Queue queue;
   port::GateTimer gate{time_base};
-  Serial serial{progress, listen};
+  Serial serial{progress};
   port::AbortScan aborts;
   bool may_fire = false;                  ///< the crystal runs
   std::atomic<bool> gate_refused{false};  ///< an on edge met an active cut-off
@@ -114,17 +112,15 @@ std::span<const iiod::ContextAttribute> identify(Identity& id, bool crystal, std
   return id.attributes;
 }
 
-/// An abort is heard at any time, also while a record is on its way out for half a second.
-void listen() {
-  Board& b = board();
+/// An abort is heard at any time: while the estimate is computed, while a record is on its way out for half a second. On the
+/// level of the control step, which nothing that touches the controller interrupts.
+void listen(Board& b) {
   for (auto bytes = b.serial.overheard(); !bytes.empty(); bytes = b.serial.overheard()) {
-    for (const std::uint8_t byte : bytes) {
-      if (!b.aborts.take(byte)) continue;
-      controller_lock(true);
-      b.controller.fire_control().stop();  // what goes beyond stopping, the request does in its turn
-      controller_lock(false);
-    }
+    for (const std::uint8_t byte : bytes)
+      if (b.aborts.take(byte))
+        b.controller.fire_control().stop();  // what goes beyond stopping, the request does in its turn
   }
+  hold_inhibited_gate(b);
 }
 
 /// CRC-32 of the program in flash, the same as of board.bin.
@@ -146,7 +142,6 @@ void store_calibration(Board& b) {
   iiod::Responder responder(context);
   port::UartLink link(responder);
   for (;;) {
-    listen();
     if (b.serial.line_error()) link.line_error();
     const auto bytes = b.serial.received();
     if (!bytes.empty()) link.take(bytes, b.serial);
@@ -193,7 +188,15 @@ extern "C" void control_handler() {
     b.progress.moved(port::Progress::control);
     nvic().pend(irq_background);
   }
+  listen(b);  // a line that is never idle
   if (b.progress.may_feed()) feed_watchdog();
+}
+
+/// The line has been idle for the time of a byte.
+extern "C" void serial_handler() {
+  Board& b = board();
+  b.serial.note_idle();
+  listen(b);
 }
 
 /// What may take longer than a block.
@@ -229,6 +232,7 @@ extern "C" [[noreturn]] void run_bench() {
       {.commit = POWBENCH_COMMIT, .board_id = identity.serial.view(), .image_crc32 = image_crc32()});
   scb().shpr[2].change(0xFFU << 16, std::uint32_t{priority_control} << 16);  // PendSV
   nvic().enable(irq_background, priority_background);
+  nvic().enable(irq_usart2, priority_control);
   b.converters.set_up();
   b.serial.set_up();
   start_sampling();

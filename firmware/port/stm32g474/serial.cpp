@@ -29,7 +29,8 @@ void Serial::set_up() {
 
   usart2().brr.write(core_hertz / baud);
   usart2().cr3.write(Usart::cr3_receive_dma);
-  usart2().cr1.write(Usart::cr1_fifo | Usart::cr1_transmit | Usart::cr1_receive | Usart::cr1_enable);
+  usart2().cr1.write(Usart::cr1_fifo | Usart::cr1_idle | Usart::cr1_transmit | Usart::cr1_receive |
+                     Usart::cr1_enable);
 }
 
 std::size_t Serial::written() const {
@@ -43,6 +44,10 @@ std::span<const std::uint8_t> Serial::received() {
 
 std::span<const std::uint8_t> Serial::overheard() {
   return listener_.fresh(ring_, written());
+}
+
+void Serial::note_idle() {
+  usart2().icr.write(Usart::isr_idle);
 }
 
 bool Serial::line_error() {
@@ -66,7 +71,6 @@ void Serial::transmit(std::span<const std::uint8_t> bytes) {
       // only bytes that leave are progress: a line that stands still has to end in the watchdog
       if (left != before) progress_.moved(port::Progress::main_loop);
       before = left;
-      listen_();
     }
     channel.ccr.write(0);
     bytes = bytes.subspan(n);
@@ -77,7 +81,8 @@ void Serial::transmit(std::span<const std::uint8_t> bytes) {
 void Serial::put(std::span<const std::uint8_t> bytes) {
   if (bytes.size() >= transmit_by_dma) return transmit(bytes);
   for (const std::uint8_t byte : bytes) {
-    while (!usart2().isr.any(Usart::isr_room)) listen_();
+    while (!usart2().isr.any(Usart::isr_room)) {
+    }
     usart2().tdr.write(byte);
     progress_.moved(port::Progress::main_loop);  // 5 us a byte: a long answer is progress too
   }

@@ -75,7 +75,7 @@ function trace(f,    text) {
 END {
   n = split("run_bench background_handler control_handler samples_handler pvd_handler", entry, " ")
   for (i = 1; i <= n; ++i) is_entry[entry[i]] = 1
-  is_entry["reset_handler"] = is_entry["start_up"] = is_entry["stop_handler"] = is_entry["fault_handler"] = is_entry["fault_reset"] = 1
+  is_entry["reset_handler"] = is_entry["start_up"] = is_entry["stop_handler"] = is_entry["serial_handler"] = is_entry["fault_handler"] = is_entry["fault_reset"] = 1
   for (f in size) if ((short(f) in taken) && !(f in is_entry)) root[++roots] = f
   for (i = 1; i <= n; ++i) {
     if (!(entry[i] in size)) { print "missing " entry[i]; unbounded = 1 }

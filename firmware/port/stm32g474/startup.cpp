@@ -24,6 +24,7 @@ void control_handler();
 void background_handler();
 void samples_handler();
 void pvd_handler();
+void serial_handler();
 
 // Gate low first. Then every word of RAM that has a parity bit is written, because after power-on reading one that nothing
 // has written is an error: the first 32 KiB, and the CCM RAM at the end. What outlives a reset lies between the two.
@@ -120,6 +121,7 @@ constexpr VectorTable make_vectors() {
   table.exceptions[13] = control_handler;  // PendSV
   table.interrupts[irq_pvd] = pvd_handler;
   table.interrupts[irq_dma1_channel5] = samples_handler;
+  table.interrupts[irq_usart2] = serial_handler;
   table.interrupts[irq_exti_10_to_15] = stop_handler;
   table.interrupts[irq_background] = background_handler;
   return table;

@@ -45,6 +45,7 @@ inline Nvic& nvic() {
 enum Irq : unsigned {
   irq_pvd = 1,
   irq_dma1_channel5 = 15,
+  irq_usart2 = 38,
   irq_exti_10_to_15 = 40,
   irq_background = 90,
   irq_count = 102

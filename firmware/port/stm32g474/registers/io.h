@@ -69,11 +69,11 @@ inline constexpr std::uint32_t request_adc[] = {5, 36, 37, 38, 39}, request_usar
 struct Usart {
   Register cr1, cr2, cr3, brr, gtpr, rtor, rqr, isr, icr, rdr, tdr, presc;
   static constexpr std::uint32_t cr1_enable = bit(0), cr1_receive = bit(2), cr1_transmit = bit(3),
-                                 cr1_fifo = bit(29);
+                                 cr1_idle = bit(4), cr1_fifo = bit(29);
   static constexpr std::uint32_t cr3_receive_dma = bit(6), cr3_transmit_dma = bit(7);
   static constexpr std::uint32_t isr_line_errors =
       15U;  ///< parity, framing, noise, overrun; the same bits clear them
-  static constexpr std::uint32_t isr_room = bit(7);
+  static constexpr std::uint32_t isr_idle = bit(4), isr_room = bit(7);  ///< icr clears idle by the same bit
 };
 static_assert(offsetof(Usart, brr) == 0x0C && offsetof(Usart, isr) == 0x1C && offsetof(Usart, tdr) == 0x28);
 inline Usart& usart2() {
