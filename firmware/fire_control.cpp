@@ -123,7 +123,6 @@ void FireControl::abort() {
   }
   state_ = State::idle;
   fault_ = Fault::none;
-  relay_closed_ = true;
   last_error_ = "no error";
 }
 
@@ -203,7 +202,6 @@ void FireControl::trip(Fault fault, std::int64_t next_sample) {
   gate_.force_off(next_sample);
   token_ = fired_ = planned_ = false;
   if (state_ != State::captured) recorder_->discard();
-  if (info(fault).reaction == Reaction::open_relay) relay_closed_ = false;
   state_ = State::fault;
   fault_ = fault;
   last_error_ = reason(fault);

@@ -104,11 +104,8 @@ class FireControl {
   /// The gate pin must be low, whatever edges the timer still holds. A port applies it after every command
   /// and every block (timer break), so that an abort is not one block late.
   bool gate_inhibited() const { return state_ != State::firing; }
-  /// The safety relay in the coil's supply shall be closed: from arm to the end of the shot, and never in a fault that
-  /// needs it open.
-  bool relay_closed() const {
-    return relay_closed_ && (state_ == State::armed || state_ == State::firing || !gate_.idle());
-  }
+  /// The safety relay in the coil's supply shall be closed: from arm to the end of the shot, and never in a fault.
+  bool relay_closed() const { return state_ == State::armed || state_ == State::firing; }
   /// The last shot is still ending by itself: current dies out, contact opens. Bounded by the weld time.
   bool settling() const;
   /// Nothing may be written to flash: the supply sags or the coil is on.
@@ -175,10 +172,9 @@ class FireControl {
   std::int64_t tolerance_millideg_ = 1000;
   LatchedShot latched_{};
   std::uint32_t deadlines_missed_ = 0, operations_ = 0;
-  bool token_ = false;    ///< armed and not yet fired
-  bool fired_ = false;    ///< the token is spent, the edge not yet committed
-  bool planned_ = false;  ///< a crossing has been chosen; only its instant is refined
-  bool relay_closed_ = true;
+  bool token_ = false;           ///< armed and not yet fired
+  bool fired_ = false;           ///< the token is spent, the edge not yet committed
+  bool planned_ = false;         ///< a crossing has been chosen; only its instant is refined
   Interlocks::GateView view_{};  ///< gate and relay, as of the last block
   bool config_damaged_ = false;
   bool stored_lost_ = false;    ///< a calibration was stored, and cannot be read

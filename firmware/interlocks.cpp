@@ -228,8 +228,7 @@ bool Interlocks::present(Fault fault) const {
     case Fault::relay_welded:
       return relay_in_;
     case Fault::contact_welded:  // closed now, and not only for the moment of a bounce
-      return config_->contact_open_counts != 0 && last_closed_ >= next_sample_ - block_length_ &&
-             next_sample_ - last_open_ > config_->contact_open_samples;
+      return config_->contact_open_counts != 0 && next_sample_ - last_open_ > config_->contact_open_samples;
     default:
       return false;
   }

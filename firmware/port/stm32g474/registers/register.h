@@ -4,7 +4,7 @@
 #include <cstdint>
 
 /// One 32-bit peripheral register. The structs in this folder were written by hand from the reference manual RM0440 and
-/// compared once, offset by offset and bit by bit, with the manufacturer's public device header (docs/board.md).
+/// are compared with the manufacturer's public device header by compare_header.py.
 
 namespace powbench::firmware::stm32g474 {
 
