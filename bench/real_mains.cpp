@@ -14,6 +14,7 @@
 #include "bench/phase_peers.h"
 #include "core/units.h"
 #include "host/import/comtrade.h"
+#include "host/import/wav.h"
 
 /// The phase tracker on recordings of mains that nobody here made, beside a SOGI-PLL and a zero-crossing controller:
 /// WAV (16 bit, first channel), COMTRADE (first voltage) and lines of single cycles (CSV), in a folder.
@@ -200,31 +201,12 @@ std::string bytes_of(const fs::path& path) {
   return {std::istreambuf_iterator<char>(in), {}};
 }
 
-std::uint32_t word(const std::string& bytes, std::size_t at, int length) {
-  std::uint32_t value = 0;
-  for (int i = 0; i < length && at + static_cast<std::size_t>(i) < bytes.size(); ++i)
-    value |= static_cast<std::uint32_t>(static_cast<unsigned char>(bytes[at + static_cast<std::size_t>(i)]))
-             << (8 * i);
-  return value;
-}
-
 Recording read_wav(const fs::path& path) {
-  const std::string bytes = bytes_of(path);
-  Recording r{.name = path.filename().string()};
-  std::uint32_t channels = 1;
-  for (std::size_t at = 12; at + 8 <= bytes.size();
-       at += 8 + word(bytes, at + 4, 4) + word(bytes, at + 4, 4) % 2) {
-    const std::string kind = bytes.substr(at, 4);
-    if (kind == "fmt ") {
-      channels = std::max(word(bytes, at + 10, 2), 1U);
-      r.rate = word(bytes, at + 12, 4);
-      if (word(bytes, at + 8, 2) != 1 || word(bytes, at + 22, 2) != 16) return {};
-    }
-    if (kind != "data") continue;
-    const std::size_t end = std::min(bytes.size() - 1, at + 8 + word(bytes, at + 4, 4));
-    for (std::size_t i = at + 8; i + 1 < end + 1 && i + 1 < bytes.size(); i += std::size_t{2} * channels)
-      r.value.push_back(static_cast<std::int16_t>(word(bytes, i, 2)));
-  }
+  const host::CsvTable table = host::parse_wav(bytes_of(path), path.string());
+  Recording r{.name = path.filename().string(), .value = table.columns[1]};
+  const std::vector<double>& time = table.columns[0];
+  r.rate = static_cast<double>(time.size() - 1) / (time.back() - time.front());
+  for (double& v : r.value) v *= 32768;
   return r;
 }
 

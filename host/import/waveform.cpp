@@ -17,6 +17,8 @@
 #include "host/import/comtrade.h"
 #include "host/import/counts.h"
 #include "host/import/csv_table.h"
+#include "host/import/lvm.h"
+#include "host/import/wav.h"
 
 namespace powbench::host {
 
@@ -337,6 +339,8 @@ Imported import_file(const std::filesystem::path& path,
   std::ifstream in(path, std::ios::binary);
   if (!in) throw BadInput({name + ": cannot be read: " + std::strerror(errno != 0 ? errno : ENOENT)});
   const std::string text(std::istreambuf_iterator<char>(in), {});
+  if (is_wav(path)) return Importer(name, k, beside.string()).run(parse_wav(text, name), today_text());
+  if (is_lvm(path)) return Importer(name, k, beside.string()).run(parse_lvm(text, name), today_text());
   return import_waveform(text, name, k, beside.string(), today_text());
 }
 

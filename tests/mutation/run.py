@@ -2,7 +2,9 @@
 """Mutants of the firmware's safety code: run.py BUILD [NUMBER...]. BUILD is a release build with test_firmware built.
 
 Each mutant changes one token of fire control, interlocks, recorder or gate; the file is compiled alone, linked into a copy of
-test_firmware, and the copy run. A mutant that no test notices is a survivor. The sources are not touched. Not part of
+test_firmware, and the copy run. A mutant that no test notices is a survivor. Three are known, each a second lock behind a first
+one: the permit's config_intact (a damaged configuration has tripped by then), quiet_samples (shorter than the quarter of the
+stuck-on time that the coil has to be quiet anyway), the one-shot token (fire has left `armed` by then). The sources are not touched. Not part of
 continuous integration: a mutant takes some 20 s.
 """
 
@@ -104,7 +106,7 @@ def try_mutant(build, number, folder):
         if unit.startswith("tests/"):  # several tests are compiled as one file
             whole = next(p for p in (build / "tests/firmware/CMakeFiles/test_firmware.dir/Unity").glob("*.cxx")
                          if unit in p.read_text())
-            words, directory = command_of(build, f"/{whole.name}")
+            words, directory = command_of(build, str(whole.relative_to(build)))
             place = whole
         else:
             words, directory = command_of(build, f"/{unit}")
