@@ -9,6 +9,7 @@ from collections import Counter
 import rules
 from bench import Image, Report, branch
 import scenario_calibration
+import scenario_faults
 import scenario_model
 import scenario_relay
 import scenario_reset
@@ -16,7 +17,7 @@ import scenario_shot
 import scenario_stop
 
 SCENARIOS = {"model": scenario_model.run, "parity": scenario_model.parity, "calibration": scenario_calibration.run, "torn": scenario_calibration.torn,
-              "shot": scenario_shot.run, "offsets": scenario_shot.with_offsets, "sending": scenario_stop.abort_while_sending, "relay": scenario_relay.run, "lost": scenario_stop.lost_samples,
+              "shot": scenario_shot.run, "offsets": scenario_shot.with_offsets, "sending": scenario_stop.abort_while_sending, "relay": scenario_relay.run, "faults": scenario_faults.run, "lost": scenario_stop.lost_samples,
              "supply": scenario_reset.supply, "options": scenario_reset.options, "crystal": scenario_reset.crystal,
              "hang": scenario_reset.hang, "crash": scenario_reset.crash, "clock": scenario_reset.stop_clock,
              "stop": scenario_stop.run}
