@@ -112,8 +112,11 @@ class Reader {
       step_ = value(cells[1]);
       if (!(step_ > 0)) refuse_line(fmt::format("Delta_X {}; above 0 s", cells[1]));
     }
-    if (cells[0] == "Channels")
-      channels_ = static_cast<std::size_t>(std::max(0.0, std::floor(value(cells[1]))));
+    if (cells[0] == "Channels") {
+      const double n = value(cells[1]);
+      if (!(n >= 1 && n <= 64)) refuse_line(fmt::format("{} channels; allowed 1 to 64", cells[1]));
+      channels_ = static_cast<std::size_t>(n);
+    }
   }
 
   void take_labels(const std::vector<std::string_view>& cells) {

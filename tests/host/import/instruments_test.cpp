@@ -151,6 +151,7 @@ TEST_CASE("what is wrong with an LVM file is said with its line", "[import][lvm]
              Contains("x:2: X_Columns Multi"));
   CHECK_THAT(complaint(parse_lvm, "LabVIEW Measurement\nDelta_X\t0\n"),
              Contains("x:2: Delta_X 0; above 0 s"));
+  CHECK_THAT(complaint(parse_lvm, "LabVIEW Measurement\nChannels\t1e300\n"), Contains("x:2: 1e300 channels"));
   Random random(5);
   for (int i = 0; i < 20'000; ++i) {
     std::string bytes = lvm;
