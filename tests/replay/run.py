@@ -11,6 +11,7 @@ from bench import Image, Report, branch
 import scenario_calibration
 import scenario_faults
 import scenario_model
+import scenario_port
 import scenario_relay
 import scenario_reset
 import scenario_shot
@@ -20,7 +21,7 @@ SCENARIOS = {"model": scenario_model.run, "parity": scenario_model.parity, "cali
               "shot": scenario_shot.run, "offsets": scenario_shot.with_offsets, "sending": scenario_stop.abort_while_sending, "relay": scenario_relay.run, "faults": scenario_faults.run, "lost": scenario_stop.lost_samples,
              "supply": scenario_reset.supply, "options": scenario_reset.options, "crystal": scenario_reset.crystal,
              "hang": scenario_reset.hang, "crash": scenario_reset.crash, "clock": scenario_reset.stop_clock,
-             "stop": scenario_stop.run}
+             "stop": scenario_stop.run, "port": scenario_port.run}
 
 
 def print_rules():
