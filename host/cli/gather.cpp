@@ -187,6 +187,50 @@ double phase_deviation(const Store& store, const StoredShot& shot) {
   }
 }
 
+TestRecord gather_test_record(const Store& store, const CampaignInfo& c) {
+  TestRecord record = stored_plan(c).test;
+  for (const Annotation& a : store.annotations(c.id))
+    stored_text(c, [&] { return complete(record, a.key, a.text), 0; });
+  return record;
+}
+
+ReportInput gather_shot(const Store& store, std::int64_t id) {
+  const StoredShot wanted = store.shot(id);
+  const CampaignInfo c = store.campaign(wanted.campaign);
+  const RunOptions options = run_options(stored_plan(c));
+  ReportInput input;
+  input.campaign = c.name;
+  input.specimen = stored_specimen(c).name;
+  input.origin = wanted.kind == ShotKind::simulated ? Origin::simulation : c.origin;
+  std::vector<AngleGroup> groups;
+  for (const StoredShot& s : store.shots(c.id)) {
+    const bool beside = s.kind == ShotKind::simulated && wanted.kind == ShotKind::measured &&
+                        input.simulated.empty() &&
+                        same_angle(radians(s.angle_deg), radians(wanted.angle_deg));
+    if ((s.id != id && !beside) || s.record_hash.empty()) continue;
+    Record record = store.load_record(s.id);
+    record.conditions = s.conditions;
+    const auto events = store.load_events(s.id);
+    AngleGroup& group = group_at(groups, radians(s.angle_deg));
+    if (events) (s.kind == ShotKind::measured ? group.measured : group.simulated).push_back(*events);
+    auto waves = waveforms(record, options.extract);
+    if (beside && events)
+      input.simulated.push_back({radians(s.angle_deg), *events, std::move(waves)});
+    else if (s.id == id)
+      input.shots.push_back({.index = static_cast<int>(s.id),
+                             .conditions = s.conditions,
+                             .outcome = s.outcome,
+                             .reason = s.reason,
+                             .events = events,
+                             .phase_u = phase_deviation(store, s),
+                             .waveforms = std::move(waves),
+                             .record_hash = s.record_hash});
+  }
+  if (input.shots.empty()) throw StoreError("shot " + std::to_string(id) + " has no record: nothing to draw");
+  input.comparison = compare(std::move(groups), {}, {}, Decision::simple);
+  return input;
+}
+
 ReportInput gather_report(const Store& store, const CampaignInfo& c, const std::string& database) {
   const Plan plan = stored_plan(c);
   const sim::Specimen specimen = stored_specimen(c);
@@ -200,6 +244,10 @@ ReportInput gather_report(const Store& store, const CampaignInfo& c, const std::
   input.decision = plan.decision;
   input.most_from_simulation = plan.limits_vs_simulation;
   input.angle_tolerance = plan.angle_tolerance;
+  input.test = gather_test_record(store, c);
+  const auto annotations = store.annotations(c.id);
+  input.annotations = annotations.size();
+  if (!annotations.empty()) input.annotated = annotations.back().created;
   input.provenance = provenance(store, c, plan, shots, database);
   input.limits = options.limits;
   if (names_published(specimen)) input.published = published_rows();

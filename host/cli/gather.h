@@ -24,6 +24,12 @@ Comparison compare_stored(const Store&, const CampaignInfo&);
 /// How far the simulated curves of a campaign are from the measured ones, by closing angle.
 std::vector<CurveRow> gather_curves(const Store&, const CampaignInfo&);
 
+/// The plan's test record with what the annotations add, and the day on which the campaign began.
+TestRecord gather_test_record(const Store&, const CampaignInfo&);
+
+/// One measured or simulated shot with all its channels, and the simulation of its angle where there is one.
+ReportInput gather_shot(const Store&, std::int64_t shot);
+
 /// Everything the report shows; waveforms of at most 60 measured closings.
 ReportInput gather_report(const Store&, const CampaignInfo&, const std::string& database);
 

@@ -174,6 +174,30 @@ void add_plan_verbs(CLI::App& app) {
 void add_result_verbs(CLI::App& app) {
   auto list = std::make_shared<ResultArgs>();
   add_result_options(verb(app, "campaigns", "List the campaigns in a store", list, list_campaigns), *list);
+  auto shots = std::make_shared<ResultArgs>();
+  add_result_options(verb(app, "shots", "List the shots of a campaign: angle reached, touch, bounce, outcome",
+                          shots, list_shots),
+                     *shots);
+  auto shown = std::make_shared<ShotArgs>();
+  CLI::App* one =
+      verb(app, "show", "One shot: what was asked, by whom it was made, what came out", shown, show_shot);
+  one->add_option("shot", shown->shot, "shot id, as `powbench shots` lists it")->required();
+  add_result_options(one, *shown);
+  auto drawn = std::make_shared<ShotArgs>();
+  CLI::App* plot =
+      verb(app, "plot", "Draw the channels of a shot, with the simulation of its angle", drawn, plot_shot);
+  plot->add_option("shot", drawn->shot, "shot id, as `powbench shots` lists it")->required();
+  plot->add_option("-o,--output", drawn->file, "picture to write, .svg or .html; shot-ID.svg if left out");
+  add_result_options(plot, *drawn);
+  auto note = std::make_shared<AnnotateArgs>();
+  CLI::App* annotated = verb(
+      app, "annotate", "Complete a campaign's test record; without KEY list what was added", note, annotate);
+  annotated->add_option("key", note->key,
+                        "customer, order, device, serial, rating, standard, operator, remarks or instrument");
+  annotated->add_option(
+      "text", note->text,
+      "its text; of an instrument \"NAME; CERTIFICATE; LAST DAY\", the last as 2030-12-31 or left out");
+  add_result_options(annotated, *note);
   auto events = std::make_shared<EventsArgs>();
   CLI::App* show =
       verb(app, "events", "Extract the events of a stored shot or of a waveform file", events, show_events);
@@ -193,16 +217,19 @@ void add_result_verbs(CLI::App& app) {
   show->add_option("--min-opening-us", events->min_opening_us, "lab rule: shorter openings count as closed")
       ->check(CLI::Range(0.0, 1e5));
   add_result_options(show, *events);
-  auto comparison = std::make_shared<ResultArgs>();
-  add_result_options(
-      verb(app, "compare", "Measured beside simulated beside published", comparison, compare_campaign),
-      *comparison);
+  auto comparison = std::make_shared<CompareArgs>();
+  CLI::App* compared = verb(app, "compare", "Measured beside simulated beside published; or two campaigns",
+                            comparison, compare_campaigns);
+  compared->add_option("campaigns", comparison->pair, "two campaign ids: the second against the first")
+      ->expected(2);
+  add_result_options(compared, *comparison);
   auto report = std::make_shared<ReportArgs>();
   CLI::App* write =
-      verb(app, "report", "Write report (HTML) and JUnit XML of a campaign", report, write_report);
+      verb(app, "report", "Write report (HTML, PDF) and JUnit XML of a campaign", report, write_report);
   add_result_options(write, *report);
   write->add_option("-o,--output", report->folder, "folder to write into; made if missing")
       ->capture_default_str();
+  write->add_flag("--pdf", report->pdf, "print report.pdf too, with an installed Chromium");
   auto exported = std::make_shared<ExportArgs>();
   CLI::App* out =
       verb(app, "export", "Write the waveforms of a stored shot for other programs", exported, export_shot);

@@ -9,6 +9,7 @@
 #include "dsp/core_seat.h"
 #include "dsp/extract.h"
 #include "host/cli/gather.h"
+#include "host/cli/pdf.h"
 #include "host/cli/scene.h"
 #include "host/cli/show.h"
 #include "host/cli/verbs.h"
@@ -286,6 +287,7 @@ Exit write_report(const ReportArgs& args) {
   const std::filesystem::path folder(args.folder);
   write_file(folder / "report.html", render_html(input));
   write_file(folder / "junit.xml", render_junit(input));
+  if (args.pdf) print_pdf(folder / "report.html", folder / "report.pdf");
   const Outcome outcome = verdict(input);
   if (args.json)
     fmt::print("{}\n", Json{{"report", (folder / "report.html").string()},

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "core/outcome.h"
 
@@ -86,6 +87,24 @@ struct ResultArgs {
 Exit list_campaigns(const ResultArgs&);
 Exit compare_campaign(const ResultArgs&);
 
+struct AnnotateArgs : ResultArgs {
+  std::string key, text;  ///< both empty: list what is there
+};
+Exit annotate(const AnnotateArgs&);
+Exit list_shots(const ResultArgs&);
+
+struct ShotArgs : ResultArgs {
+  std::int64_t shot = 0;
+  std::string file;  ///< picture to write: .svg or .html
+};
+Exit show_shot(const ShotArgs&);
+Exit plot_shot(const ShotArgs&);
+
+struct CompareArgs : ResultArgs {
+  std::vector<std::int64_t> pair;  ///< none: measured beside simulated; two campaigns: before and after
+};
+Exit compare_campaigns(const CompareArgs&);
+
 struct EventsArgs : ResultArgs {
   std::string shot;                       ///< id of a stored shot, or a waveform file
   std::string calibration;                ///< of a waveform file; "" = the one beside it
@@ -106,6 +125,7 @@ Exit import_waveform_file(const ImportArgs&);
 
 struct ReportArgs : ResultArgs {
   std::string folder = "out";
+  bool pdf = false;  ///< printed by a browser, where one is installed
 };
 Exit write_report(const ReportArgs&);
 

@@ -76,6 +76,10 @@ Field& FileKind::text(std::string key, std::string& target, std::string meaning)
   return add(std::move(key), &target, {}, std::move(meaning), Need::defaulted);
 }
 
+Field& FileKind::texts(std::string key, Texts target, std::string meaning) {
+  return add(std::move(key), std::move(target), {}, std::move(meaning), Need::defaulted);
+}
+
 Field& FileKind::words_field(std::string key, Choice choice, std::string meaning) {
   std::string allowed;
   for (const auto& word : choice.words) allowed += (allowed.empty() ? "" : ", ") + quoted(word);
@@ -122,6 +126,12 @@ std::string value_text(const Field& field) {
                         [&](const Accessor& a) { return from_si(a.get(), unit); },
                         [](const Choice& c) { return quoted(c.words[c.get()]); },
                         [&](const Sweep& s) { return list_text(*s.values, unit); },
+                        [](const Texts& t) {
+                          std::string list;
+                          for (const auto& text : *t.values)
+                            list += (list.empty() ? "[" : ", ") + quoted(text);
+                          return list.empty() ? list : list + "]";
+                        },
                         [&](const Numbers& n) {
                           std::vector<double> values;
                           for (const double* place : n.places) values.push_back(*place);

@@ -33,6 +33,12 @@ struct Numbers {
   std::vector<double*> places;
 };
 
+/// A list of texts; `check` says what is wrong with one, "" when nothing is.
+struct Texts {
+  std::vector<std::string>* values;
+  std::function<std::string(const std::string&)> check;
+};
+
 /// A number reached through functions, in SI.
 struct Accessor {
   std::function<double()> get;
@@ -41,7 +47,7 @@ struct Accessor {
 };
 
 using Target =
-    std::variant<double*, int*, std::uint64_t*, bool*, std::string*, Choice, Sweep, Numbers, Accessor>;
+    std::variant<double*, int*, std::uint64_t*, bool*, std::string*, Choice, Sweep, Numbers, Texts, Accessor>;
 
 enum class Need {
   defaulted,  ///< may be left out; the default holds
@@ -88,6 +94,7 @@ class FileKind {
   Field& seed(std::string key, std::uint64_t& target, std::string meaning);
   Field& yes_no(std::string key, bool& target, std::string meaning);
   Field& text(std::string key, std::string& target, std::string meaning);
+  Field& texts(std::string key, Texts, std::string meaning);
   template <class Enum>
   Field& choice(std::string key, Enum& target, std::vector<std::string> words, std::string meaning) {
     return words_field(std::move(key),

@@ -56,6 +56,17 @@ FileKind kind_of(Plan& p) {
     kind.number("max_" + limit_suffix(q), p.limits[i].high, {0, 1e6}, "largest value that passes",
                 Need::optional);
   }
+  kind.section("test", "the test record on the report's first page; `powbench annotate` completes it later");
+  for (const RecordField& f : record_fields)
+    kind.text(std::string(f.key), p.test.*f.place, std::string(f.meaning));
+  kind.texts(
+      "instruments",
+      Texts{&p.test.instruments,
+            [](const std::string& text) {
+              Instrument unused;
+              return read_instrument(text, unused);
+            }},
+      "name, certificate and last day of each, such as [\"charge amplifier CA-7; K-2041; 2027-03-01\"]");
   kind.section("wanted", "of `powbench sim`: how accurate, or by which models");
   const char* times[] = {"touch_percent", "seat_percent", "settled_percent"};
   for (std::size_t i = 0; i < p.wanted.size(); ++i)

@@ -12,6 +12,7 @@
 #include "core/quantities.h"
 #include "core/units.h"
 #include "host/config/bad_input.h"
+#include "host/config/test_record.h"
 #include "sim/specimen.h"
 
 /// The plan file: what a campaign does. Owner: the operator.
@@ -51,7 +52,8 @@ struct Plan {
                                std::numeric_limits<double>::quiet_NaN(),
                                std::numeric_limits<double>::quiet_NaN()};
   std::string fields, mechanics;  ///< of the simulation, by name or `auto`; "" = no wish
-  std::string channels;           ///< that the simulation records, by name; "" = all
+  TestRecord test;
+  std::string channels;  ///< that the simulation records, by name; "" = all
 
   std::filesystem::path folder;  ///< of the plan file; not part of the resolved text
 };

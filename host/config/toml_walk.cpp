@@ -159,6 +159,19 @@ struct Assign {
     const std::string guess = nearest(*v, choice.words);
     return "no such word" + (guess.empty() ? "" : "; did you mean '" + guess + "'?");
   }
+  std::string operator()(const Texts& texts) const {
+    const auto* list = node.as_array();
+    if (list == nullptr) return wants(node, "a list of texts in quotes");
+    std::vector<std::string> values;
+    for (const auto& item : *list) {
+      const auto v = item.value_exact<std::string>();
+      std::string wrong = !v ? wants(item, "text in quotes") : v->empty() ? "is empty" : texts.check(*v);
+      if (!wrong.empty()) return "item " + std::to_string(values.size() + 1) + " " + wrong;
+      values.push_back(*v);
+    }
+    *texts.values = std::move(values);
+    return "";
+  }
   std::string operator()(const Numbers& numbers) const {
     const std::string wanted = "a list of " + std::to_string(numbers.places.size()) + " numbers";
     const auto* list = node.as_array();

@@ -52,6 +52,7 @@ std::string render_html(const ReportInput& input) {
   out.open("body").open("main");
   out.embed(header_section(input));
   out.embed(answers_section(input));
+  out.embed(record_section(input));
   out.embed(limits_section(input));
   const auto angles = angles_of(input);
   if (!angles.empty()) {

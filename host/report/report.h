@@ -12,6 +12,7 @@
 #include "core/origin.h"
 #include "core/outcome.h"
 #include "host/compare/limits.h"
+#include "host/config/test_record.h"
 #include "host/paper/published.h"
 #include "host/report/vibration.h"
 
@@ -60,8 +61,7 @@ struct Provenance {
   std::string seed;               ///< of the plan
   std::string order;              ///< how the shots were ordered, e.g. "random, seed 1"
   std::string started, finished;  ///< date and time, ISO 8601
-  std::string operator_name;
-  std::string database;                                   ///< file name of the store
+  std::string database;           ///< file name of the store
   std::vector<std::pair<std::string, std::string>> more;  ///< anything else: name, value
 };
 
@@ -74,12 +74,15 @@ struct ReportInput {
   double most_from_simulation =
       std::numeric_limits<double>::quiet_NaN();  ///< share of the measured mean; NaN = no limit
   double angle_tolerance = 0;  ///< rad: allowed deviation of the angle reached; 0 = none given
+  TestRecord test;
   Provenance provenance;
   std::vector<ReportShot> shots;  ///< in executed order
   std::vector<SimulatedClosing> simulated;
   Comparison comparison;                ///< from `compare`
   std::vector<PublishedRow> published;  ///< rows shown beside the measurement; empty = none
   std::vector<Limit> limits;
+  std::size_t annotations = 0;             ///< that complete the test record
+  std::string annotated;                   ///< when the last was made, ISO 8601
   std::optional<VibrationView> vibration;  ///< of the core on the films; absent without a film
   std::string extraction_parameters;       ///< one `name=value` a line
 };
@@ -102,6 +105,10 @@ Outcome verdict(const ReportInput&);
 
 /// One self-contained HTML page: no script, no network, inline SVG, made to be printed on A4. Also well-formed XML.
 std::string render_html(const ReportInput&);
+
+/// The first shot of the input and the simulation of its angle: all channels over one time axis, as SVG or as a page of its own.
+std::string render_shot_svg(const ReportInput&);
+std::string render_shot_html(const ReportInput&);
 
 /// JUnit XML: one suite; a case per shot, per limit and for the number of shots done. FAIL and NOT OBSERVED are failures;
 /// ERROR, TIMEOUT, ABORTED are errors; NOT JUDGED is skipped.

@@ -20,6 +20,8 @@ Markup answers_section(const ReportInput&);
 Markup limits_section(const ReportInput&);
 /// One closing as an example: the one nearest to the middle of the campaign's bounce times. Empty without waveforms.
 Markup typical_section(const ReportInput&);
+/// Customer, device, instruments; an expired calibration first.
+Markup record_section(const ReportInput&);
 Markup provenance_section(const ReportInput&);
 Markup chart_section(const ReportInput&);
 Markup angle_section(const ReportInput&, const AngleView&, const Range& window_ms);

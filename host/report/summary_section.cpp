@@ -69,7 +69,6 @@ void provenance_list(Markup& out, const Provenance& p) {
   item("Seed", p.seed);
   item("Order", p.order);
   item("Database", p.database);
-  if (!p.operator_name.empty()) item("Operator", p.operator_name);
   for (const auto& [key, value] : p.more) item(key, value);
   out.close();
 }
@@ -80,6 +79,47 @@ Markup limits_section(const ReportInput& input) {
   Markup out;
   out.open("section", {{"id", "limits"}});
   limits_table(out, input);
+  return out.close();
+}
+
+/// Nothing where nothing was told: an empty form would look like one that was filled in.
+Markup record_section(const ReportInput& input) {
+  Markup out;
+  const TestRecord& test = input.test;
+  const auto late = expired(test, input.provenance.started.substr(0, 10));
+  bool told = !test.instruments.empty();
+  for (const RecordField& f : record_fields) told = told || !(test.*f.place).empty();
+  out.open("section", {{"id", "record"}}).element("h3", "Test record");
+  if (!told) {
+    out.element("p", "None: the plan has no section [test], and nothing was added by `powbench annotate`.",
+                {{"class", "fine"}});
+    return out.close();
+  }
+  for (const Instrument& i : late)
+    out.element(
+        "p",
+        fmt::format("Calibration expired: {}, certificate {}, was valid until {}; the test began on {}.",
+                    i.name, i.certificate, i.valid_until, input.provenance.started.substr(0, 10)),
+        {{"class", "warn"}});
+  out.open("dl", {{"class", "provenance"}});
+  const auto item = [&](std::string_view key, std::string_view value) {
+    out.open("div").element("dt", key).element("dd", value).close();
+  };
+  for (const RecordField& f : record_fields)
+    if (!(test.*f.place).empty()) item(f.label, test.*f.place);
+  for (const std::string& text : test.instruments) {
+    Instrument i;
+    if (!read_instrument(text, i).empty()) continue;
+    item("Instrument", fmt::format("{}, certificate {}{}", i.name, i.certificate,
+                                   i.valid_until.empty() ? "" : ", valid until " + i.valid_until));
+  }
+  out.close();
+  if (input.annotations > 0)
+    out.element(
+        "p",
+        fmt::format("Completed by {} annotation{}, the last of {}; the plan as it was fired is unchanged.",
+                    input.annotations, input.annotations == 1 ? "" : "s", input.annotated),
+        {{"class", "fine"}});
   return out.close();
 }
 

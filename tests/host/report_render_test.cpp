@@ -145,8 +145,11 @@ TEST_CASE("hostile names stay text", "[report]") {
   ReportInput in;
   in.campaign = in.specimen = evil;
   in.planned = 2;
-  in.provenance = {evil, evil, evil, evil, evil, evil, evil,
-                   evil, evil, evil, evil, evil, evil, {{evil, evil}}};
+  in.provenance = {evil, evil, evil, evil, evil, evil, evil, evil, evil, evil, evil, evil, {{evil, evil}}};
+  for (const RecordField& f : record_fields) in.test.*f.place = evil;
+  in.test.instruments = {evil, evil + "; " + evil + "; 2001-01-01"};
+  in.annotations = 1;
+  in.annotated = evil;
   in.shots = {some_shot(1), some_shot(2)};
   in.shots[0].reason = evil;
   in.shots[0].record_hash = evil;

@@ -1,0 +1,256 @@
+#include <fmt/format.h>
+
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "core/quantities.h"
+#include "host/cli/gather.h"
+#include "host/cli/show.h"
+#include "host/cli/verbs.h"
+#include "host/compare/pair.h"
+#include "host/report/number.h"
+#include "host/store/json.h"
+#include "rigs/sealed_shot.h"
+
+/// Single shots, the test record, and two campaigns side by side.
+
+namespace powbench::host {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json number(double x) {
+  return std::isfinite(x) ? Json(x) : Json(nullptr);
+}
+
+/// "12.345 +- 0.004", in units of 1/scale of SI, to the digits of U = 2 u; a dash where it is not known.
+std::string plain(const Measured& m, double scale, int decimals) {
+  if (!m.known()) return "-";
+  const double U = 2 * m.u * scale;
+  const int digits = std::isfinite(U) && U > 0 ? decimals_for(U, decimals) : decimals;
+  std::string text = fmt::format("{:.{}f}", m.value * scale, digits);
+  if (std::isfinite(U)) text += fmt::format(" +- {:.{}f}", U, digits);
+  return text;
+}
+
+Measured quantity(const std::optional<Events>& events, std::string_view symbol) {
+  const Quantity* q = find_quantity(symbol);
+  return events && q != nullptr ? q->of(*events) : Measured{};
+}
+
+Json measured_json(const Measured& m) {
+  return {{"value", number(m.value)}, {"u", number(m.u)}};
+}
+
+/// What the rig itself has sealed; nothing of a simulation, an import or a seal of an earlier firmware.
+std::optional<rigs::SealedShot> sealed(const Store& store, const StoredShot& shot) {
+  const std::string text = shot.record_hash.empty() ? std::string() : store.sealed_text(shot.id);
+  if (text.empty()) return std::nullopt;
+  try {
+    return rigs::parse_sealed_shot(text);
+  } catch (const rigs::SealError&) {
+    return std::nullopt;
+  }
+}
+
+std::string volts_and_hertz(const Conditions& c) {
+  const auto text = [](double v, const char* unit, const char* what) {
+    return std::isfinite(v) ? fmt::format("{:g} {}", v, unit) : fmt::format("{} not known", what);
+  };
+  return text(c.supply_volts, "V", "supply voltage") + ", " + text(c.mains_hertz, "Hz", "mains frequency");
+}
+
+std::string commanded(const StoredShot& s) {
+  return std::isfinite(s.angle_deg) ? fmt::format("{:.2f}", s.angle_deg) : "-";
+}
+
+void write_text(const std::string& path, const std::string& text) {
+  std::ofstream out(path, std::ios::binary);
+  out << text;
+  out.close();
+  if (!out) throw StoreError(path + ": cannot be written; check the folder, its permissions and the disk");
+}
+
+}  // namespace
+
+Exit list_shots(const ResultArgs& args) {
+  const Store store(args.database, Store::Mode::read_only);
+  const CampaignInfo campaign = store.campaign(args.campaign);
+  Json list = Json::array();
+  if (!args.json)
+    fmt::print("{}, campaign {}, {}; +- is U (k = 2)\n{:>6} {:<9} {:>7} {:>17} {:>17} {:>17} {:>17}  {}\n",
+               name(campaign.origin), campaign.id, campaign.name, "shot", "", "deg", "reached deg",
+               "touch ms", "bounce ms", "settled ms", "outcome");
+  for (const StoredShot& s : store.shots(campaign.id)) {
+    const auto events = store.load_events(s.id);
+    const Measured reached = events ? events->coil.closing_angle : Measured{};
+    const Measured touch = quantity(events, "t_ct1"), bounce = quantity(events, "t_ct_bon"),
+                   settled = quantity(events, "t_ct2");
+    if (args.json) {
+      list.push_back({{"shot", s.id},
+                      {"campaign", s.campaign},
+                      {"kind", name(s.kind)},
+                      {"angle_deg", number(s.angle_deg)},
+                      {"reached_rad", measured_json(reached)},
+                      {"touch_s", measured_json(touch)},
+                      {"bounce_s", measured_json(bounce)},
+                      {"settled_s", measured_json(settled)},
+                      {"attempt", s.attempt},
+                      {"started", s.started},
+                      {"outcome", name(s.outcome)},
+                      {"reason", s.reason}});
+      continue;
+    }
+    fmt::print("{:>6} {:<9} {:>7} {:>17} {:>17} {:>17} {:>17}  {}{}{}\n", s.id, name(s.kind), commanded(s),
+               plain(reached, degrees(1.0), 2), plain(touch, 1e3, 3), plain(bounce, 1e3, 3),
+               plain(settled, 1e3, 3), name(s.outcome), s.reason.empty() ? "" : ": ", s.reason);
+  }
+  if (args.json) fmt::print("{}\n", list.dump(2));
+  return Exit::pass;
+}
+
+Exit show_shot(const ShotArgs& args) {
+  const Store store(args.database, Store::Mode::read_only);
+  const StoredShot s = store.shot(args.shot);
+  const CampaignInfo campaign = store.campaign(s.campaign);
+  const auto events = store.load_events(s.id);
+  const auto seal = sealed(store, s);
+  const Origin origin = s.kind == ShotKind::simulated ? Origin::simulation : campaign.origin;
+  if (args.json) {
+    Json out = {{"shot", s.id},
+                {"campaign", s.campaign},
+                {"origin", name(origin)},
+                {"kind", name(s.kind)},
+                {"angle_deg", number(s.angle_deg)},
+                {"supply_volts", number(s.conditions.supply_volts)},
+                {"mains_hertz", number(s.conditions.mains_hertz)},
+                {"hold_time_s", number(s.conditions.hold_time)},
+                {"ambient_K", number(s.conditions.ambient)},
+                {"seed", s.conditions.seed},
+                {"started", s.started},
+                {"attempt", s.attempt},
+                {"outcome", name(s.outcome)},
+                {"reason", s.reason},
+                {"record_sha256", s.record_hash},
+                {"sealed", seal ? Json(seal->text) : Json(nullptr)},
+                {"events", events ? Json::parse(to_json(*events, 2)) : Json(nullptr)}};
+    fmt::print("{}\n", out.dump(2));
+    return Exit::pass;
+  }
+  const auto line = [](std::string_view key, const std::string& text) {
+    if (!text.empty()) fmt::print("{:<12} {}\n", key, text);
+  };
+  fmt::print("{}, {} shot {} of campaign {}, {}\n", name(origin), name(s.kind), s.id, s.campaign,
+             campaign.name);
+  line("asked", fmt::format("{}, {}, hold {:g} ms, {:.1f} degC",
+                            std::isfinite(s.angle_deg) ? fmt::format("{:.2f} deg", s.angle_deg)
+                                                       : std::string("closing angle not known"),
+                            volts_and_hertz(s.conditions), s.conditions.hold_time * 1e3,
+                            s.conditions.ambient - zero_celsius));
+  if (events)
+    line("reached", plain(events->coil.closing_angle, degrees(1.0), 2) + " deg, " +
+                        plain(events->coil.supply_volts, 1, 1) + " V, " +
+                        plain(events->coil.mains_hertz, 1, 3) + " Hz");
+  line("outcome", fmt::format("{}{}{}", name(s.outcome), s.reason.empty() ? "" : ": ", s.reason));
+  line("begun", fmt::format("{}, attempt {}", s.started, s.attempt));
+  if (seal) {
+    line("rig",
+         fmt::format("{} {}, boot {}, its shot {}", seal->model, seal->serial, seal->boot, seal->shot));
+    line("firmware", fmt::format("{}, commit {}, image {:08x}, configuration {:08x}", seal->firmware,
+                                 seal->commit, seal->image_crc32, seal->config_crc32));
+    line("calibration", seal->calibration);
+    if (seal->complete())
+      line("phase", fmt::format("u {:.3f} deg at the edge, by the rig; asked for {:.3f}",
+                                static_cast<double>(seal->angle_u_mdeg) * 1e-3,
+                                static_cast<double>(seal->tolerance_mdeg) * 1e-3));
+  }
+  line("record", s.record_hash.empty() ? "none" : "sha256 " + s.record_hash);
+  if (events) print_events(*events);
+  fmt::print(stderr, "powbench events {0} extracts them anew, powbench plot {0} draws the channels\n", s.id);
+  return Exit::pass;
+}
+
+Exit plot_shot(const ShotArgs& args) {
+  const std::string file = args.file.empty() ? fmt::format("shot-{}.svg", args.shot) : args.file;
+  const std::string kind = std::filesystem::path(file).extension().string();
+  if (kind != ".svg" && kind != ".html")
+    throw BadInput({fmt::format("-o {}: a picture is .svg or .html", file)});
+  const Store store(args.database, Store::Mode::read_only);
+  const ReportInput input = gather_shot(store, args.shot);
+  write_text(file, kind == ".svg" ? render_shot_svg(input) : render_shot_html(input));
+  if (args.json) fmt::print("{}\n", Json{{"picture", file}, {"shot", args.shot}}.dump(2));
+  fmt::print(stderr, "{}\n", file);
+  return Exit::pass;
+}
+
+Exit annotate(const AnnotateArgs& args) {
+  if (args.key.empty()) {
+    const Store store(args.database, Store::Mode::read_only);
+    const CampaignInfo campaign = store.campaign(args.campaign);
+    Json list = Json::array();
+    for (const Annotation& a : store.annotations(campaign.id)) {
+      if (args.json)
+        list.push_back({{"created", a.created}, {"key", a.key}, {"text", a.text}});
+      else
+        fmt::print("{}  {:<11} {}\n", a.created, a.key, a.text);
+    }
+    if (args.json) fmt::print("{}\n", list.dump(2));
+    return Exit::pass;
+  }
+  TestRecord unused;
+  complete(unused, args.key, args.text);  // refuses what no report could read
+  if (!std::filesystem::exists(args.database)) Store(args.database, Store::Mode::read_only);  // says so
+  Store store(args.database, Store::Mode::read_write);
+  const CampaignInfo campaign = store.campaign(args.campaign);
+  store.annotate(campaign.id, args.key, args.text);
+  fmt::print(stderr, "campaign {}, {}: {} added; what was fired and recorded is unchanged\n", campaign.id,
+             campaign.name, args.key);
+  return Exit::pass;
+}
+
+Exit compare_campaigns(const CompareArgs& args) {
+  if (args.pair.empty()) return compare_campaign(args);
+  if (args.campaign) throw BadInput({"--campaign: allowed only without two campaigns to compare"});
+  const Store store(args.database, Store::Mode::read_only);
+  const CampaignInfo first = store.campaign(args.pair[0]), second = store.campaign(args.pair[1]);
+  const auto rows = compare_pair(compare_stored(store, first), compare_stored(store, second));
+  Json list = Json::array();
+  if (!args.json)
+    fmt::print(
+        "campaign {}, {} ({}), against campaign {}, {} ({}); U for 95 %\n{:<9} {:>7} {:>7} {:>10} {:>10} "
+        "{:>11} {:>9} {:>7}\n",
+        second.id, second.name, name(second.origin), first.id, first.name, name(first.origin), "quantity",
+        "deg", "n", "first", "second", "difference", "U", "diff./U");
+  for (const PairRow& r : rows) {
+    const ReadableUnit unit = readable_unit(r.unit);
+    if (args.json) {
+      list.push_back({{"quantity", r.quantity},
+                      {"unit", r.unit},
+                      {"closing_angle_deg", number(degrees(r.closing_angle))},
+                      {"n", {r.n[0], r.n[1]}},
+                      {"first", measured_json(r.first)},
+                      {"second", measured_json(r.second)},
+                      {"difference", number(r.difference)},
+                      {"U", number(r.U)},
+                      {"agreement", agreement(r.over_U())}});
+      continue;
+    }
+    const auto text = [&](double v) {
+      if (!std::isfinite(v)) return std::string("-");
+      return fmt::format("{:.3f}", std::round(v * unit.per_si * 1e3) / 1e3 + 0.0);  // no -0.000
+    };
+    fmt::print("{:<9} {:>7} {:>7} {:>10} {:>10} {:>11} {:>9} {:>7} {:<9} {}\n", r.quantity,
+               std::isfinite(r.closing_angle) ? fmt::format("{:.2f}", degrees(r.closing_angle)) : "-",
+               fmt::format("{}, {}", r.n[0], r.n[1]), text(r.first.value), text(r.second.value),
+               text(r.difference), text(r.U),
+               std::isfinite(r.over_U()) ? fmt::format("{:.2f}", r.over_U()) : "-", agreement(r.over_U()),
+               unit.name);
+  }
+  if (args.json) fmt::print("{}\n", list.dump(2));
+  return Exit::pass;
+}
+
+}  // namespace powbench::host

@@ -1,0 +1,51 @@
+#pragma once
+
+#include <array>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+/// Who tested what, for whom and with which instruments: what a report needs to be signed. Part of the plan, completed later by
+/// annotations of the campaign.
+
+namespace powbench::host {
+
+struct Instrument {
+  std::string name;         ///< as "charge amplifier CA-7"
+  std::string certificate;  ///< of its calibration
+  std::string valid_until;  ///< last day, 2030-12-31; "" = for ever
+};
+
+struct TestRecord {
+  std::string customer, order, device, serial, rating, standard, operator_name, remarks;
+  std::vector<std::string> instruments;  ///< "NAME; CERTIFICATE; LAST DAY" each, see `instrument`
+};
+
+/// One line of the record: key in files and annotations, label in reports, meaning in templates.
+struct RecordField {
+  std::string_view key, label, meaning;
+  std::string TestRecord::*place;
+};
+inline constexpr std::array<RecordField, 8> record_fields{{
+    {"customer", "Customer", "who ordered the test", &TestRecord::customer},
+    {"order", "Order", "number of the order or of the test", &TestRecord::order},
+    {"device", "Device", "type of the device under test", &TestRecord::device},
+    {"serial", "Serial number", "of the device under test", &TestRecord::serial},
+    {"rating", "Rating", "of the device, such as 230 V 50 Hz, AC-3 32 A", &TestRecord::rating},
+    {"standard", "Standard", "that the test follows, with its clause", &TestRecord::standard},
+    {"operator", "Operator", "who tested", &TestRecord::operator_name},
+    {"remarks", "Remarks", "anything else that the report's reader has to know", &TestRecord::remarks},
+}};
+
+/// What is wrong with the text of an instrument; "" = nothing, and `out` is filled.
+std::string read_instrument(std::string_view text, Instrument& out);
+
+/// Completes the record: a later word replaces an earlier one; remarks and instruments are added. Throws BadInput for a key that is
+/// none, an empty text, or an instrument that cannot be read.
+void complete(TestRecord&, std::string_view key, const std::string& text);
+
+/// Instruments whose last day lies before `day` (2030-12-31).
+std::vector<Instrument> expired(const TestRecord&, std::string_view day);
+
+}  // namespace powbench::host

@@ -1,0 +1,159 @@
+#include <sys/stat.h>
+
+#include <catch2/catch.hpp>
+#include <nlohmann/json.hpp>
+
+#include "tests/system/program.h"
+
+/// What a lab does with a campaign behind the run: look at single shots, complete the test record, compare before and after.
+
+using namespace powbench::test;
+using Catch::Contains;
+using nlohmann::json;
+
+namespace {
+
+const char* const record_plan =
+    "name = \"before\"\nangles_deg = [30, 90]\nrepeats = 2\n[test]\ncustomer = \"A <b> & Sons\"\n"
+    "instruments = [\"charge amplifier CA-7; K-2041; 2024-03-01\", \"laser; L-9\"]\n";
+
+/// Two campaigns of four shots, the first with its simulation: shots 1 .. 4, 5 .. 8 and 9, 10.
+std::string two_campaigns(const Folder& folder) {
+  const std::string db = folder.file("lab.db");
+  const std::string plan = folder.write("a.plan.toml", record_plan);
+  REQUIRE(run(folder, {"run", plan, "--rig", "sim:", "--db", db}).status == 0);
+  REQUIRE(run(folder, {"run", plan, "--rig", "sim:", "--db", db, "--seed", "9"}).status == 0);
+  return db;
+}
+
+}  // namespace
+
+TEST_CASE("shots, show and plot: one number, the store's, for the same shot", "[system]") {
+  Folder folder;
+  const std::string db = two_campaigns(folder);
+  REQUIRE(run(folder, {"sim", folder.file("a.plan.toml"), "--db", db}).status == 0);
+  const json shots = json::parse(run(folder, {"shots", "--db", db, "--campaign", "1", "--json"}).out);
+  REQUIRE(shots.size() == 6);
+  const json& first = shots.at(0);
+  CHECK(first.at("kind") == "measured");
+  CHECK(shots.at(5).at("kind") == "simulated");
+  const std::string id = std::to_string(first.at("shot").get<int>());
+  const json shown = json::parse(run(folder, {"show", id, "--db", db, "--json"}).out);
+  CHECK(shown.at("angle_deg") == first.at("angle_deg"));
+  CHECK(shown.at("origin") == "SIMULATED RIG");
+  CHECK(shown.at("sealed").get<std::string>().find("stage=complete") != std::string::npos);
+  const Finished text = run(folder, {"show", id, "--db", db});
+  CHECK_THAT(text.out,
+             Contains("SIMULATED RIG, measured shot " + id) && Contains("t_ct1") && Contains("by the rig"));
+  const Finished table = run(folder, {"shots", "--db", db, "--campaign", "1"});
+  CHECK_THAT(table.out, Contains("\n     " + id + " measured") && Contains("simulated") && Contains(" +- "));
+
+  const std::string svg = folder.file("a.svg"), html = folder.file("a.html");
+  CHECK(run(folder, {"plot", id, "--db", db, "-o", svg}).status == 0);
+  CHECK_THAT(read_file(svg), Contains("<svg font-family") && Contains("simulated") && Contains("force A"));
+  CHECK(run(folder, {"plot", id, "--db", db, "-o", html}).status == 0);
+  CHECK_THAT(read_file(html),
+             Contains("SIMULATED RIG") && Contains("Shot " + id) && !Contains("http://www.w3.org/1999"));
+  const Finished other = run(folder, {"plot", id, "--db", db, "-o", folder.file("a.png")});
+  CHECK(other.status == 2);
+  CHECK_THAT(other.err, Contains("a picture is .svg or .html"));
+  CHECK(run(folder, {"show", "99", "--db", db}).status == 2);
+}
+
+TEST_CASE("test record: in the plan, completed by annotations, expired calibrations on the first page",
+          "[system]") {
+  Folder folder;
+  const std::string db = two_campaigns(folder);
+  const auto hashes = [&] {
+    std::string all;
+    for (const json& c : json::parse(run(folder, {"campaigns", "--db", db, "--json"}).out))
+      all += c.at("plan_hash").get<std::string>() + c.at("shots").dump();
+    return all;
+  };
+  const std::string before = hashes();
+  CHECK(run(folder, {"annotate", "serial", "S 0042", "--db", db, "--campaign", "1"}).status == 0);
+  CHECK(run(folder, {"annotate", "customer", "C & D", "--db", db, "--campaign", "1"}).status == 0);
+  CHECK(run(folder, {"annotate", "instrument", "clamp; Z-1; 2199-01-01", "--db", db, "--campaign", "1"})
+            .status == 0);
+  CHECK(hashes() == before);  // what was fired and recorded is sealed
+  const json notes = json::parse(run(folder, {"annotate", "--db", db, "--campaign", "1", "--json"}).out);
+  REQUIRE(notes.size() == 3);
+  CHECK(notes.at(0).at("text") == "S 0042");
+  CHECK(json::parse(run(folder, {"annotate", "--db", db, "--json"}).out).empty());  // the other campaign
+
+  CHECK(run(folder, {"report", "--db", db, "--campaign", "1", "-o", folder.file("out")}).status == 0);
+  const std::string html = read_file(folder.file("out/report.html"));
+  CHECK_THAT(
+      html,
+      Contains("Calibration expired: charge amplifier CA-7, certificate K-2041, was valid until 2024-03-01"));
+  CHECK_THAT(html, Contains("S 0042") && Contains("C &amp; D") && !Contains("A &lt;b&gt;") &&
+                       Contains("clamp, certificate Z-1"));
+  CHECK_THAT(html, Contains("Completed by 3 annotations") && !Contains("expired: clamp") &&
+                       !Contains("expired: laser"));
+  CHECK(run(folder, {"report", "--db", db, "--campaign", "2", "-o", folder.file("out")}).status == 0);
+  CHECK_THAT(read_file(folder.file("out/report.html")),
+             Contains("A &lt;b&gt; &amp; Sons") && !Contains("Completed by"));
+
+  for (const auto& [key, text, wrong] : {std::tuple{"seriell", "x", "did you mean 'serial'?"},
+                                         {"serial", "  ", "the text is empty"},
+                                         {"instrument", "x", "\"NAME; CERTIFICATE; LAST DAY\""},
+                                         {"instrument", "x; y; 2027-02-30", "'2027-02-30' is no day"}}) {
+    const Finished refused = run(folder, {"annotate", key, text, "--db", db});
+    CHECK(refused.status == 2);
+    CHECK_THAT(refused.err, Contains(wrong));
+  }
+  CHECK(run(folder, {"annotate", "serial", "x", "--db", folder.file("none.db")}).status == 2);
+  CHECK_FALSE(std::filesystem::exists(folder.file("none.db")));
+  const Finished bad = run(folder, {"plan", "check",
+                                    folder.write("b.plan.toml",
+                                                 "angles_deg = [0]\nrepeats = 1\n[test]\n"
+                                                 "instruments = [\"a; b\", \"c\"]\n")});
+  CHECK(bad.status == 2);
+  CHECK_THAT(bad.err, Contains("b.plan.toml:4: [test] instruments") && Contains("item 2 is no instrument"));
+}
+
+TEST_CASE("two campaigns: difference over its own U, at the angles of either", "[system]") {
+  Folder folder;
+  const std::string db = two_campaigns(folder);
+  const Finished r = run(folder, {"compare", "1", "2", "--db", db, "--json"});
+  CHECK(r.status == 0);
+  const json rows = json::parse(r.out);
+  REQUIRE(rows.size() > 10);
+  for (const json& row : rows) {
+    CHECK(row.at("n") == json({2, 2}));
+    if (row.at("quantity") == "t_ct1") {
+      CHECK(row.at("agreement") == "agrees");
+      CHECK(row.at("U").get<double>() > 0);
+    }
+  }
+  CHECK_THAT(run(folder, {"compare", "1", "2", "--db", db}).out,
+             Contains("campaign 2, before") && Contains("diff./U"));
+  CHECK(run(folder, {"compare", "1", "--db", db}).status == 2);
+  CHECK(run(folder, {"compare", "1", "7", "--db", db}).status == 2);
+  CHECK(run(folder, {"compare", "1", "2", "--campaign", "1", "--db", db}).status == 2);
+}
+
+TEST_CASE("report --pdf: by a browser that is there, and a sentence where none is", "[system]") {
+  Folder folder;
+  const std::string db = two_campaigns(folder), out = folder.file("out");
+  // stands in for a browser: writes the name of the page where it is told to print
+  const std::string browser = folder.write("browser",
+                                           "#!/bin/sh\nfor w in \"$@\"; do case $w in --print-to-pdf=*) "
+                                           "pdf=${w#*=};; file://*) page=$w;; esac; done\n"
+                                           "echo \"$page\" > \"$pdf\"\n");
+  chmod(browser.c_str(), 0700);
+  setenv("POWBENCH_BROWSER", browser.c_str(), 1);
+  CHECK(run(folder, {"report", "--db", db, "-o", out, "--pdf"}).status == 0);
+  CHECK_THAT(read_file(out + "/report.pdf"), Contains("file:///") && Contains("out/report.html"));
+  setenv("POWBENCH_BROWSER", "/bin/false", 1);
+  const Finished failed = run(folder, {"report", "--db", db, "-o", out, "--pdf"});
+  CHECK(failed.status == 5);
+  CHECK_THAT(failed.err, Contains("did not print it"));
+  unsetenv("POWBENCH_BROWSER");
+  const std::string path = getenv("PATH");
+  setenv("PATH", folder.file("nothing").c_str(), 1);
+  const Finished none = run(folder, {"report", "--db", db, "-o", out, "--pdf"});
+  setenv("PATH", path.c_str(), 1);
+  CHECK(none.status == 2);
+  CHECK_THAT(none.err, Contains("no browser is installed"));
+}
