@@ -130,8 +130,24 @@ Markup reached_chart(const ReportInput& input) {
   plot.grid(x_ticks, y_ticks);
   if (tolerance > 0) plot.shade_y(-tolerance, tolerance, colour::published, 0.08);
   plot.horizontal(0, {colour::soft, 1});
+  constexpr std::size_t most_points = 600;  // more hide each other, and make the page long
+  const bool each = input.shots.size() <= most_points;
   for (const auto& view : angles_of(input)) {
     const double n = static_cast<double>(view.shots.size());
+    if (!each) {
+      Range seen;
+      double sum = 0, known = 0;
+      for (const ReportShot* s : view.shots) {
+        if (!s->events || !s->events->coil.closing_angle.known()) continue;
+        seen.include(deviation(*s));
+        sum += deviation(*s), ++known;
+      }
+      if (!(known > 0)) continue;
+      const double at = degrees(view.angle);
+      plot.bar(at - 1, at + 1, seen.low, seen.high, colour::measured, 0.25);
+      plot.point({at, sum / known}, {Shape::circle, colour::measured, 3});
+      continue;
+    }
     for (std::size_t i = 0; i < view.shots.size(); ++i) {
       const ReportShot& s = *view.shots[i];
       if (!s.events || !s.events->coil.closing_angle.known()) continue;
@@ -144,8 +160,11 @@ Markup reached_chart(const ReportInput& input) {
   plot.frame();
   plot.x_labels(x_ticks, "commanded closing angle", "\xC2\xB0");
   plot.y_labels(y_ticks, "reached \xE2\x88\x92 commanded / \xC2\xB0");
-  std::vector<Plot::LegendEntry> legend{
-      {"one shot, bar: 2 u", {}, false, {Shape::circle, colour::measured, 3}, true}};
+  std::vector<Plot::LegendEntry> legend{{each ? "one shot, bar: 2 u" : "mean; column: smallest to largest",
+                                         {},
+                                         false,
+                                         {Shape::circle, colour::measured, 3},
+                                         true}};
   if (tolerance > 0)
     legend.push_back({fmt::format("band: tolerance {}", angle_text(input.angle_tolerance)),
                       {colour::published, 8, 0.2},

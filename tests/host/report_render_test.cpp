@@ -365,3 +365,22 @@ TEST_CASE("a long campaign gives a bounded list of shots, what is not in order f
   CHECK(contains(html, "the late one"));
   CHECK(contains(html, "more are not listed here"));
 }
+
+TEST_CASE("a long campaign's page does not grow with its shots", "[report]") {
+  const auto size = [](int shots) {
+    ReportInput in;
+    in.campaign = "long";
+    in.angle_tolerance = radians(1);
+    in.planned = static_cast<std::size_t>(shots);
+    for (int i = 0; i < shots; ++i) {
+      in.shots.push_back(some_shot(i));
+      in.shots.back().waveforms.clear();
+    }
+    compare_into(in);
+    const std::string html = render_html(in);
+    CHECK(xml_error(html) == "");
+    return html.size();
+  };
+  const std::size_t few = size(800), many = size(8000);
+  CHECK(many < few + few / 100);
+}
