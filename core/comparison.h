@@ -28,6 +28,9 @@ struct ComparisonRow {
   double simulated = std::numeric_limits<double>::quiet_NaN();
   double u_simulated =
       std::numeric_limits<double>::quiet_NaN();  ///< propagated from the inputs; NaN = not known
+  double coverage_difference = std::numeric_limits<
+      double>::quiet_NaN();          ///< k of simulated - measured; NaN = that of the measured mean
+  bool u_simulated_unknown = false;  ///< the inputs' share was asked for and cannot be told
   double published_measurement = std::numeric_limits<double>::quiet_NaN();
   double published_simulation = std::numeric_limits<double>::quiet_NaN();
   Outcome outcome = Outcome::not_judged;  ///< against the plan's limits on the quantity
@@ -36,8 +39,10 @@ struct ComparisonRow {
 
   /// U of simulated - measured, 95 %: k sqrt(u^2 + u_simulated^2); NaN when u is unknown.
   double expanded_difference() const {
+    if (u_simulated_unknown) return std::numeric_limits<double>::quiet_NaN();
     const double s = std::isfinite(u_simulated) ? u_simulated : 0.0;
-    return coverage * std::sqrt(measured.u * measured.u + s * s);
+    const double k = std::isfinite(coverage_difference) ? coverage_difference : coverage;
+    return k * std::sqrt(measured.u * measured.u + s * s);
   }
   /// |simulated - measured| / U; NaN when either is unknown. Up to 1 the two agree.
   double difference_over_U() const {

@@ -105,6 +105,7 @@ std::vector<AngleGroup> gather_angles(const Store& store, std::int64_t campaign)
     const auto events = store.load_events(s.id);
     if (!events) continue;
     (s.kind == ShotKind::measured ? group.measured : group.simulated).push_back(*events);
+    if (s.kind == ShotKind::simulated) group.u_simulated = store.prediction(s.id);
   }
   return groups;
 }
@@ -267,6 +268,7 @@ ReportInput gather_report(const Store& store, const CampaignInfo& c, const std::
       if (events && s.kind == ShotKind::measured) vibration.add(static_cast<int>(s.id), record, *events);
     }
     if (s.kind == ShotKind::simulated) {
+      group.u_simulated = store.prediction(s.id);
       if (events)
         input.simulated.push_back(
             {.closing_angle = radians(s.angle_deg), .events = *events, .waveforms = std::move(waves)});

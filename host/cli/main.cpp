@@ -167,6 +167,8 @@ void add_plan_verbs(CLI::App& app) {
                        "wanted error of the touch time, such as 1%; [wanted] of the plan says more");
   simulate->add_option("--cache", sim->cache, "folder for field tables; made if missing")
       ->capture_default_str();
+  simulate->add_flag("--nominal", sim->nominal,
+                     "under the conditions the plan asks for; without it those the measured closings had");
   simulate->add_flag("--json", sim->json, "summary as JSON to stdout");
   add_progress(simulate, sim->progress);
 }

@@ -59,6 +59,8 @@ RunOptions run_options(const Plan& plan) {
   options.extract.crosstalk_a = plan.crosstalk_a;
   options.extract.crosstalk_b = plan.crosstalk_b;
   options.limits = plan_limits(plan);
+  if (std::isfinite(plan.supply_u)) options.supply_u = plan.supply_u;
+  if (std::isfinite(plan.coil_temperature_u)) options.coil_temperature_u = plan.coil_temperature_u;
   options.decision = plan.decision;
   options.angle_tolerance = plan.angle_tolerance;
   options.pause = plan.pause;

@@ -10,6 +10,7 @@
 #include "host/cli/percent.h"
 #include "host/cli/scene.h"
 #include "host/cli/verbs.h"
+#include "host/run/simulate.h"
 #include "host/run/stop.h"
 #include "host/study/bounce_text.h"
 #include "host/study/scene_fields.h"
@@ -227,7 +228,7 @@ Exit simulate_plan(const SimArgs& args) {
       args.threads > 0 ? args.threads : static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
   Progress progress("simulate", scene.plan.angles.size(), progress_style(args.progress));
   const std::size_t n = simulate_campaign(store, campaign, scene.shots, scene.specimen, sensors,
-                                          run_options(scene.plan), threads, progress, maker);
+                                          run_options(scene.plan), threads, progress, maker, args.nominal);
   progress.finish();
   if (args.json) {
     Json j{{"campaign", campaign}, {"simulated", n}};

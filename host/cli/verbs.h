@@ -74,6 +74,7 @@ struct SimArgs {
   std::string fields, mechanics;  ///< by name or auto; "" = the plan's
   std::string accuracy;           ///< of the touch time, "1%" or "0.01"; "" = the plan's
   std::string cache = "field";    ///< folder of field tables
+  bool nominal = false;           ///< as the plan asks, whatever was measured
   bool json = false;
   std::string progress = "auto";
 };

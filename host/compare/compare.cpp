@@ -6,6 +6,7 @@
 #include "core/phase.h"
 #include "core/quantities.h"
 #include "host/compare/repeats.h"
+#include "host/compare/student.h"
 
 namespace powbench::host {
 namespace {
@@ -71,6 +72,12 @@ ComparisonRow row_of(const Quantity& q, const AngleGroup& group, std::span<const
   row.highest = r.highest;
   row.two_modes = r.two_modes;
   row.simulated = repeats_of(values_of(q, group.simulated)).mean;
+  if (const auto u = group.u_simulated.find(row.quantity); u != group.u_simulated.end())
+    row.u_simulated = u->second, row.u_simulated_unknown = !std::isfinite(u->second);
+  if (row.measured.u > 0 && row.u_simulated > 0) {  // the inputs' share has infinite degrees of freedom
+    const double whole = 1 + row.u_simulated * row.u_simulated / (row.measured.u * row.measured.u);
+    row.coverage_difference = coverage_factor(row.dof * whole * whole);
+  }
   row.outcome = outcome_of(row, measured, limits, rule);
   row.against_simulation = simulation_outcome(row, rule, most_from_simulation);
   add_published(row, published);
@@ -98,7 +105,7 @@ AngleGroup& group_at(std::vector<AngleGroup>& groups, double closing_angle) {
                          [&](const AngleGroup& g) { return place(g.closing_angle) >= wanted; });
   if (at == groups.end() || place(at->closing_angle) != wanted)
     at = groups.insert(
-        at, AngleGroup{std::isfinite(closing_angle) ? wrap_turn(closing_angle) : closing_angle, {}, {}});
+        at, AngleGroup{std::isfinite(closing_angle) ? wrap_turn(closing_angle) : closing_angle, {}, {}, {}});
   return *at;
 }
 

@@ -1,6 +1,8 @@
 #pragma once
 
+#include <map>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "core/comparison.h"
@@ -16,6 +18,8 @@ struct AngleGroup {
   double closing_angle = 0.0;     ///< rad, [0, 2 pi); NaN = not known
   std::vector<Events> measured;   ///< of every shot with a valid measurement
   std::vector<Events> simulated;  ///< same conditions, simulated; the mean counts, usually of one
+  std::map<std::string, double>
+      u_simulated{};  ///< of its quantities, from the inputs' uncertainties, SI; empty: nominal conditions
 };
 
 /// Phase of the coil voltage asked for, polarity included: closing_angle, or closing_angle + pi. rad, [0, 2 pi); NaN when none is

@@ -37,6 +37,12 @@ FileKind kind_of(Plan& p) {
   kind.number("hold_time_ms", p.hold_time, {1, 10'000}, "how long the coil stays switched on");
   kind.number("pause_s", p.pause, {0, 3600}, "between two shots, for the coil to cool down");
   kind.number("ambient_degC", p.ambient, {-50, 150}, "ambient and coil temperature at the start");
+  kind.number(
+      "supply_u_percent", p.supply_u, {0, 20},
+      "standard uncertainty of the measured supply voltage's scale, for what is simulated; left out: 0.5 %",
+      Need::optional);
+  kind.number("coil_temperature_u_K", p.coil_temperature_u, {0, 100},
+              "standard uncertainty of the coil's temperature, likewise; left out: 2 K", Need::optional);
   kind.choice("polarity", p.polarity, {"positive", "negative", "alternate"},
               "negative fires half a period later; alternate changes from shot to shot");
   kind.choice("decision_rule", p.decision, {"simple", "guarded"},

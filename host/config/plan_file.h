@@ -41,6 +41,9 @@ struct Plan {
   double hold_time = 0.100;              ///< s: how long the coil stays switched on
   double pause = 0.0;                    ///< s between two shots, for the coil to cool down
   double ambient = 20.0 + zero_celsius;  ///< K
+  /// Relative: standard uncertainty of the measured voltage's scale; NaN = 0.5 %.
+  double supply_u = std::numeric_limits<double>::quiet_NaN();
+  double coil_temperature_u = std::numeric_limits<double>::quiet_NaN();  ///< K, standard; NaN = 2 K
   Polarity polarity = Polarity::positive;
   Decision decision = Decision::simple;   ///< of the limits
   double angle_tolerance = radians(1.0);  ///< rad: a shot whose reached angle is further off does not count

@@ -96,8 +96,13 @@ Markup definitions_section(const ReportInput& input) {
                    decision_text(input.decision)));
   term(out, "agrees, differs",
        "Simulation and measurement agree where their difference is at most its expanded uncertainty U, and "
-       "differ beyond. Without an "
-       "uncertainty of the simulation U is that of the measurement alone.");
+       "differ beyond. The simulation of an angle runs under the means of what its closings had: angle "
+       "reached, "
+       "supply voltage, frequency; its \xC2\xB1 is what their uncertainties and that of the coil's "
+       "temperature move it by. "
+       "Errors of the model are not in it. Without a \xC2\xB1 the simulation ran under the conditions asked "
+       "for, and U is "
+       "that of the measurement alone.");
   term(out, "Best closing angle",
        "The measured angle with the smallest mean bounce time. Confidence: one minus the sum, over the other "
        "angles, of the "

@@ -3,13 +3,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <atomic>
 #include <cmath>
-#include <map>
-#include <mutex>
 #include <optional>
 #include <set>
-#include <thread>
 
 #include "core/phase.h"
 #include "core/version.h"
@@ -18,8 +14,6 @@
 #include "host/run/stop.h"
 
 namespace powbench::host {
-
-namespace {
 
 ExtractionInfo extraction_info(const RunOptions& options) {
   return {dsp::to_text(options.extract), program_version};
@@ -35,6 +29,8 @@ StoredShot stored(std::int64_t campaign, ShotKind kind, const PlannedShot& plann
   shot.angle_deg = stored_degrees(effective_angle(planned.conditions));
   return shot;
 }
+
+namespace {
 
 /// Looks for a lost rig with growing pauses, about 4 s in all.
 bool find_again(rigs::Rig& rig, Clock& clock, Progress& progress) {
@@ -157,56 +153,6 @@ RunSummary run_campaign(Store& store, std::int64_t campaign, std::span<const Pla
   }
   store.set_finished(campaign, summary.done() == summary.planned);
   return summary;
-}
-
-std::size_t simulate_campaign(Store& store, std::int64_t campaign, std::span<const PlannedShot> plan,
-                              const sim::Specimen& specimen, const rigs::SimRigConfig& rig,
-                              const RunOptions& options, int threads, Progress& progress,
-                              const RecordMaker& make_record) {
-  std::set<double> known;
-  for (const StoredShot& s : store.shots(campaign, ShotKind::simulated)) known.insert(s.angle_deg);
-  // one simulation for each different angle: repeats differ by noise alone, and a prediction has none
-  std::map<double, StoredShot> missing;
-  for (const PlannedShot& planned : plan) {
-    StoredShot shot = stored(campaign, ShotKind::simulated, planned);
-    if (!known.contains(shot.angle_deg)) missing.emplace(shot.angle_deg, shot);
-  }
-  std::vector<StoredShot> shots;
-  for (auto& [angle, shot] : missing) shots.push_back(shot);
-
-  std::vector<std::optional<rigs::SimulatedClosing>> results(shots.size());
-  std::vector<Events> events(shots.size());
-  std::atomic<std::size_t> next = 0, finished = 0;
-  std::mutex mutex;
-  std::exception_ptr trouble;
-  const auto work = [&] {
-    for (std::size_t i = next++; i < shots.size() && !StopOnSignal::asked(); i = next++) {
-      try {
-        results[i] = make_record(specimen, shots[i].conditions, rig);
-        events[i] = extract_checked(results[i]->record, options);
-      } catch (...) {
-        const std::scoped_lock lock(mutex);
-        trouble = std::current_exception();
-        return;
-      }
-      const std::scoped_lock lock(mutex);
-      progress.update(++finished);
-    }
-  };
-  std::vector<std::thread> pool;
-  for (int t = 0; t < std::max(threads, 1); ++t) pool.emplace_back(work);
-  for (auto& t : pool) t.join();
-  if (trouble) std::rethrow_exception(trouble);
-
-  // stored in the order of the angles, whatever thread was first
-  std::size_t stored_shots = 0;
-  for (std::size_t i = 0; i < shots.size(); ++i) {
-    if (!results[i]) continue;
-    shots[i].outcome = Outcome::not_judged;
-    store.store_shot(shots[i], &results[i]->record, &events[i], extraction_info(options));
-    ++stored_shots;
-  }
-  return stored_shots;
 }
 
 }  // namespace powbench::host

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <cstddef>
-#include <functional>
 #include <span>
 #include <string>
 #include <vector>
@@ -14,9 +13,6 @@
 #include "host/run/progress.h"
 #include "host/store/store.h"
 #include "rigs/rig.h"
-#include "rigs/sim_rig_config.h"
-#include "rigs/simulated_record.h"
-#include "sim/specimen.h"
 
 /// Executes a plan: every shot acquired, its events extracted, judged and stored before the next one is fired.
 
@@ -27,6 +23,8 @@ struct RunOptions {
   std::vector<Limit> limits;             ///< of the plan
   Decision decision = Decision::simple;  ///< of the limits
   double angle_tolerance = 0.0;          ///< rad: reached against commanded closing angle; 0 = none
+  double supply_u = 0.005;               ///< relative: standard uncertainty of the measured voltage's scale
+  double coil_temperature_u = 2.0;       ///< K
   double pause = 0.0;                    ///< s between two shots
   int max_failures = 5;                  ///< shots without a record in a row after which the campaign stops
   std::chrono::milliseconds shot_limit{15'000};  ///< longest time for one shot, hold time included
@@ -56,15 +54,9 @@ struct RunSummary {
 RunSummary run_campaign(Store&, std::int64_t campaign, std::span<const PlannedShot>, rigs::Rig&,
                         const RunOptions&, Progress&);
 
-/// How one closing becomes a record; the plant of the simulated rig unless a scene says otherwise.
-using RecordMaker =
-    std::function<rigs::SimulatedClosing(const sim::Specimen&, const Conditions&, const rigs::SimRigConfig&)>;
-
-/// Simulates each different set of conditions of the plan once, on `threads` threads, and stores the results as
-/// simulated shots with record and events. What is stored already is kept.
-std::size_t simulate_campaign(Store&, std::int64_t campaign, std::span<const PlannedShot>,
-                              const sim::Specimen&, const rigs::SimRigConfig&, const RunOptions&, int threads,
-                              Progress&, const RecordMaker& = rigs::simulate_record);
+/// A planned shot as it is stored, before anything is known of it.
+StoredShot stored(std::int64_t campaign, ShotKind, const PlannedShot&);
+ExtractionInfo extraction_info(const RunOptions&);
 
 /// The verdict on a shot with a record: angle tolerance, then limits. NOT JUDGED without a limit; NOT OBSERVED where an angle was
 /// commanded within a tolerance and the record does not show the one reached.

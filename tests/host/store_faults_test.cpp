@@ -17,7 +17,7 @@ using Catch::Matchers::Contains;
 
 namespace {
 
-const ExtractionInfo extraction{"cutoff = 1\n", "0.1.0"};
+const ExtractionInfo torn_extraction{"cutoff = 1\n", "0.1.0"};
 
 /// What the disk does to this process from its n-th write on. SQLite's own calls are replaced, nothing of the store.
 struct Disk {
@@ -92,7 +92,7 @@ void add(Store& store, std::int64_t campaign, int number) {
   const auto seed = static_cast<std::uint64_t>(number);
   const Record record = sample_record(seed);
   const Events events = sample_events(seed);
-  store.store_shot(sample_shot(campaign, number), &record, &events, extraction);
+  store.store_shot(sample_shot(campaign, number), &record, &events, torn_extraction);
 }
 
 }  // namespace

@@ -157,3 +157,34 @@ TEST_CASE("report --pdf: by a browser that is there, and a sentence where none i
   CHECK(none.status == 2);
   CHECK_THAT(none.err, Contains("no browser is installed"));
 }
+
+TEST_CASE("sim behind a measurement: under the measured conditions, with what they are uncertain by",
+          "[system]") {
+  Folder folder;
+  const std::string db = folder.file("lab.db");
+  const std::string rig = folder.write("weak.rig.toml", "[device]\nsupply_percent = -3\n");
+  const std::string plan = folder.write("p.plan.toml", "angles_deg = [90]\nrepeats = 2\n");
+  REQUIRE(run(folder, {"run", plan, "--rig", "sim:" + rig, "--db", db}).status == 0);
+  REQUIRE(run(folder, {"run", plan, "--rig", "sim:" + rig, "--db", db, "--seed", "2"}).status == 0);
+  const auto volts = [&](const std::string& campaign) {
+    for (const json& s :
+         json::parse(run(folder, {"shots", "--db", db, "--campaign", campaign, "--json"}).out))
+      if (s.at("kind") == "simulated")
+        return json::parse(
+                   run(folder, {"show", std::to_string(s.at("shot").get<int>()), "--db", db, "--json"}).out)
+            .at("supply_volts")
+            .get<double>();
+    return 0.0;
+  };
+  REQUIRE(run(folder, {"sim", plan, "--db", db}).status ==
+          0);  // beside the first campaign: the second has another seed
+  CHECK(volts("1") == Approx(230 * 0.97).epsilon(2e-3));
+  bool told = false;
+  for (const json& row : json::parse(run(folder, {"compare", "--campaign", "1", "--db", db, "--json"}).out))
+    if (row.at("quantity") == "t_ct1") {
+      told = row.at("u_simulated").is_number() && row.at("u_simulated").get<double>() > 10e-6;
+      CHECK(row.at("agreement") == "agrees");
+    }
+  CHECK(told);
+  REQUIRE(run(folder, {"sim", plan, "--db", folder.file("other.db"), "--nominal"}).status == 0);
+}

@@ -1,0 +1,164 @@
+#include "host/run/simulate.h"
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <mutex>
+#include <optional>
+#include <set>
+#include <thread>
+
+#include "core/phase.h"
+#include "core/quantities.h"
+#include "host/compare/compare.h"
+#include "host/compare/repeats.h"
+#include "host/run/stop.h"
+
+namespace powbench::host {
+
+namespace {
+
+/// Mean and u of what the closings show of an input; `value` stays where none shows it.
+template <class Of>
+double mean_of(std::span<const Events> measured, const Of& of, double& value) {
+  std::vector<Measured> seen;
+  for (const Events& e : measured) seen.push_back(of(e));
+  const Repeats r = repeats_of(seen);
+  if (r.n == 0) return 0.0;
+  value = r.mean;
+  return std::isfinite(r.u) ? r.u : 0.0;
+}
+
+Events closing_events(const Conditions& c, const sim::Specimen& specimen, const rigs::SimRigConfig& rig,
+                      const RunOptions& options) {
+  return extract_checked(rigs::simulate_record(specimen, c, rig).record, options);
+}
+
+/// What one angle's thread leaves.
+struct Simulated {
+  std::optional<rigs::SimulatedClosing> closing;
+  Events events;
+  std::map<std::string, double> u;
+};
+
+}  // namespace
+
+ClosingInputs inputs_of(const Conditions& asked, std::span<const Events> measured,
+                        const RunOptions& options) {
+  ClosingInputs in;
+  in.conditions = asked;
+  const double commanded = effective_angle(asked);
+  double off = 0;
+  in.u_angle = mean_of(
+      measured,
+      [&](const Events& e) {
+        Measured m = e.coil.closing_angle;
+        m.value = wrap_half_turn(m.value - commanded);
+        return m;
+      },
+      off);
+  in.conditions.closing_angle = wrap_turn(asked.closing_angle + off);
+  in.u_volts = mean_of(
+      measured, [](const Events& e) { return e.coil.supply_volts; }, in.conditions.supply_volts);
+  if (!measured.empty()) in.u_volts = std::hypot(in.u_volts, options.supply_u * in.conditions.supply_volts);
+  in.u_hertz = mean_of(
+      measured, [](const Events& e) { return e.coil.mains_hertz; }, in.conditions.mains_hertz);
+  in.u_ambient = options.coil_temperature_u;
+  return in;
+}
+
+std::map<std::string, double> input_uncertainty(const ClosingInputs& in, const sim::Specimen& specimen,
+                                                const rigs::SimRigConfig& rig, const RunOptions& options) {
+  struct Input {
+    double Conditions::*place;
+    double u, least_step;  ///< a step below is lost in the samples
+  };
+  const Input inputs[] = {{&Conditions::closing_angle, in.u_angle, radians(0.2)},
+                          {&Conditions::supply_volts, in.u_volts, 0.002 * in.conditions.supply_volts},
+                          {&Conditions::mains_hertz, in.u_hertz, 0.001 * in.conditions.mains_hertz},
+                          {&Conditions::ambient, in.u_ambient, 1.0}};
+  std::map<std::string, double> variance;
+  for (const Quantity& q : quantity_table) variance[std::string(q.symbol)] = 0;
+  for (const Input& input : inputs) {
+    if (!(input.u > 0)) continue;
+    const double step = std::max(input.u, input.least_step);
+    Conditions low = in.conditions, high = in.conditions;
+    low.*input.place -= step;
+    high.*input.place += step;
+    low.closing_angle = wrap_turn(low.closing_angle);
+    high.closing_angle = wrap_turn(high.closing_angle);
+    const Events a = closing_events(low, specimen, rig, options),
+                 b = closing_events(high, specimen, rig, options);
+    for (const Quantity& q : quantity_table) {
+      const double slope = (q.of(b).value - q.of(a).value) / (2 * step);
+      variance[std::string(q.symbol)] += slope * slope * input.u * input.u;
+    }
+  }
+  for (auto& [symbol, v] : variance) v = std::sqrt(v);
+  return variance;
+}
+
+std::size_t simulate_campaign(Store& store, std::int64_t campaign, std::span<const PlannedShot> plan,
+                              const sim::Specimen& specimen, const rigs::SimRigConfig& rig,
+                              const RunOptions& options, int threads, Progress& progress,
+                              const RecordMaker& make_record, bool nominal) {
+  std::set<double> known;
+  for (const StoredShot& s : store.shots(campaign, ShotKind::simulated)) known.insert(s.angle_deg);
+  std::map<double, std::vector<Events>> measured;
+  if (!nominal)
+    for (const StoredShot& s : store.shots(campaign, ShotKind::measured))
+      if (auto events = powbench::measured(s.outcome) ? store.load_events(s.id) : std::nullopt)
+        measured[s.angle_deg].push_back(std::move(*events));
+  // one simulation for each angle: its closings differ by noise and by what a mean of their conditions holds
+  std::map<double, StoredShot> missing;
+  for (const PlannedShot& planned : plan) {
+    StoredShot shot = stored(campaign, ShotKind::simulated, planned);
+    if (!known.contains(shot.angle_deg)) missing.emplace(shot.angle_deg, shot);
+  }
+  std::vector<StoredShot> shots;
+  for (auto& [angle, shot] : missing) shots.push_back(shot);
+
+  std::vector<Simulated> results(shots.size());
+  std::atomic<std::size_t> next = 0, finished = 0;
+  std::mutex mutex;
+  std::exception_ptr trouble;
+  const auto work = [&] {
+    for (std::size_t i = next++; i < shots.size() && !StopOnSignal::asked(); i = next++) {
+      try {
+        const auto closings = measured.find(shots[i].angle_deg);
+        if (closings != measured.end()) {
+          const ClosingInputs inputs = inputs_of(shots[i].conditions, closings->second, options);
+          shots[i].conditions = inputs.conditions;
+          results[i].u = input_uncertainty(inputs, specimen, rig, options);
+        }
+        auto closing = make_record(specimen, shots[i].conditions, rig);
+        results[i].events = extract_checked(closing.record, options);
+        results[i].closing = std::move(closing);
+      } catch (...) {
+        const std::scoped_lock lock(mutex);
+        trouble = std::current_exception();
+        return;
+      }
+      const std::scoped_lock lock(mutex);
+      progress.update(++finished);
+    }
+  };
+  std::vector<std::thread> pool;
+  for (int t = 0; t < std::max(threads, 1); ++t) pool.emplace_back(work);
+  for (auto& t : pool) t.join();
+  if (trouble) std::rethrow_exception(trouble);
+
+  // stored in the order of the angles, whatever thread was first
+  std::size_t stored_shots = 0;
+  for (std::size_t i = 0; i < shots.size(); ++i) {
+    if (!results[i].closing) continue;
+    shots[i].outcome = Outcome::not_judged;
+    const std::int64_t id =
+        store.store_shot(shots[i], &results[i].closing->record, &results[i].events, extraction_info(options));
+    if (!results[i].u.empty()) store.store_prediction(id, results[i].u);
+    ++stored_shots;
+  }
+  return stored_shots;
+}
+
+}  // namespace powbench::host

@@ -1,0 +1,46 @@
+#pragma once
+
+#include <functional>
+#include <map>
+#include <span>
+#include <string>
+
+#include "host/run/campaign.h"
+#include "rigs/sim_rig_config.h"
+#include "rigs/simulated_record.h"
+#include "sim/specimen.h"
+
+/// Simulates a campaign under the conditions that its closings really had.
+
+namespace powbench::host {
+
+/// How one closing becomes a record; the plant of the simulated rig unless a scene says otherwise.
+using RecordMaker =
+    std::function<rigs::SimulatedClosing(const sim::Specimen&, const Conditions&, const rigs::SimRigConfig&)>;
+
+/// The conditions of the closings at one angle: means over the measured ones where those are known, else as asked. Standard
+/// uncertainties of the means; 0: as asked, nothing was measured.
+struct ClosingInputs {
+  Conditions conditions;
+  double u_angle = 0;    ///< rad
+  double u_volts = 0;    ///< V, scale of the channel included
+  double u_hertz = 0;    ///< Hz
+  double u_ambient = 0;  ///< K, of the coil's temperature
+};
+
+/// `measured`: events of the closings commanded to `asked`. `options` brings the uncertainty of the voltage's scale and of the
+/// coil's temperature.
+ClosingInputs inputs_of(const Conditions& asked, std::span<const Events> measured, const RunOptions& options);
+
+/// Standard uncertainty (SI) of each quantity, by symbol, from those of the inputs: u^2 = sum (dq/dx u_x)^2, slopes by central
+/// differences of the plant through the rig's sensors. NaN: a quantity that does not exist on both sides.
+std::map<std::string, double> input_uncertainty(const ClosingInputs&, const sim::Specimen&,
+                                                const rigs::SimRigConfig&, const RunOptions&);
+
+/// One closing for each angle of the plan, on `threads` threads, stored with record and events. Where the campaign has measured
+/// closings and not `nominal`: under their conditions, with its uncertainty. What is stored already is kept.
+std::size_t simulate_campaign(Store&, std::int64_t campaign, std::span<const PlannedShot>,
+                              const sim::Specimen&, const rigs::SimRigConfig&, const RunOptions&, int threads,
+                              Progress&, const RecordMaker& = rigs::simulate_record, bool nominal = false);
+
+}  // namespace powbench::host
