@@ -51,8 +51,10 @@ Range values_of(const ReportInput& input, const std::vector<Series>& all) {
       for (const double v : {row->measured.value, row->lowest, row->highest, row->simulated})
         y.include(v * 1e3);
     for (const auto* row : rows_of(input, series.quantity))
-      for (const double side : {-1.0, 1.0})
+      for (const double side : {-1.0, 1.0}) {
         y.include((row->measured.value + side * row->coverage * row->measured.u) * 1e3);
+        y.include((row->simulated + side * 2 * row->u_simulated) * 1e3);
+      }
     for (const auto& p : input.published)
       if (p.quantity == series.quantity && p.table > 0 && !p.excluded)
         for (const double v : {p.measurement, p.simulation}) y.include(v);
@@ -65,6 +67,10 @@ void draw_series(Plot& plot, const ReportInput& input, const Series& series) {
   std::vector<XY> simulated;
   for (const auto* row : rows) simulated.push_back({degrees(row->closing_angle), row->simulated * 1e3});
   plot.line(simulated, {colour::simulated, 2.2, 0.6, series.dash});
+  for (const auto* row : rows)
+    if (std::isfinite(row->u_simulated))
+      plot.error_bar({degrees(row->closing_angle), row->simulated * 1e3}, 2 * row->u_simulated * 1e3,
+                     {colour::simulated, 1.3, 0.6});
   for (const auto& p : simulated) plot.point(p, {series.shape, colour::simulated, 2.6, true, 0.8});
   for (const auto& p : input.published) {
     if (p.quantity != series.quantity || p.table == 0 || p.excluded) continue;
@@ -241,7 +247,7 @@ Markup chart_section(const ReportInput& input) {
   out.close();
   out.element("p",
               "Points: mean of the repeats; bar: expanded uncertainty U (95 %); pale column: smallest to "
-              "largest repeat. The "
+              "largest repeat; bar of the simulation: what its inputs' uncertainty moves it by (k = 2). The "
               "angle reached is fitted to the recorded mains and read at the step of the coil voltage.",
               {{"class", "fine"}});
   return out.close();
