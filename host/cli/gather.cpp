@@ -195,6 +195,15 @@ TestRecord gather_test_record(const Store& store, const CampaignInfo& c) {
   return record;
 }
 
+/// The films of a record as they were recorded, in SI.
+std::vector<Waveform> raw_films(const Record& record) {
+  std::vector<Waveform> list;
+  for (const Channel channel : {Channel::pvdf_a, Channel::pvdf_b})
+    if (const dsp::Signal signal = dsp::to_signal(record, channel); !signal.empty())
+      list.push_back(waveform(signal, channel));
+  return list;
+}
+
 ReportInput gather_shot(const Store& store, std::int64_t id) {
   const StoredShot wanted = store.shot(id);
   const CampaignInfo c = store.campaign(wanted.campaign);
@@ -225,6 +234,7 @@ ReportInput gather_shot(const Store& store, std::int64_t id) {
                              .events = events,
                              .phase_u = phase_deviation(store, s),
                              .waveforms = std::move(waves),
+                             .raw = s.id == id ? raw_films(record) : std::vector<Waveform>(),
                              .record_hash = s.record_hash});
   }
   if (input.shots.empty()) throw StoreError("shot " + std::to_string(id) + " has no record: nothing to draw");
@@ -256,15 +266,20 @@ ReportInput gather_report(const Store& store, const CampaignInfo& c, const std::
   VibrationFinder vibration(options.extract);
   std::vector<AngleGroup> groups;
   const std::set<std::int64_t> drawn = shots_to_draw(shots);
+  constexpr std::size_t most_to_zoom = 10;
+  std::set<double> zoomed;  // one closing of an angle
   for (const StoredShot& s : shots) {
     const auto events = store.load_events(s.id);
     AngleGroup& group = group_at(groups, radians(s.angle_deg));
     if (events) (s.kind == ShotKind::measured ? group.measured : group.simulated).push_back(*events);
-    std::vector<Waveform> waves;
+    std::vector<Waveform> waves, raw;
     if (!s.record_hash.empty() && drawn.contains(s.id)) {
       Record record = store.load_record(s.id);
       record.conditions = s.conditions;
       waves = waveforms(record, options.extract);
+      if (events && s.kind == ShotKind::measured && zoomed.size() < most_to_zoom &&
+          zoomed.insert(s.angle_deg).second)
+        raw = raw_films(record);
       if (events && s.kind == ShotKind::measured) vibration.add(static_cast<int>(s.id), record, *events);
     }
     if (s.kind == ShotKind::simulated) {
@@ -287,6 +302,7 @@ ReportInput gather_report(const Store& store, const CampaignInfo& c, const std::
                            .events = events,
                            .phase_u = phase_deviation(store, s),
                            .waveforms = std::move(waves),
+                           .raw = std::move(raw),
                            .record_hash = s.record_hash});
   }
   input.vibration = vibration.finish();

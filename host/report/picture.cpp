@@ -36,8 +36,9 @@ std::string render_shot_html(const ReportInput& input) {
   out.element("title", title).embed(page_style()).close();
   out.open("body").open("main").element("h1", title);
   out.open("p", {{"class", "origin"}}).element("b", name(input.origin));
-  out.text(" " + std::string(meaning(input.origin)) + ". Specimen " + input.specimen + ".").close();
+  out.text(" " + std::string(meaning(input.origin)) + " Specimen " + input.specimen + ".").close();
   out.open("figure").embed(waveform_figure(input, view, time_window(input))).close();
+  out.embed(closer_section(input));
   out.close().close().close();
   return "<!DOCTYPE html>\n" + out.str();
 }

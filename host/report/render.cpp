@@ -58,6 +58,7 @@ std::string render_html(const ReportInput& input) {
   if (!angles.empty()) {
     out.embed(chart_section(input));
     out.embed(typical_section(input));
+    out.embed(closer_section(input));
   }
   out.embed(provenance_section(input));
   out.open("h2", {{"class", "appendix"}}).text("Appendix").close();

@@ -39,7 +39,8 @@ struct ReportShot {
   double phase_u = std::numeric_limits<
       double>::quiet_NaN();  ///< rad: of the mains at the edge, by the rig; NaN = not told
   std::vector<Waveform> waveforms;
-  std::string record_hash;  ///< empty without a record
+  std::vector<Waveform> raw;  ///< films before anything was stripped; of the closings to zoom into
+  std::string record_hash;    ///< empty without a record
 };
 
 /// The simulated closing laid beside the measured ones of its angle.
@@ -103,7 +104,8 @@ Counts count(const ReportInput&);
 /// where at least one limit was judged.
 Outcome verdict(const ReportInput&);
 
-/// One self-contained HTML page: no script, no network, inline SVG, made to be printed on A4. Also well-formed XML.
+/// One self-contained HTML page: no network, inline SVG, made to be printed on A4. Scripts, for the closer look alone, are part of it.
+/// Also well-formed XML.
 std::string render_html(const ReportInput&);
 
 /// The first shot of the input and the simulation of its angle: all channels over one time axis, as SVG or as a page of its own.

@@ -22,6 +22,8 @@ Markup limits_section(const ReportInput&);
 Markup typical_section(const ReportInput&);
 /// Customer, device, instruments; an expired calibration first.
 Markup record_section(const ReportInput&);
+/// Closings to zoom into, with the scripts that draw them; empty without raw waveforms.
+Markup closer_section(const ReportInput&);
 Markup provenance_section(const ReportInput&);
 Markup chart_section(const ReportInput&);
 Markup angle_section(const ReportInput&, const AngleView&, const Range& window_ms);

@@ -66,6 +66,13 @@ tr.bad td, tr.bad th { background: var(--alarm); }
 figure { margin: 0 0 18px; }
 figure h3 { margin: 0 0 2px; }
 figcaption { color: var(--soft); font-size: 13px; }
+.closer-panel { width: 100%; height: 140px; margin-bottom: 2px; }
+.closer-panel.last { height: 172px; }
+.closer-panel .dygraph-legend { width: auto; background: none; font-size: 12px; right: 8px; left: auto !important; }
+.closer-panel .dygraph-axis-label, .closer-panel .dygraph-label { color: var(--soft); font-size: 12px; font-weight: 400; }
+.controls { display: flex; flex-wrap: wrap; gap: 6px 10px; align-items: center; font-size: 14px; }
+.controls button, .controls select { font: inherit; color: var(--ink); background: var(--faint); border: 1px solid var(--line);
+  border-radius: 4px; padding: 3px 10px; }
 svg.plot { display: block; width: 100%; height: auto; font-size: 13px; }
 svg.plot text { fill: var(--soft); }
 svg.plot text.t { fill: var(--ink); }
@@ -114,6 +121,7 @@ footer { margin-top: 36px; color: var(--soft); font-size: 13px; }
   @bottom-left { content: "powbench"; font-size: 8pt; color: #5b6875; }
   @bottom-right { content: counter(page) " / " counter(pages); font-size: 8pt; color: #5b6875; } }
 @media print {
+  .screen { display: none; }
   html { background: #fff; }
   body { font-size: 9pt; line-height: 1.4; }
   main { max-width: none; padding: 0; }

@@ -17,7 +17,7 @@ constexpr double zoom_height = 150;
 constexpr double top = 62, gap = 12, bottom = 46;
 constexpr double strip_row = 11;
 constexpr std::size_t drawn_shots = 5;      // more traces than this hide each other
-constexpr std::size_t trace_buckets = 500;  // two points each
+constexpr std::size_t trace_buckets = 320;  // two points each, 3 px
 
 struct Panel {
   std::string_view channel;

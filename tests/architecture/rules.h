@@ -79,7 +79,8 @@ inline const std::vector<std::string_view>& file_headers() {
 
 /// Headers that the build makes from other files; they are included like any other.
 inline const std::vector<std::string_view>& generated_headers() {
-  static const std::vector<std::string_view> table{"host/store/migrations.h", "host/cli/scenes.h"};
+  static const std::vector<std::string_view> table{"host/store/migrations.h", "host/cli/scenes.h",
+                                                   "host/report/closer_assets.h"};
   return table;
 }
 
