@@ -61,7 +61,17 @@ std::unique_ptr<Rig> open(const std::string& uri, const SimRigConfig& sim, const
   if (uri.starts_with("serial:")) return connect_serial(uri);
   std::string known;
   for (const RigKind& kind : rig_kinds) known += (known.empty() ? "" : ", ") + std::string(kind.example);
-  throw RigError("unknown rig '" + uri + "'; a rig is named like " + known);
+  std::string meant;
+  if (uri.find(':') == std::string::npos) {
+    if (uri == "sim" || uri == "qemu")
+      meant = uri + ":";
+    else if (uri.starts_with("/dev/"))
+      meant = "serial:" + uri;
+    else if (!uri.empty())
+      meant = "ip:" + uri;
+  }
+  if (!meant.empty()) meant = "; did you mean '" + meant + "'?";
+  throw RigError("unknown rig '" + uri + "'" + meant + "; a rig is named like " + known);
 }
 
 }  // namespace powbench::rigs

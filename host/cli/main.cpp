@@ -6,6 +6,7 @@
 
 #include "core/version.h"
 #include "host/cli/study.h"
+#include "host/cli/unknown_verb.h"
 #include "host/cli/verbs.h"
 #include "host/config/bad_input.h"
 #include "host/store/store.h"
@@ -462,6 +463,10 @@ int main(int argc, char** argv) {
   add_sweep_verb(app);
   add_ladder_verb(app);
 
+  if (const std::string wrong = unknown_verb(app, argc, argv); !wrong.empty()) {
+    fmt::print(stderr, "{}\n", wrong);
+    return leave(Exit::bad_input);
+  }
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& e) {

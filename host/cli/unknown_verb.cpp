@@ -1,0 +1,60 @@
+#include "host/cli/unknown_verb.h"
+
+#include <fmt/format.h>
+#include <CLI/CLI.hpp>
+
+#include "host/config/nearest.h"
+
+namespace powbench::host {
+
+std::string unknown_verb(const CLI::App& app, int argc, char** argv) {
+  constexpr std::pair<const char*, const char*> senses[] = {{"acquire", "run"},
+                                                            {"measure", "run"},
+                                                            {"fire", "run"},
+                                                            {"shoot", "run"},
+                                                            {"simulate", "sim"},
+                                                            {"list", "campaigns"},
+                                                            {"ls", "campaigns"},
+                                                            {"html", "report"},
+                                                            {"pdf", "report"},
+                                                            {"serve", "rig"},
+                                                            {"best", "sweep"},
+                                                            {"optimise", "sweep"},
+                                                            {"identify", "fit"},
+                                                            {"draw", "plot"},
+                                                            {"view", "show"},
+                                                            {"csv", "export"},
+                                                            {"check", "plan check"},
+                                                            {"validate", "plan check"},
+                                                            {"template", "plan template"},
+                                                            {"note", "annotate"},
+                                                            {"diff", "compare"},
+                                                            {"load", "import"},
+                                                            {"help", "--help"},
+                                                            {"version", "--version"}};
+  const CLI::App* at = &app;
+  std::string before;
+  for (int i = 1; i < argc && argv[i][0] != '-'; ++i) {
+    std::vector<std::string> verbs;
+    const CLI::App* next = nullptr;
+    for (const CLI::App* verb : at->get_subcommands([](const CLI::App*) { return true; })) {
+      verbs.push_back(verb->get_name());
+      if (verbs.back() == argv[i]) next = verb;
+    }
+    if (verbs.empty()) return {};
+    if (next != nullptr) {
+      at = next;
+      before += std::string(argv[i]) + " ";
+      continue;
+    }
+    std::string meant = nearest(argv[i], verbs);
+    for (const auto& [word, verb] : senses)
+      if (at == &app && word == std::string_view(argv[i])) meant = verb;
+    return fmt::format("powbench: no verb '{}{}'{}; powbench {}--help lists them", before, argv[i],
+                       meant.empty() ? "" : fmt::format("; did you mean 'powbench {}{}'?", before, meant),
+                       before);
+  }
+  return {};
+}
+
+}  // namespace powbench::host

@@ -1,0 +1,151 @@
+#include <catch2/catch.hpp>
+
+#include "tests/system/program.h"
+
+/// What people type wrong in their first days, and the sentence they get. Each ends with 2 (3 where a rig was named) and leaves
+/// nothing behind.
+
+using namespace powbench::test;
+using Catch::Contains;
+
+namespace {
+
+struct Mistake {
+  std::vector<std::string> words;
+  const char* says;
+  int status = 2;
+};
+
+struct BadFile {
+  const char* text;
+  const char* says;
+};
+
+const char* const good_plan = "angles_deg = [0, 60]\nrepeats = 1\n";
+
+}  // namespace
+
+TEST_CASE("mistakes on the command line", "[system]") {
+  Folder folder;
+  const std::string plan = folder.write("p.toml", good_plan), text = folder.write("t.txt", "hello\n"),
+                    empty = folder.write("e.db", ""), db = folder.file("lab.db"),
+                    none = folder.file("none.toml");
+  REQUIRE(run(folder, {"run", folder.write("one.toml", "angles_deg = [60]\nrepeats = 1\n"), "--rig",
+                       "sim:", "--db", db})
+              .status == 0);
+  const std::string before = read_file(db);
+  const std::vector<Mistake> mistakes{
+      {{"reprot", "--db", db}, "no verb 'reprot'; did you mean 'powbench report'?"},
+      {{"acquire", plan}, "did you mean 'powbench run'?"},
+      {{"check", plan}, "did you mean 'powbench plan check'?"},
+      {{"list"}, "did you mean 'powbench campaigns'?"},
+      {{"plan", "chekc", plan}, "no verb 'plan chekc'; did you mean 'powbench plan check'?"},
+      {{"xyzzy"}, "no verb 'xyzzy'; powbench --help lists them"},
+      {{"run"}, "plan is required"},
+      {{"run", plan}, "no rig is named; --rig sim: is a simulated one"},
+      {{"run", none, "--rig", "sim:"}, "none.toml: cannot be read"},
+      {{"run", plan, "--rig", "sim"}, "unknown rig 'sim'; did you mean 'sim:'?", 3},
+      {{"run", plan, "--rig", "192.0.2.1"}, "did you mean 'ip:192.0.2.1'?", 3},
+      {{"run", plan, "--rig", "/dev/ttyACM0"}, "did you mean 'serial:/dev/ttyACM0'?", 3},
+      {{"run", plan, "--rig", "sim:none.rig.toml"}, "none.rig.toml: cannot be read"},
+      {{"run", plan, "--rig", "serial:/dev/ttyNONE"}, "is the cable in and the board powered?", 3},
+      {{"run", plan, "--rig", "ip:127.0.0.200"},
+       "nothing listens there; start the rig or correct the address",
+       3},
+      {{"run", plan, "--rig", "sim:", "--max-failures", "0"}, "not in range 1 to 1000000"},
+      {{"run", plan, "--rig", "sim:", "--db", "/nonexistent/x.db"},
+       "there is no folder /nonexistent; make it first"},
+      {{"run", plan, "--rig", "sim:", "--db", "."}, "is a folder; name a file"},
+      {{"plan", "check", "."}, "is a directory, not a file"},
+      {{"plan", "template", "plna"}, "plna not in {plan,rig,specimen,calibration}"},
+      {{"report", "--db", folder.file("none.db")}, "no such store; run a plan first"},
+      {{"report", "--db", text}, "a text file, not a powbench store"},
+      {{"report", "--db", empty}, "no such store; run a plan first"},
+      {{"report", "--db", db, "--campaign", "9"}, "no campaign 9"},
+      {{"events", "999", "--db", db}, "no shot 999"},
+      {{"events", folder.file("none.csv")}, "none.csv: cannot be read"},
+      {{"show", "abc", "--db", db}, "shot = abc"},
+      {{"plot", "1", "-o", folder.file("x.gif"), "--db", db}, "a picture is .svg or .html"},
+      {{"export", "1", "--to", "xlsx", "--db", db}, "xlsx not in {csv,vtu,gltf}"},
+      {{"compare", "1", "9", "--db", db}, "no campaign 9"},
+      {{"annotate", "cutsomer", "x", "--db", db}, "did you mean 'customer'?"},
+      {{"annotate", "customer", "--db", db}, "customer: the text is empty"},
+      {{"sim", plan, "--db", folder.file("s.db"), "--accuracy", "0%"},
+       "--accuracy = 0%, allowed 1e-6% .. 50%"},
+      {{"sim", plan, "--db", folder.file("s.db"), "--fields", "tabel"},
+       "allowed circuit, table, field2d, field3d"},
+      {{"sim", plan, "--db", folder.file("s.db"), "--mechanics", "foo"},
+       "allowed plant, rigid, modal, explicit"},
+      {{"sweep", "--vary", "bridges.gap_mm=5:1", "--db", folder.file("w.db")}, "allowed ascending, within"},
+      {{"sweep", "--vary", "gap=1:2", "--db", folder.file("w.db")},
+       "section.key of the specimen file, such as core.mass_g"},
+      {{"fit", "--free", "x=1:2"}, "not a number of a specimen"},
+      {{"ladder", "--accuracy", "fast"}, "--accuracy = fast, allowed"},
+      {{"field", "--steel", "iron"}, "built in are lamination"},
+      {{"rig", "--listen", "300.1.1.1"}, "is no address; give one such as 127.0.0.7"},
+      {{"rig", "--listen", "0.0.0.0"}, "add --open-to-network"},
+      {{"calibrate", "sim:", "--id", "a", "--expires", "tomorrow"}, "as 2030-12-31"},
+      {{"info", "teapot:"}, "unknown rig 'teapot:'; a rig is named like sim:", 3}};
+  for (const Mistake& m : mistakes) {
+    const Finished r = run(folder, m.words);
+    INFO(m.words[0] << " " << (m.words.size() > 1 ? m.words[1] : "") << ": " << r.err);
+    CHECK(r.status == m.status);
+    CHECK_THAT(r.err, Contains(m.says));
+    CHECK(r.out.empty());
+  }
+  CHECK(read_file(db) == before);
+  for (const char* left : {"s.db", "w.db", "x.gif"}) CHECK_FALSE(std::filesystem::exists(folder.file(left)));
+}
+
+TEST_CASE("mistakes in a plan", "[system]") {
+  Folder folder;
+  const BadFile plans[] = {
+      {"angles_deg = 60\nrepeats = 1\n",
+       "a.toml:1: angles_deg = 60: is a whole number, must be a list of numbers"},
+      {"angles_deg = [60]\n", "repeats: is missing; allowed 1..10000"},
+      {"angles_deg = [60, 60]\nrepeats = 1\n", "60 deg is listed twice"},
+      {"angles_deg = [60]\nrepeats = \"3\"\n", "a.toml:2: repeats = \"3\": is text, must be a whole number"},
+      {"angles_deg = [60]\nrepeats = 3.5\n", "must be a whole number"},
+      {"angles_deg = [60]\nrepeats = 0\n", "out of range; allowed 1..10000"},
+      {"angles_deg = [60]\nrepeats = 1\nhold_time_s = 0.1\n", "did you mean 'hold_time_ms'?"},
+      {"angles_deg = [60]\nrepeats = 1\nhold_time_ms = 0.1\n", "out of range; allowed 1..10000 ms"},
+      {"angles_deg = [60\nrepeats = 1\n", "a.toml:2: not TOML"},
+      {"angles_deg = [60]\nrepeats = 1\norder = \"rand\"\n", "did you mean 'random'?"},
+      {"angles_deg = [60]\nrepeats = 1\nspecimen = \"none.toml\"\n", "none.toml: cannot be read"},
+      {"angles_deg = [60]\nrepeats = 1\n[limits.touch]\nmax_ms = 20\n", "did you mean 'limits.t_ct1'?"},
+      {"angles_deg = [60]\nrepeats = 1\n[limits.t_ct1]\nmax = 20\n", "did you mean 'max_ms'?"},
+      {"angles_deg = [60]\nrepeats = 1\n[limits.t_ct1]\nmin_ms = 20\nmax_ms = 10\n", "is above max_ms"},
+      {"angles_deg = [60]\nrepeats = 1\nrepeats = 2\n", "given twice; keep one of the two lines"},
+      {"angles_deg = { start = 0, stop = 180 }\nrepeats = 1\n", "'step' is missing"},
+      {"angles_deg = { start = 0, stop = 180, step = -30 }\nrepeats = 1\n",
+       "does not lead from 'start' to 'stop'"},
+      {"angles_deg = []\nrepeats = 1\n", "is an empty list"},
+      {"angles_deg = [0,1,2,3,4,5,6,7,8,9,10]\nrepeats = 10000\n", "gives 110000 shots with 11 angles"},
+      {"angles_deg = [60]\nrepeats = 1\n[test]\ninstruments = \"laser\"\n",
+       "must be a list of texts in quotes"},
+      {"", "a.toml:1: angles_deg: is missing"}};
+  for (const BadFile& p : plans) {
+    const Finished r = run(folder, {"plan", "check", folder.write("a.toml", p.text)});
+    INFO(p.text << r.err);
+    CHECK(r.status == 2);
+    CHECK_THAT(r.err, Contains(p.says));
+  }
+}
+
+TEST_CASE("mistakes in a waveform file", "[system]") {
+  Folder folder;
+  const std::string db = folder.file("i.db");
+  const BadFile files[] = {
+      {"time [s],pvdf_a [N]\n0,1\n0,2\n", "has 2 sample(s); allowed 8 or more"},
+      {"time,pvdf_a\n0,1\n1,2\n", "has no unit; write it in brackets, as in `time [s]`"},
+      {"time [s],pvdf_a [V]\n0,1\n1,2\n", "volts need a calibration; write [pvdf_a] gain_N_per_V"},
+      {"a b c\n", "column 'a b c': is not known; allowed time, pvdf_a"},
+      {"", "the file is empty; allowed a header line"}};
+  for (const BadFile& f : files) {
+    const Finished r = run(folder, {"import", folder.write("x.csv", f.text), "--db", db});
+    INFO(f.text << r.err);
+    CHECK(r.status == 2);
+    CHECK_THAT(r.err, Contains(f.says));
+    CHECK_FALSE(std::filesystem::exists(db));
+  }
+}
