@@ -80,7 +80,7 @@ std::map<std::string, double> input_uncertainty(const ClosingInputs& in, const s
   std::map<std::string, double> variance;
   for (const Quantity& q : quantity_table) variance[std::string(q.symbol)] = 0;
   for (const Input& input : inputs) {
-    if (!(input.u > 0)) continue;
+    if (!(input.u > 0.01 * input.least_step)) continue;  // moves nothing that a sample shows
     const double step = std::max(input.u, input.least_step);
     Conditions low = in.conditions, high = in.conditions;
     low.*input.place -= step;

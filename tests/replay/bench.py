@@ -100,9 +100,38 @@ class Bench:
         self.cpu.uc.ctl_remove_cache(address, address + 2)
 
 
+_ready = None  # a bench that has booted, until somebody uses it
+
+
+def prepare(image):
+    """Boots one bench; every process that is forked from here finds it and need not boot its own."""
+    global _ready
+    _ready = Bench(image).boot()
+
+
+def booted(image):
+    """A bench of its own that has booted."""
+    global _ready
+    found, _ready = _ready, None
+    return found or Bench(image).boot()
+
+
 class Report:
     def __init__(self):
         self.lines, self.rules = [], Counter()
+
+    def apart(self, *cases):
+        """Each case(report) in a process of its own; their verdicts in order."""
+        def play(case):
+            report = Report()
+            case(report)
+            return report
+        for ending, found in branch([lambda c=c: play(c) for c in cases]):
+            if ending == "done":
+                self.lines += found.lines
+                self.rules.update(found.rules)
+            else:
+                self.lines.append((False, "case", found.strip()[-300:]))
 
     def verdict(self, name, value, good):
         self.lines.append((bool(good), name, str(value)))

@@ -7,7 +7,7 @@ import sys
 from collections import Counter
 
 import rules
-from bench import Image, Report, branch
+from bench import Image, Report, branch, prepare
 import scenario_calibration
 import scenario_faults
 import scenario_model
@@ -44,6 +44,7 @@ def main(arguments):
         SCENARIOS[name](image, report)
         return report.lines, report.rules
 
+    prepare(image)
     for name, (ending, result) in zip(names, branch([lambda n=n: play(n) for n in names])):
         lines = result[0] if ending == "done" else [(False, name, result.strip())]
         if ending == "done":

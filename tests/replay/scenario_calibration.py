@@ -1,6 +1,6 @@
 """A calibration stored by wire in the flash: in force at once and after a restart; writes that lose their supply."""
 
-from bench import DAQ, TOKEN, Bench, branch
+from bench import DAQ, TOKEN, Bench, branch, booted
 
 # CHANNEL:SCALE:ZERO:DELAY:CORNER:AREA:SENSITIVITY as the board has it, with the mains channel 2 % and the laser 100 counts off
 CHANNELS = (("pvdf_a", "pressure0"), ("pvdf_b", "pressure1"), ("laser", "distance0"), ("coil_current", "current0"),
@@ -39,7 +39,7 @@ def told(b):
 
 
 def run(image, report):
-    b = Bench(image).boot()
+    b = booted(image)
     report.verdict("calibration: none is stored", told(b), told(b) == ("none 0", "nominal", "none"))
     b.arm()
     _, answer = send(b)

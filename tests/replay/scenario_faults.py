@@ -7,7 +7,7 @@ import os
 import re
 from pathlib import Path
 
-from bench import Bench, branch
+from bench import branch, booted
 from cpu import HERTZ, US
 
 FAULTS = Path(__file__).resolve().parents[2] / "firmware" / "faults.h"
@@ -49,7 +49,7 @@ CASES = (("mains_lost", mains(0.0), ("armed", "ahead", "energised"), 60), ("phas
 
 
 def base(image, state, hold):
-    b = Bench(image).boot()
+    b = booted(image)
     if state == "energised":
         b.energise(hold_ms=hold)
         b.world.wait(2)

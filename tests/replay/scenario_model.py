@@ -1,6 +1,6 @@
 """The referee itself: what the vendor forbids has to be noticed, or a clean run proves nothing."""
 
-from bench import Bench
+from bench import Bench, booted
 from cpu import HERTZ
 
 RCC, FLASH, PWR, SYSCFG, TIM1, DMA1, ADC1, COMP, USART2 = (
@@ -8,7 +8,7 @@ RCC, FLASH, PWR, SYSCFG, TIM1, DMA1, ADC1, COMP, USART2 = (
 
 
 def run(image, report):
-    b = Bench(image).boot()
+    b = booted(image)
     chip = b.chip
 
     def forbidden(name, *writes):

@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from bench import Bench, branch
+from bench import booted, branch
 from cpu import HERTZ, US
 
 FOLDER = Path(__file__).resolve().parents[1] / "port" / "scenarios"
@@ -148,7 +148,7 @@ def play(b, path):
 
 
 def run(image, report):
-    b = Bench(image).boot(130)
+    b = booted(image)
     files = sorted(FOLDER.glob("*.scenario"))
     for path, (ending, found) in zip(files, branch([lambda p=p: play(b, p) for p in files])):
         good, text, rules = found if ending == "done" else (False, found.strip()[-200:], {})

@@ -1,11 +1,11 @@
 """The safety relay and the coil's switch, proven by each shot: what does not follow is found before the edge, or behind the shot."""
 
-from bench import Bench
+from bench import booted
 
 
 def armed_then(image, report, name, fault, **broken):
     """Broken while idle, then armed and fired: no edge, its own fault, the pump stopped."""
-    b = Bench(image).boot()
+    b = booted(image)
     for what, value in broken.items():
         setattr(b.world, what, value)
     b.world.wait(5)
@@ -20,11 +20,8 @@ def armed_then(image, report, name, fault, **broken):
     report.rules.update(b.chip.rules)
 
 
-def run(image, report):
-    armed_then(image, report, "switch shorted", "4 coil_stuck_on", shorted=True)
-    armed_then(image, report, "relay does not close", "22 relay_open", relay_dead=True)
-
-    b = Bench(image).boot()
+def relay_stays(image, report):
+    b = booted(image)
     b.energise(hold_ms=10)
     b.world.relay_welded = True
     done = b.world.wait_for(lambda: b.ctl("state") == "captured", 200)
@@ -37,8 +34,11 @@ def run(image, report):
     b.world.wait(20)
     b.command("abort")
     report.verdict("relay opens again: acknowledged", b.state(), b.state() == ("idle", "0 none"))
+    report.rules.update(b.chip.rules)
 
-    b = Bench(image).boot()
+
+def switch_stays(image, report):
+    b = booted(image)
     b.energise(hold_ms=10)
     b.world.shorted = True
     b.world.wait_for(lambda: b.ctl("state") == "fault", 100)
@@ -46,3 +46,9 @@ def run(image, report):
     b.world.wait(30)
     report.verdict("switch does not open: the relay ends the current", b.world.coil_on(b.now()), not b.world.coil_on(b.now()))
     report.rules.update(b.chip.rules)
+
+
+def run(image, report):
+    report.apart(lambda r: armed_then(image, r, "switch shorted", "4 coil_stuck_on", shorted=True),
+                 lambda r: armed_then(image, r, "relay does not close", "22 relay_open", relay_dead=True),
+                 lambda r: relay_stays(image, r), lambda r: switch_stays(image, r))

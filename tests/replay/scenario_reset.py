@@ -1,6 +1,6 @@
 """Resets and what is known of them afterwards: supply, watchdog, crashes, option bytes; and the gate through all of it."""
 
-from bench import Bench, branch
+from bench import Bench, branch, booted
 from chip import BOR
 from cpu import HERTZ, US
 from system import OPTR_BENCH, OPTR_DELIVERED
@@ -15,7 +15,7 @@ def acknowledged(b):
 
 def supply(image, report):
     """Sag while energised, and the three ways a supply comes back."""
-    b = Bench(image).boot()
+    b = booted(image)
     b.energise(hold_ms=50)
     cause = b.chip.now
     b.chip.pwr.set_supply(2.85)
@@ -29,7 +29,7 @@ def supply(image, report):
     report.verdict("supply back: abort clears it", b.ctl("state"), acknowledged(b))
 
     def reset(ram, energised):
-        case = Bench(image).boot()
+        case = booted(image)
         if energised:
             case.energise(hold_ms=50)
         edges = len(case.chip.gate_edges)
@@ -70,9 +70,8 @@ def crystal(image, report):
 
 def hang(image, report):
     """A level that never ends, energised: off at the end of the hold time at the latest, then the watchdog."""
-    for function, fault in (("samples_handler", "10 watchdog_reset"), ("control_handler", "10 watchdog_reset"),
-                            ("background_handler", "10 watchdog_reset")):
-        b = Bench(image).boot()
+    def case(report, function, fault="10 watchdog_reset"):
+        b = booted(image)
         b.energise(hold_ms=20)
         on = b.chip.gate_edges[-1][0]
         address = b.hang(function)
@@ -86,6 +85,8 @@ def hang(image, report):
         report.verdict(f"{function} hangs: known afterwards", (b.ctl("last_reset"), b.ctl("fault")),
                        b.ctl("last_reset") == "watchdog" and b.ctl("fault") == fault and acknowledged(b))
         report.rules.update(b.chip.rules)
+
+    report.apart(*(lambda r, f=f: case(r, f) for f in ("samples_handler", "control_handler", "background_handler")))
 
 
 def crash(image, report):
@@ -102,9 +103,8 @@ def crash(image, report):
         b.cpu.uc.mem_write(address, b"\x2d\xe9\xff\x5f\xfc\xe7")  # push {r0-r12, lr}; b .-4
         b.cpu.uc.ctl_remove_cache(address, address + 6)
 
-    for name, act, word in (("undefined instruction", udf, "usage_fault"), ("wild access", wild, "fault"),
-                            ("stack overflow", overflow, "stack_overflow")):
-        b = Bench(image).boot()
+    def case(report, name, act, word):
+        b = booted(image)
         b.energise(hold_ms=50)
         address = image.symbols["control_handler"] & ~1
         b.world.wait(1)
@@ -125,10 +125,13 @@ def crash(image, report):
                        word in last and "software" in last and b.ctl("fault") == "11 crash_reset" and acknowledged(b))
         report.rules.update(b.chip.rules)
 
+    report.apart(lambda r: case(r, "undefined instruction", udf, "usage_fault"), lambda r: case(r, "wild access", wild, "fault"),
+                 lambda r: case(r, "stack overflow", overflow, "stack_overflow"))
+
 
 def stop_clock(image, report):
     """The crystal stops while energised: break, NMI, restart."""
-    b = Bench(image).boot()
+    b = booted(image)
     b.energise(hold_ms=50)
     cause = b.chip.now
     b.chip.rcc.crystal_stops()

@@ -1,6 +1,6 @@
 """From a cause to the gate off: stop chain, abort, overcurrent, supply, clock, at every place around the edges."""
 
-from bench import Bench, branch
+from bench import branch, booted
 from cpu import HERTZ, US
 
 LIMIT = 120.0  # us, faults.h: stop, overcurrent, lost samples, supply
@@ -68,7 +68,7 @@ def causes():
 
 
 def run(image, report):
-    b = Bench(image).boot()
+    b = booted(image)
     b.arm(hold_ms=4)
     b.fire()
     on, off = edges(b)
@@ -91,8 +91,8 @@ def lost_samples(image, report):
     def dead(b):
         b.chip.dma.dead.add(2)
 
-    for name, act in (("converter overrun", stall), ("DMA channel stands still", dead)):
-        b = Bench(image).boot()
+    def case(report, name, act):
+        b = booted(image)
         b.energise(hold_ms=20)
         b.world.wait(2)
         cause = b.chip.now
@@ -103,11 +103,13 @@ def lost_samples(image, report):
         report.verdict(f"{name}: fault", b.ctl("fault"), b.ctl("fault") == "7 samples_lost")
         report.rules.update(b.chip.rules)
 
+    report.apart(lambda r: case(r, "converter overrun", stall), lambda r: case(r, "DMA channel stands still", dead))
+
 
 def abort_while_sending(image, report):
     """The description is 26 ms on the line, a record half a second: an abort in the middle of either."""
-    for place, request in (("description", "PRINT\r\n"), ("record", None)):
-        b = Bench(image).boot()
+    def case(report, place, request):
+        b = booted(image)
         if request:
             b.energise(hold_ms=100)
         else:
@@ -131,3 +133,5 @@ def abort_while_sending(image, report):
         if place == "description":
             time = b.off_after(cause)
             report.verdict("abort while the description is sent: gate off", time, time is not None and time <= BY_WIRE)
+
+    report.apart(lambda r: case(r, "description", "PRINT\r\n"), lambda r: case(r, "record", None))
