@@ -36,8 +36,32 @@ struct Grid {
   std::size_t n = 0;
 };
 
+/// Two points of the grid take the least and the largest of the samples between them, in their order: no peak is lost.
+void extremes(const Waveform& w, const Grid& grid, double scale, std::vector<float>& out) {
+  const auto sample = [&](std::size_t i) {
+    const double at = ((grid.t0 + static_cast<double>(i) * grid.dt) * 1e-3 - w.t0) / w.dt;
+    return static_cast<std::size_t>(std::clamp(at, 0.0, static_cast<double>(w.values.size())));
+  };
+  for (std::size_t i = 0; i + 1 < grid.n; i += 2) {
+    const std::size_t from = sample(i), to = sample(i + 2);
+    std::size_t low = to, high = to;
+    for (std::size_t k = from; k < to; ++k) {
+      if (!std::isfinite(w.values[k])) continue;
+      if (low == to || w.values[k] < w.values[low]) low = k;
+      if (high == to || w.values[k] > w.values[high]) high = k;
+    }
+    if (low == to) continue;
+    out[i] = static_cast<float>(scale) * w.values[std::min(low, high)];
+    out[i + 1] = static_cast<float>(scale) * w.values[std::max(low, high)];
+  }
+}
+
 std::vector<float> on_grid(const Waveform& w, const Grid& grid, double scale) {
   std::vector<float> out(grid.n, std::nanf(""));
+  if (grid.dt * 1e-3 > 1.01 * w.dt) {
+    extremes(w, grid, scale, out);
+    return out;
+  }
   for (std::size_t i = 0; i < grid.n; ++i) {
     const double at = ((grid.t0 + static_cast<double>(i) * grid.dt) * 1e-3 - w.t0) / w.dt;
     if (at < 0 || at > static_cast<double>(w.values.size() - 1)) continue;
@@ -105,12 +129,11 @@ std::string closing_json(const ReportShot& shot, const AngleView& view) {
       if (!one.empty()) list += (list.empty() ? "" : ",") + one;
     };
     if (raw != nullptr && measured != nullptr) {
-      const auto whole = on_grid(*raw, grid, unit.per_si);
-      auto taken = whole;
-      const auto left = on_grid(*measured, grid, unit.per_si);
-      for (std::size_t i = 0; i < taken.size(); ++i) taken[i] -= left[i];
-      add("raw", whole);
-      add("stripped off", taken);
+      Waveform taken = *raw;
+      for (std::size_t i = 0; i < taken.values.size(); ++i)
+        taken.values[i] = i < measured->values.size() ? taken.values[i] - measured->values[i] : std::nanf("");
+      add("raw", on_grid(*raw, grid, unit.per_si));
+      add("stripped off", on_grid(taken, grid, unit.per_si));
     }
     if (simulated != nullptr) add("simulated", on_grid(*simulated, grid, unit.per_si));
     if (measured != nullptr) add("measured", on_grid(*measured, grid, unit.per_si));

@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include "core/units.h"
 #include "host/report/number.h"
 #include "host/report/sections.h"
 
@@ -8,10 +9,11 @@ namespace {
 
 /// "230 V, 50 Hz" from the shots; every value that occurs.
 std::string conditions_text(const ReportInput& input) {
-  Range volts, hertz, measured_volts, measured_hertz;
+  Range volts, hertz, kelvin, measured_volts, measured_hertz;
   for (const auto& s : input.shots) {
     volts.include(s.conditions.supply_volts);
     hertz.include(s.conditions.mains_hertz);
+    kelvin.include(s.conditions.ambient);
     if (!s.events) continue;
     measured_volts.include(s.events->coil.supply_volts.value);
     measured_hertz.include(s.events->coil.mains_hertz.value);
@@ -25,8 +27,13 @@ std::string conditions_text(const ReportInput& input) {
     return asked.empty() ? value + " measured" : value;
   };
   if (input.shots.empty()) return "";
-  return fmt::format("{}, {}", text(volts, measured_volts, "V", "supply voltage"),
-                     text(hertz, measured_hertz, "Hz", "mains frequency"));
+  const std::string ambient = kelvin.empty() ? ""
+                                             : fmt::format(
+                                                   ", {:.3g} \xC2\xB0"
+                                                   "C ambient",
+                                                   kelvin.low - zero_celsius);
+  return fmt::format("{}, {}{}", text(volts, measured_volts, "V", "supply voltage"),
+                     text(hertz, measured_hertz, "Hz", "mains frequency"), ambient);
 }
 
 }  // namespace

@@ -440,3 +440,19 @@ TEST_CASE("closer look: what the page's script decodes is the record, to a count
   CHECK(worst < 1e-4);
   CHECK(worst_off < 1e-4);
 }
+
+TEST_CASE("closer look: a spike of one sample stays, however long the record", "[report]") {
+  ReportInput in;
+  in.campaign = "spike";
+  in.shots = {some_shot(1)};
+  auto& values = in.shots[0].waveforms[0].values;
+  in.shots[0].waveforms[0].dt = 0.2e-6;  // 5 MS/s, 60 ms
+  values.assign(300'000, 1.0F);
+  values[131'071] = 50.0F;
+  compare_into(in);
+  const std::string html = render_html(in), begin = "id=\"closings\">";
+  const auto from = html.find(begin) + begin.size();
+  const auto closings = nlohmann::json::parse(html.substr(from, html.find("</script>", from) - from));
+  for (const auto& series : closings.at(0).at("channels").at(0).at("series"))
+    if (series.at("label") == "measured") CHECK(series.at("step").get<double>() * 65'000 == Approx(49.0));
+}
