@@ -8,7 +8,7 @@
 
 #include "core/cpu_time.h"
 #include "core/random.h"
-#include "host/cli/gather.h"
+#include "host/gather/gather.h"
 #include "host/plan/expand.h"
 #include "host/run/campaign.h"
 #include "rigs/simulated_record.h"

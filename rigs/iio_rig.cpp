@@ -196,6 +196,8 @@ void IioRig::arm(OpenShot& shot, Clock::time_point deadline) {
   set_conditions(shot.conditions);
   link_->write(Device::control, "arm", owned("1"));
   const SealedShot latched = read_sealed();
+  if (latched.text.empty() && read_state() == "idle")
+    throw Failed{Outcome::error, "disarmed before it was fired: " + last_error()};
   if (latched.stage != "armed") throw LinkBroken{0, "the rig does not say what it has armed"};
   refuse_other_set_points(latched, shot.conditions);
   shot.boot = latched.boot;

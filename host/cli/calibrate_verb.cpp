@@ -8,9 +8,9 @@
 
 #include "core/version.h"
 #include "host/cli/calibrate.h"
-#include "host/cli/scene.h"
 #include "host/cli/verbs.h"
 #include "host/config/bad_input.h"
+#include "host/gather/scene.h"
 #include "rigs/iio_rig.h"
 #include "rigs/registry.h"
 

@@ -3,11 +3,11 @@
 #include <filesystem>
 #include <fstream>
 
-#include "host/cli/gather.h"
 #include "host/cli/verbs.h"
 #include "host/config/bad_input.h"
 #include "host/config/specimen_file.h"
 #include "host/export/closing_film.h"
+#include "host/gather/gather.h"
 #include "host/store/store.h"
 #include "sim/solid/solid_closing.h"
 #include "sim/specimen_potential.h"

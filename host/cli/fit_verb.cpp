@@ -7,10 +7,10 @@
 #include <sstream>
 #include <thread>
 
-#include "host/cli/gather.h"
 #include "host/cli/picture.h"
-#include "host/cli/scene.h"
 #include "host/cli/study.h"
+#include "host/gather/gather.h"
+#include "host/gather/scene.h"
 #include "host/run/stop.h"
 #include "host/study/fit_text.h"
 #include "host/study/problem.h"

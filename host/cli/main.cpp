@@ -5,6 +5,7 @@
 #include <functional>
 
 #include "core/version.h"
+#include "host/cli/commands.h"
 #include "host/cli/study.h"
 #include "host/cli/unknown_verb.h"
 #include "host/cli/verbs.h"
@@ -18,8 +19,6 @@ namespace {
 
 using namespace powbench;
 using namespace powbench::host;
-
-std::function<Exit()> chosen;
 
 constexpr const char* import_footer = R"(
 A waveform file has one header line and one line a sample:
@@ -43,15 +42,6 @@ Try:  powbench events shot.csv             contacts at once, without a store; --
       powbench import shot.csv --db lab.db  then events, export, report from there
 )";
 
-/// A verb that runs `act` with arguments of its own when it is the one typed.
-template <class Args>
-CLI::App* verb(CLI::App& parent, const char* name, const char* help, std::shared_ptr<Args> args,
-               Exit (*act)(const Args&)) {
-  CLI::App* app = parent.add_subcommand(name, help);
-  app->callback([args, act] { chosen = [args, act] { return act(*args); }; });
-  return app;
-}
-
 void add_result_options(CLI::App* app, ResultArgs& args) {
   app->add_option("--db", args.database, "store to read")->capture_default_str();
   app->add_option("--campaign", args.campaign, "campaign id; the newest if left out");
@@ -62,61 +52,6 @@ void add_progress(CLI::App* app, std::string& progress) {
   app->add_option("--progress", progress, "auto, bar, lines or none")
       ->check(CLI::IsMember({"auto", "bar", "lines", "none"}))
       ->capture_default_str();
-}
-
-void add_rig_verbs(CLI::App& app) {
-  auto rigs_json = std::make_shared<bool>(false);
-  CLI::App* rigs = app.add_subcommand("rigs", "List the kinds of rig that can be named");
-  rigs->add_flag("--json", *rigs_json, "JSON to stdout");
-  rigs->callback([rigs_json] { chosen = [rigs_json] { return list_rigs(*rigs_json); }; });
-
-  auto info = std::make_shared<InfoArgs>();
-  CLI::App* show = verb(app, "info", "Ask a rig what it is and what it can do", info, show_rig);
-  show->add_option("rig", info->uri, "rig, such as ip:127.0.0.7 or sim:")->required();
-  show->add_flag("--json", info->json, "JSON to stdout");
-
-  auto args = std::make_shared<CalibrateArgs>();
-  CLI::App* walk = verb(app, "calibrate", "Walk through the calibration of a rig's inputs and store it there",
-                        args, calibrate);
-  walk->add_option("rig", args->rig, "rig, such as ip:127.0.0.7, serial:/dev/ttyACM0 or, to rehearse, sim:")
-      ->required();
-  walk->add_option("--id", args->id, "name of the certificate, up to 32 characters")->required();
-  walk->add_option("--expires", args->expires, "last day on which it counts, as 2030-12-31")->required();
-  walk->add_option("--date", args->date, "day of the calibration; today if left out");
-  walk->add_option("--by", args->by, "who calibrates")->capture_default_str();
-  walk->add_option("-o,--output", args->output, "certificate to write (TOML)")->capture_default_str();
-
-  auto serve = std::make_shared<ServeArgs>();
-  CLI::App* rig =
-      verb(app, "rig", "Serve the simulated rig to any IIO client until interrupted", serve, serve_rig);
-  rig->add_option("file", serve->rig_file, "rig file (TOML); built-in defaults if left out");
-  rig->add_option("--specimen", serve->specimen_file, "specimen file (TOML) of the contactor on the rig");
-  rig->add_option("--boot-seed", serve->boot_seed, "makes the rig's boot_id the same at every start");
-  rig->add_flag("--emulated", serve->emulated,
-                "firmware on an emulated Cortex-M4F, as `qemu:` rigs have it, instead of in this program");
-  rig->add_option(
-      "--listen", serve->address,
-      "loopback address instead of the rig file's (127.0.0.7 without one); the port is always 30431");
-  rig->add_flag(
-      "--open-to-network", serve->to_network,
-      "serve on an address that others reach: they see and stop the rig, and fire it with the secret in "
-      "POWBENCH_RIG_SECRET");
-}
-
-void add_bridge_verb(CLI::App& app) {
-  auto bridge = std::make_shared<BridgeArgs>();
-  CLI::App* serve = verb(app, "bridge", "Serve a board on a serial line to any IIO client until interrupted",
-                         bridge, serve_bridge);
-  serve->add_option("port", bridge->port, "serial port, such as /dev/ttyACM0")->required();
-  serve->add_option("--baud", bridge->baud, "baud rate of the line, 8n1")
-      ->check(CLI::Range(1200, 4'000'000))
-      ->capture_default_str();
-  serve->add_option("--listen", bridge->address, "loopback address to serve on; the port is always 30431")
-      ->capture_default_str();
-  serve->add_flag(
-      "--open-to-network", bridge->to_network,
-      "serve on an address that others reach: they see and stop the rig, and fire it with the secret in "
-      "POWBENCH_RIG_SECRET");
 }
 
 void add_plan_verbs(CLI::App& app) {
@@ -454,7 +389,7 @@ int main(int argc, char** argv) {
       "Exit codes: 0 pass, 1 outside limits, 2 bad input, 3 rig unreachable or at fault, 4 time-out,\n"
       "            5 data damaged, 6 interlock, 7 accuracy not known, 130 interrupted");
   add_rig_verbs(app);
-  add_bridge_verb(app);
+  add_live_verb(app);
   add_plan_verbs(app);
   add_result_verbs(app);
   add_import_verb(app);
@@ -473,7 +408,7 @@ int main(int argc, char** argv) {
     return app.exit(e) == 0 ? leave(Exit::pass) : leave(Exit::bad_input);
   }
   try {
-    return leave(chosen());
+    return leave(chosen()());
   } catch (const BadInput& e) {
     fmt::print(stderr, "{}\n", e.what());
     return leave(Exit::bad_input);

@@ -3,9 +3,9 @@
 #include <nlohmann/json.hpp>
 
 #include "core/units.h"
-#include "host/cli/scene.h"
 #include "host/cli/verbs.h"
 #include "host/compare/compare.h"
+#include "host/gather/scene.h"
 #include "host/import/calibration.h"
 
 namespace powbench::host {

@@ -8,14 +8,14 @@
 
 #include "dsp/core_seat.h"
 #include "dsp/extract.h"
-#include "host/cli/gather.h"
 #include "host/cli/pdf.h"
-#include "host/cli/scene.h"
 #include "host/cli/show.h"
 #include "host/cli/verbs.h"
-#include "host/cli/vibration.h"
 #include "host/export/csv.h"
 #include "host/export/events_json.h"
+#include "host/gather/gather.h"
+#include "host/gather/scene.h"
+#include "host/gather/vibration.h"
 #include "host/import/calibration.h"
 #include "host/store/json.h"
 

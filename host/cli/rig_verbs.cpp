@@ -4,8 +4,8 @@
 #include <cstdlib>
 #include <nlohmann/json.hpp>
 
-#include "host/cli/scene.h"
 #include "host/cli/verbs.h"
+#include "host/gather/scene.h"
 #include "rigs/bridge/bridge.h"
 #include "rigs/exposure.h"
 #include "rigs/iiod_server.h"

@@ -2,8 +2,8 @@
 
 #include <nlohmann/json.hpp>
 
-#include "host/cli/scene.h"
 #include "host/cli/verbs.h"
+#include "host/gather/scene.h"
 #include "host/run/stop.h"
 
 namespace powbench::host {

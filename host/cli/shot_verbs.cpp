@@ -6,10 +6,10 @@
 #include <nlohmann/json.hpp>
 
 #include "core/quantities.h"
-#include "host/cli/gather.h"
 #include "host/cli/show.h"
 #include "host/cli/verbs.h"
 #include "host/compare/pair.h"
+#include "host/gather/gather.h"
 #include "host/report/number.h"
 #include "host/store/json.h"
 #include "rigs/sealed_shot.h"

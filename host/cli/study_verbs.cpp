@@ -5,9 +5,9 @@
 #include <fstream>
 #include <set>
 
-#include "host/cli/scene.h"
 #include "host/cli/scenes.h"
 #include "host/cli/verbs.h"
+#include "host/gather/scene.h"
 #include "host/paper/contact_pressure.h"
 #include "host/paper/simulator.h"
 #include "host/paper/table_output.h"

@@ -8,8 +8,8 @@
 
 #include "core/version.h"
 #include "host/cli/picture.h"
-#include "host/cli/scene.h"
 #include "host/cli/study.h"
+#include "host/gather/scene.h"
 #include "host/run/stop.h"
 #include "host/store/hash.h"
 #include "host/store/sweep_store.h"

@@ -45,6 +45,15 @@ struct BridgeArgs {
 };
 Exit serve_bridge(const BridgeArgs&);
 
+struct LiveArgs {
+  std::string rig, plan;
+  std::string database = "powbench.db";
+  std::string listen = "127.0.0.1:8080";
+  std::string token_file;  ///< "" = loopback only, with a token made at the start
+};
+/// The live bench.
+Exit serve_bench(const LiveArgs&);
+
 struct PlanArgs {
   std::string file;
   bool json = false;

@@ -32,13 +32,13 @@ std::string_view element_of(Outcome o) {
   }
 }
 
-std::string angle_text(double angle) {
+std::string case_angle(double angle) {
   if (!std::isfinite(angle)) return "an angle not known";
   return fmt::format("{:.2f} deg", degrees(angle));
 }
 
 Case shot_case(const ReportShot& shot) {
-  Case c{fmt::format("shot {} at {}", shot.index, angle_text(effective_angle(shot.conditions))), "shots",
+  Case c{fmt::format("shot {} at {}", shot.index, case_angle(effective_angle(shot.conditions))), "shots",
          shot.outcome, shot.reason};
   if (c.outcome == Outcome::not_judged && c.message.empty()) c.message = "measured; the plan sets no limit";
   if (c.outcome != Outcome::pass && c.message.empty()) c.message = name(c.outcome);
@@ -58,7 +58,7 @@ Case limit_case(const ReportInput& input, const Limit& limit) {
                  : row.outcome == Outcome::not_observed ? "not observed at "
                  : row.outcome == Outcome::not_judged   ? "uncertainty not known at "
                                                         : "no measurement at ";
-    c.message += angle_text(row.closing_angle);
+    c.message += case_angle(row.closing_angle);
   }
   if (!seen) c.outcome = Outcome::error, c.message = "no measurement";
   return c;
@@ -73,7 +73,7 @@ Case simulation_case(const ReportInput& input) {
     if (row.against_simulation != Outcome::fail) continue;
     c.outcome = Outcome::fail;
     c.message += fmt::format("{}{} at {}", c.message.empty() ? "outside: " : ", ", row.quantity,
-                             angle_text(row.closing_angle));
+                             case_angle(row.closing_angle));
   }
   if (c.outcome == Outcome::not_judged) c.message = "nothing simulated to compare with";
   return c;

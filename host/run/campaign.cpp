@@ -32,13 +32,17 @@ StoredShot stored(std::int64_t campaign, ShotKind kind, const PlannedShot& plann
 
 namespace {
 
+bool stop_asked(const RunOptions& options) {
+  return StopOnSignal::asked() || (options.watcher != nullptr && options.watcher->stopped());
+}
+
 /// Looks for a lost rig with growing pauses, about 4 s in all.
-bool find_again(rigs::Rig& rig, Clock& clock, Progress& progress) {
+bool find_again(rigs::Rig& rig, const RunOptions& options, Progress& progress) {
   progress.say("the rig is gone; looking for it");
   for (const double seconds : {0.25, 0.5, 1.0, 2.0}) {
     if (rig.reconnect()) return true;
-    clock.sleep(seconds);
-    if (StopOnSignal::asked()) return false;
+    options.clock->sleep(seconds);
+    if (stop_asked(options)) return false;
   }
   return rig.reconnect();
 }
@@ -55,17 +59,19 @@ StoredShot keep_shot(Store& store, StoredShot shot, const rigs::Shot& result, co
     shot.outcome = j.outcome;
     shot.reason = std::move(j.reason);
   }
-  store.store_shot(shot, events ? &result.record : nullptr, events ? &*events : nullptr,
-                   extraction_info(options));
+  shot.id = store.store_shot(shot, events ? &result.record : nullptr, events ? &*events : nullptr,
+                             extraction_info(options));
+  if (options.watcher != nullptr) options.watcher->stored(shot.id);
   if (!shot.reason.empty())
     progress.say(fmt::format("shot {} at {:.1f} deg: {}: {}", shot.number + 1, shot.angle_deg,
                              name(shot.outcome), shot.reason));
   return shot;
 }
 
-void pause_between(double seconds, Clock& clock) {
-  for (double left = seconds; left > 0 && !StopOnSignal::asked(); left -= 0.05)
-    clock.sleep(std::min(left, 0.05));
+void pause_between(const RunOptions& options) {
+  for (double left = options.pause; left > 0 && !stop_asked(options); left -= 0.05)
+    options.clock->sleep(std::min(left, 0.05));
+  if (options.watcher != nullptr) options.watcher->between();
 }
 
 }  // namespace
@@ -116,7 +122,7 @@ RunSummary run_campaign(Store& store, std::int64_t campaign, std::span<const Pla
   int failures = 0;
   for (const PlannedShot& planned : plan) {
     if (done.contains(planned.index)) continue;
-    if (StopOnSignal::asked()) {
+    if (stop_asked(options)) {
       summary.interrupted = true;
       summary.stopped = "stopped by the operator; go on with --resume";
       break;
@@ -126,7 +132,7 @@ RunSummary run_campaign(Store& store, std::int64_t campaign, std::span<const Pla
     StoredShot ended = keep_shot(store, shot, result, options, progress);
     bool back = true;
     if (result.rig_lost) {
-      back = find_again(rig, *options.clock, progress);
+      back = find_again(rig, options, progress);
       // what was fired before the rig was lost may lie there still
       if (auto late = back ? rig.recover(options.shot_limit) : std::nullopt) {
         result = std::move(*late);
@@ -149,7 +155,7 @@ RunSummary run_campaign(Store& store, std::int64_t campaign, std::span<const Pla
           failures);
       break;
     }
-    pause_between(options.pause, *options.clock);
+    pause_between(options);
   }
   store.set_finished(campaign, summary.done() == summary.planned);
   return summary;

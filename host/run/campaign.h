@@ -18,6 +18,8 @@
 
 namespace powbench::host {
 
+class RunWatcher;
+
 struct RunOptions {
   dsp::ExtractOptions extract;
   std::vector<Limit> limits;             ///< of the plan
@@ -29,6 +31,18 @@ struct RunOptions {
   int max_failures = 5;                  ///< shots without a record in a row after which the campaign stops
   std::chrono::milliseconds shot_limit{15'000};  ///< longest time for one shot, hold time included
   Clock* clock = &machine_clock();  ///< of the pauses between shots and in the search for a lost rig
+  RunWatcher* watcher = nullptr;    ///< beside the signals, which always count
+};
+
+/// Looks on while a campaign runs, and may hold or end it.
+class RunWatcher {
+ public:
+  virtual ~RunWatcher() = default;
+  /// The campaign ends before its next shot.
+  virtual bool stopped() = 0;
+  /// Between two shots; returns when the next one may begin.
+  virtual void between() {}
+  virtual void stored(std::int64_t /*shot*/) {}
 };
 
 /// How a campaign went.

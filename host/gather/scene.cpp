@@ -1,4 +1,4 @@
-#include "host/cli/scene.h"
+#include "host/gather/scene.h"
 
 #include "core/version.h"
 #include "host/store/hash.h"
@@ -6,9 +6,14 @@
 namespace powbench::host {
 
 Scene load_scene(const std::string& plan_file, std::optional<std::uint64_t> seed) {
+  Plan plan = read_plan(plan_file);
+  if (seed) plan.seed = *seed;
+  return make_scene(std::move(plan));
+}
+
+Scene make_scene(Plan plan) {
   Scene scene;
-  scene.plan = read_plan(plan_file);
-  if (seed) scene.plan.seed = *seed;
+  scene.plan = std::move(plan);
   scene.specimen = load_specimen(scene.plan);
   scene.shots = expand(scene.plan, scene.specimen.name);
   scene.plan_text = resolved_text(scene.plan);

@@ -25,6 +25,8 @@ struct Scene {
   std::string specimen_text, specimen_hash;  ///< resolved
 };
 Scene load_scene(const std::string& plan_file, std::optional<std::uint64_t> seed = std::nullopt);
+/// The same of a plan that was read already.
+Scene make_scene(Plan);
 
 /// Rig file behind a `sim:` URI, or the built-in one; other URIs have none.
 RigFile rig_file(const std::string& uri);

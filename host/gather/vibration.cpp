@@ -1,4 +1,4 @@
-#include "host/cli/vibration.h"
+#include "host/gather/vibration.h"
 
 #include <fmt/format.h>
 

@@ -1,4 +1,4 @@
-#include "host/cli/gather.h"
+#include "host/gather/gather.h"
 
 #include <fmt/format.h>
 
@@ -12,8 +12,8 @@
 #include "core/version.h"
 #include "dsp/prepare.h"
 #include "dsp/signal.h"
-#include "host/cli/scene.h"
-#include "host/cli/vibration.h"
+#include "host/gather/scene.h"
+#include "host/gather/vibration.h"
 #include "host/report/view.h"
 #include "rigs/sealed_shot.h"
 

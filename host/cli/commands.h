@@ -1,0 +1,34 @@
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <functional>
+#include <memory>
+#include <utility>
+
+#include "core/outcome.h"
+
+/// How words become a verb with its arguments.
+
+namespace powbench::host {
+
+/// What was typed, to be run once everything is parsed.
+inline std::function<Exit()>& chosen() {
+  static std::function<Exit()> act;
+  return act;
+}
+
+/// A verb that runs `act` with arguments of its own when it is the one typed.
+template <class Args>
+CLI::App* verb(CLI::App& parent, const char* name, const char* help, std::shared_ptr<Args> args,
+               Exit (*act)(const Args&)) {
+  CLI::App* app = parent.add_subcommand(name, help);
+  app->callback([args, act] { chosen() = [args, act] { return act(*args); }; });
+  return app;
+}
+
+/// info, rigs, calibrate, rig, bridge.
+void add_rig_verbs(CLI::App&);
+/// serve.
+void add_live_verb(CLI::App&);
+
+}  // namespace powbench::host

@@ -1,0 +1,78 @@
+#include "host/cli/commands.h"
+#include "host/cli/verbs.h"
+
+namespace powbench::host {
+namespace {
+
+void add_bridge_verb(CLI::App& app) {
+  auto bridge = std::make_shared<BridgeArgs>();
+  CLI::App* serve = verb(app, "bridge", "Serve a board on a serial line to any IIO client until interrupted",
+                         bridge, serve_bridge);
+  serve->add_option("port", bridge->port, "serial port, such as /dev/ttyACM0")->required();
+  serve->add_option("--baud", bridge->baud, "baud rate of the line, 8n1")
+      ->check(CLI::Range(1200, 4'000'000))
+      ->capture_default_str();
+  serve->add_option("--listen", bridge->address, "loopback address to serve on; the port is always 30431")
+      ->capture_default_str();
+  serve->add_flag(
+      "--open-to-network", bridge->to_network,
+      "serve on an address that others reach: they see and stop the rig, and fire it with the secret in "
+      "POWBENCH_RIG_SECRET");
+}
+
+}  // namespace
+
+void add_rig_verbs(CLI::App& app) {
+  auto rigs_json = std::make_shared<bool>(false);
+  CLI::App* rigs = app.add_subcommand("rigs", "List the kinds of rig that can be named");
+  rigs->add_flag("--json", *rigs_json, "JSON to stdout");
+  rigs->callback([rigs_json] { chosen() = [rigs_json] { return list_rigs(*rigs_json); }; });
+
+  auto info = std::make_shared<InfoArgs>();
+  CLI::App* show = verb(app, "info", "Ask a rig what it is and what it can do", info, show_rig);
+  show->add_option("rig", info->uri, "rig, such as ip:127.0.0.7 or sim:")->required();
+  show->add_flag("--json", info->json, "JSON to stdout");
+
+  auto args = std::make_shared<CalibrateArgs>();
+  CLI::App* walk = verb(app, "calibrate", "Walk through the calibration of a rig's inputs and store it there",
+                        args, calibrate);
+  walk->add_option("rig", args->rig, "rig, such as ip:127.0.0.7, serial:/dev/ttyACM0 or, to rehearse, sim:")
+      ->required();
+  walk->add_option("--id", args->id, "name of the certificate, up to 32 characters")->required();
+  walk->add_option("--expires", args->expires, "last day on which it counts, as 2030-12-31")->required();
+  walk->add_option("--date", args->date, "day of the calibration; today if left out");
+  walk->add_option("--by", args->by, "who calibrates")->capture_default_str();
+  walk->add_option("-o,--output", args->output, "certificate to write (TOML)")->capture_default_str();
+
+  auto serve = std::make_shared<ServeArgs>();
+  CLI::App* rig =
+      verb(app, "rig", "Serve the simulated rig to any IIO client until interrupted", serve, serve_rig);
+  rig->add_option("file", serve->rig_file, "rig file (TOML); built-in defaults if left out");
+  rig->add_option("--specimen", serve->specimen_file, "specimen file (TOML) of the contactor on the rig");
+  rig->add_option("--boot-seed", serve->boot_seed, "makes the rig's boot_id the same at every start");
+  rig->add_flag("--emulated", serve->emulated,
+                "firmware on an emulated Cortex-M4F, as `qemu:` rigs have it, instead of in this program");
+  rig->add_option(
+      "--listen", serve->address,
+      "loopback address instead of the rig file's (127.0.0.7 without one); the port is always 30431");
+  rig->add_flag(
+      "--open-to-network", serve->to_network,
+      "serve on an address that others reach: they see and stop the rig, and fire it with the secret in "
+      "POWBENCH_RIG_SECRET");
+  add_bridge_verb(app);
+}
+
+void add_live_verb(CLI::App& app) {
+  auto live = std::make_shared<LiveArgs>();
+  CLI::App* served =
+      verb(app, "serve", "The live bench: fire, look and stop in a browser", live, serve_bench);
+  served->add_option("--rig", live->rig, "rig: ip:ADDRESS, sim: or sim:RIG.toml, serial:PORT,BAUD, usb:...");
+  served->add_option("--plan", live->plan, "plan (TOML) to begin with: volts, hold time, specimen, limits");
+  served->add_option("--db", live->database, "store to write; made if missing")->capture_default_str();
+  served->add_option("--listen", live->listen, "address and port; others than loopback need --token-file")
+      ->capture_default_str();
+  served->add_option("--token-file", live->token_file, "lines 'fire TOKEN' or 'read TOKEN'");
+  served->footer("Open the address that it prints. STOP needs no token, on any page, and Esc is its key.");
+}
+
+}  // namespace powbench::host

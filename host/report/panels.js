@@ -1,0 +1,82 @@
+// Closings over one time axis, all channels zoomed together; for the report and for the live page.
+function closingPanels(root) {
+  'use strict';
+  const style = getComputedStyle(document.documentElement);
+  const colour = (name) => style.getPropertyValue(name).trim();
+  const colours = { measured: colour('--measured'), simulated: colour('--simulated'), raw: colour('--soft'), 'stripped off': colour('--cited') };
+  let graphs = [], whole = [0, 1], shown = null;
+
+  function values(series) {
+    const bytes = Uint8Array.from(atob(series.data), (c) => c.charCodeAt(0));
+    const counts = new Int16Array(bytes.buffer);
+    return Array.from(counts, (c) => (c === -32768 ? NaN : series.middle + c * series.step));
+  }
+
+  function marks(canvas, area, graph, named) {
+    canvas.font = '11px sans-serif';
+    for (const m of shown.marks) {
+      const x = graph.toDomXCoord(m.at);
+      if (x < area.x || x > area.x + area.w) continue;
+      canvas.strokeStyle = canvas.fillStyle = m.simulated ? colours.simulated : colours.measured;
+      canvas.globalAlpha = m.simulated ? 0.5 : 0.8;
+      canvas.setLineDash(m.simulated ? [4, 3] : []);
+      canvas.beginPath();
+      canvas.moveTo(x, area.y);
+      canvas.lineTo(x, area.y + area.h);
+      canvas.stroke();
+      if (m.text && named) canvas.fillText(m.text, x + 3, area.y + 10);
+    }
+    canvas.setLineDash([]);
+    canvas.globalAlpha = 1;
+  }
+
+  /// Draws `closing`; `range`: [from, to] in ms, null for the whole; `stripped`: with raw films and what was stripped off.
+  function draw(closing, range, stripped) {
+    graphs.forEach((g) => g.destroy());
+    graphs = [];
+    root.textContent = '';
+    shown = closing;
+    const time = Array.from({ length: shown.n }, (_, i) => shown.t0 + i * shown.dt);
+    whole = [time[0], time[time.length - 1]];
+    shown.channels.forEach((channel, index) => {
+      const last = index === shown.channels.length - 1;
+      const list = channel.series.filter((s) => stripped || !['raw', 'stripped off'].includes(s.label));
+      const columns = list.map(values);
+      const box = document.createElement('div');
+      box.className = 'closer-panel' + (last ? ' last' : '');
+      box.setAttribute('role', 'img');
+      box.setAttribute('aria-label', channel.name + ' in ' + channel.unit + ' over time, ' + list.map((s) => s.label).join(', '));
+      root.appendChild(box);
+      graphs.push(new Dygraph(box, time.map((t, i) => [t].concat(columns.map((c) => c[i]))), {
+        labels: ['ms'].concat(list.map((s) => s.label)),
+        colors: list.map((s) => colours[s.label]),
+        ylabel: channel.name + ' / ' + channel.unit,
+        xlabel: last ? 'time after switch-on / ms' : '',
+        legend: 'always',
+        labelsSeparateLines: false,
+        dateWindow: range,
+        axes: {
+          x: { drawAxis: last, axisLabelFormatter: (v) => String(Math.round(v * 1000) / 1000), valueFormatter: (v) => v.toFixed(3) + ' ms' },
+          y: { axisLabelWidth: 54, valueFormatter: (v) => v.toPrecision(5) + ' ' + channel.unit }
+        },
+        xLabelHeight: 16, yLabelWidth: 16, strokeWidth: 1.2, connectSeparatedPoints: false, animatedZooms: false,
+        underlayCallback: (canvas, area, graph) => marks(canvas, area, graph, index === 0)
+      }));
+    });
+    if (graphs.length > 1) Dygraph.synchronize(graphs, { zoom: true, selection: true, range: false });
+  }
+
+  const show = (range) => graphs.length && graphs[0].updateOptions({ dateWindow: range });
+  const range = () => (graphs.length ? graphs[0].xAxisRange() : null);
+  function change(factor, shift) {
+    if (!graphs.length) return;
+    const now = range(), middle = (now[0] + now[1]) / 2 + shift * (now[1] - now[0]), half = factor * (now[1] - now[0]) / 2;
+    show([Math.max(whole[0], middle - half), Math.min(whole[1], middle + half)]);
+  }
+  /// What the buttons of a page do, by the value of their `data-do`.
+  const actions = {
+    whole: () => show(whole), bounce: () => shown && show(shown.bounce), 'in': () => change(0.5, 0), out: () => change(2, 0),
+    left: () => change(1, -0.25), right: () => change(1, 0.25)
+  };
+  return { draw, range, actions };
+}

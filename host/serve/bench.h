@@ -1,0 +1,61 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <stdexcept>
+#include <string>
+
+#include "host/gather/scene.h"
+
+namespace powbench::host {
+
+/// What was asked cannot be done now; one sentence.
+class NotNow : public std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
+
+/// How a stop ended. `off`: the rig itself has said, after the stop, that it is neither armed nor firing.
+struct StopAnswer {
+  bool off = false;
+  std::string text;  ///< one sentence
+  double ms = 0.0;   ///< from the call to the rig's word
+};
+
+/// One rig and one store, worked on by one thread: single closings and plans. Beside it a line that looks on and a line that does
+/// nothing but stop. Every function may be called from any thread.
+class Bench {
+ public:
+  /// Opens rig and store; throws RigError, StoreError. `scene`: the plan that single closings take their conditions from.
+  /// `changed` is called, from any thread, whenever state() has changed.
+  Bench(const std::string& rig_uri, const Scene& scene, const std::string& database,
+        std::function<void()> changed);
+  ~Bench();
+  Bench(const Bench&) = delete;
+  Bench& operator=(const Bench&) = delete;
+
+  /// Everything a person wants to see of rig and job, as JSON (docs/serve.md).
+  std::string state() const;
+  Scene scene() const;
+  const std::string& database() const;
+
+  // each throws NotNow while another job is on or a stop is under way
+
+  /// One closing at `angle`, rad, stored in this plan's campaign of single closings.
+  void fire(double angle);
+  /// Every shot of the scene; the scene is that of single closings from now on.
+  void run(const Scene&);
+
+  /// Between two shots: wait, or go on. Throws NotNow when no plan runs.
+  void hold(bool);
+  /// The shot in flight is the last one. Throws NotNow when no plan runs.
+  void end();
+  /// Coil off now, job over. Returns when the rig has confirmed it or has not for 2 s. Never throws.
+  StopAnswer stop();
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace powbench::host

@@ -1,0 +1,308 @@
+#include "host/serve/http.h"
+
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/ip/tcp.hpp>
+#include <boost/asio/post.hpp>
+#include <boost/asio/signal_set.hpp>
+#include <boost/asio/steady_timer.hpp>
+#include <boost/asio/thread_pool.hpp>
+#include <boost/beast/core.hpp>
+#include <boost/beast/http.hpp>
+#include <boost/beast/websocket.hpp>
+#include <optional>
+#include <set>
+
+#include "host/serve/page.h"
+
+namespace powbench::host {
+namespace {
+
+namespace asio = boost::asio;
+namespace beast = boost::beast;
+namespace http = beast::http;
+namespace websocket = beast::websocket;
+using tcp = asio::ip::tcp;
+using beast::error_code;
+using HttpRequest = http::request<http::string_body>;
+using HttpReply = http::response<http::string_body>;
+
+constexpr auto idle_time = std::chrono::seconds(60);
+constexpr auto least_pause = std::chrono::milliseconds(40);  ///< between two states: 25 a second
+
+std::string text(beast::string_view v) {
+  return {v.data(), v.size()};
+}
+
+/// The value of `name` in the query of a target; empty: absent.
+std::string of_query(const std::string& query, const std::string& name) {
+  for (std::size_t at = 0; at < query.size();) {
+    const auto end = std::min(query.find('&', at), query.size());
+    const std::string part = query.substr(at, end - at);
+    if (part.starts_with(name + "=")) return part.substr(name.size() + 1);
+    at = end + 1;
+  }
+  return {};
+}
+
+Request request_of(const HttpRequest& in) {
+  Request r;
+  r.method = text(in.method_string());
+  const std::string target = text(in.target());
+  const auto mark = target.find('?');
+  r.path = target.substr(0, mark);
+  r.body = in.body();
+  r.host = text(in[http::field::host]);
+  r.origin = text(in[http::field::origin]);
+  r.content_type = text(in[http::field::content_type]);
+  const std::string authorization = text(in[http::field::authorization]);
+  if (authorization.starts_with("Bearer ")) r.token = authorization.substr(7);
+  // a browser's WebSocket and a link to a report carry no header of ours
+  if (r.token.empty() && mark != std::string::npos) r.token = of_query(target.substr(mark + 1), "token");
+  return r;
+}
+
+HttpReply reply_of(const Reply& from, const HttpRequest& to) {
+  HttpReply out(static_cast<http::status>(from.status), to.version());
+  out.set(http::field::content_type, from.type);
+  out.set("Content-Security-Policy", from.policy.empty() ? page_policy : from.policy);
+  out.set("X-Content-Type-Options", "nosniff");
+  out.set("Referrer-Policy", "no-referrer");
+  out.set("Cross-Origin-Resource-Policy", "same-origin");
+  out.set(http::field::cache_control, "no-store");
+  out.keep_alive(to.keep_alive());
+  out.body() = from.body;
+  out.prepare_payload();
+  return out;
+}
+
+}  // namespace
+
+struct HttpServer::Impl {
+  class Client;
+  class Listener;
+
+  Impl(const std::string& address, std::uint16_t port, Handlers h)
+      : handlers(std::move(h)), acceptor(io), pause(io) {
+    error_code e;
+    const auto ip = asio::ip::make_address(address, e);
+    if (e) throw std::runtime_error("--listen " + address + ": is no address; such as 127.0.0.1:8080");
+    const tcp::endpoint endpoint(ip, port);
+    acceptor.open(endpoint.protocol(), e);
+    if (!e) acceptor.set_option(asio::socket_base::reuse_address(true), e);
+    if (!e) acceptor.bind(endpoint, e);
+    if (!e) acceptor.listen(asio::socket_base::max_listen_connections, e);
+    if (e)
+      throw std::runtime_error("cannot listen on " + address + ":" + std::to_string(port) + ": " +
+                               e.message());
+  }
+
+  void accept();
+  void send_state();
+  void close_all();
+
+  const Handlers handlers;
+  asio::io_context io{1};
+  tcp::acceptor acceptor;
+  asio::steady_timer pause;  ///< runs: a state was sent less than `least_pause` ago
+  bool pausing = false, stale = false;
+  std::set<std::shared_ptr<Client>> clients;
+  std::set<std::shared_ptr<Listener>> listeners;
+  asio::thread_pool workers{2}, stopper{1};
+};
+
+/// A WebSocket that gets states; one at a time, the newest that there is. What it says is thrown away.
+class HttpServer::Impl::Listener : public std::enable_shared_from_this<Listener> {
+ public:
+  Listener(Impl& server, tcp::socket socket) : server_(server), socket_(std::move(socket)) {
+    socket_.read_message_max(1024);
+    socket_.set_option(websocket::stream_base::timeout::suggested(beast::role_type::server));
+  }
+
+  void begin(const HttpRequest& request) {
+    socket_.async_accept(request, [self = shared_from_this()](error_code e) {
+      if (e) return;
+      self->open_ = true;
+      self->server_.listeners.insert(self);
+      self->read();
+      self->send();
+    });
+  }
+
+  void send() {
+    waiting_ = true;
+    if (writing_ || !open_) return;
+    writing_ = true;
+    waiting_ = false;
+    text_ = server_.handlers.state();
+    socket_.text(true);
+    socket_.async_write(asio::buffer(text_), [self = shared_from_this()](error_code e, std::size_t) {
+      self->writing_ = false;
+      if (e) return self->drop();
+      if (self->waiting_) self->send();
+    });
+  }
+
+  void close() { beast::get_lowest_layer(socket_).close(); }
+
+ private:
+  void read() {
+    socket_.async_read(buffer_, [self = shared_from_this()](error_code e, std::size_t) {
+      if (e) return self->drop();
+      self->buffer_.consume(self->buffer_.size());
+      self->read();
+    });
+  }
+  void drop() {
+    open_ = false;
+    server_.listeners.erase(shared_from_this());
+  }
+
+  Impl& server_;
+  websocket::stream<beast::tcp_stream> socket_;
+  beast::flat_buffer buffer_;
+  std::string text_;
+  bool open_ = false, writing_ = false, waiting_ = false;
+};
+
+/// One connection: request, reply, request, ...
+class HttpServer::Impl::Client : public std::enable_shared_from_this<Client> {
+ public:
+  Client(Impl& server, tcp::socket socket) : server_(server), stream_(std::move(socket)) {}
+
+  void begin() {
+    server_.clients.insert(shared_from_this());
+    read();
+  }
+  void close() { stream_.close(); }
+
+ private:
+  void read() {
+    parser_.emplace();
+    parser_->body_limit(largest_body);
+    stream_.expires_after(idle_time);
+    http::async_read(stream_, buffer_, *parser_, [self = shared_from_this()](error_code e, std::size_t) {
+      if (e == http::error::body_limit || e == http::error::header_limit)
+        return self->write({413, "application/json", R"({"error":"the request is too large"})", ""}, true);
+      if (e && e.category() == http::make_error_code(http::error::bad_method).category() &&
+          e != http::error::end_of_stream && e != http::error::partial_message)
+        return self->write({400, "application/json", R"({"error":"this is no HTTP request"})", ""}, true);
+      if (e) return self->drop();
+      self->act();
+    });
+  }
+
+  void act() {
+    const Request request = request_of(parser_->get());
+    if (websocket::is_upgrade(parser_->get())) {
+      const Reply may = request.path == "/api/live"
+                            ? server_.handlers.listen(request)
+                            : Reply{404, "application/json", R"({"error":"states are at /api/live"})", ""};
+      if (may.status != 200) return write(may, true);
+      stream_.expires_never();
+      const auto listener = std::make_shared<Listener>(server_, stream_.release_socket());
+      server_.clients.erase(shared_from_this());
+      return listener->begin(parser_->get());
+    }
+    stream_.expires_never();  // a report may take its time
+    auto& pool = server_.handlers.is_stop(request) ? server_.stopper : server_.workers;
+    asio::post(pool, [self = shared_from_this(), request] {
+      Reply reply = self->server_.handlers.answer(request);
+      asio::post(self->server_.io, [self, r = std::move(reply)] { self->write(r, false); });
+    });
+  }
+
+  void write(const Reply& reply, bool last) {
+    reply_.emplace(reply_of(reply, parser_->get()));
+    if (last) reply_->keep_alive(false);
+    stream_.expires_after(idle_time);
+    http::async_write(stream_, *reply_, [self = shared_from_this()](error_code e, std::size_t) {
+      if (e || !self->reply_->keep_alive()) return self->drop();
+      self->read();
+    });
+  }
+
+  void drop() {
+    error_code ignored;
+    stream_.socket().shutdown(tcp::socket::shutdown_send, ignored);
+    server_.clients.erase(shared_from_this());
+  }
+
+  Impl& server_;
+  beast::tcp_stream stream_;
+  beast::flat_buffer buffer_{65'536};
+  std::optional<http::request_parser<http::string_body>> parser_;
+  std::optional<HttpReply> reply_;
+};
+
+void HttpServer::Impl::accept() {
+  acceptor.async_accept([this](error_code e, tcp::socket socket) {
+    if (e == asio::error::operation_aborted) return;
+    if (!e && clients.size() + listeners.size() < most_clients) {
+      error_code ignored;
+      socket.set_option(tcp::no_delay(true), ignored);
+      std::make_shared<Client>(*this, std::move(socket))->begin();
+    }
+    accept();
+  });
+}
+
+void HttpServer::Impl::send_state() {
+  if (pausing) {
+    stale = true;
+    return;
+  }
+  stale = false;
+  const auto all = listeners;  // a listener may leave meanwhile
+  for (const auto& l : all) l->send();
+  pausing = true;
+  pause.expires_after(least_pause);
+  pause.async_wait([this](error_code e) {
+    if (e) return;
+    pausing = false;
+    if (stale) send_state();
+  });
+}
+
+void HttpServer::Impl::close_all() {
+  error_code ignored;
+  acceptor.close(ignored);
+  const auto c = clients;
+  for (const auto& one : c) one->close();
+  const auto l = listeners;
+  for (const auto& one : l) one->close();
+  io.stop();
+}
+
+HttpServer::HttpServer(const std::string& address, std::uint16_t port, Handlers handlers)
+    : impl_(std::make_unique<Impl>(address, port, std::move(handlers))) {}
+
+HttpServer::~HttpServer() = default;
+
+std::uint16_t HttpServer::port() const {
+  return impl_->acceptor.local_endpoint().port();
+}
+
+void HttpServer::changed() {
+  asio::post(impl_->io, [this] { impl_->send_state(); });
+}
+
+void HttpServer::serve(bool until_interrupted) {
+  asio::signal_set signals(impl_->io);
+  if (until_interrupted) {
+    signals.add(SIGINT);
+    signals.add(SIGTERM);
+    signals.async_wait([this](error_code e, int) {
+      if (!e) impl_->close_all();
+    });
+  }
+  impl_->accept();
+  impl_->io.run();
+  impl_->workers.join();
+  impl_->stopper.join();
+}
+
+void HttpServer::stop() {
+  asio::post(impl_->io, [this] { impl_->close_all(); });
+}
+
+}  // namespace powbench::host

@@ -1,0 +1,42 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <string>
+
+#include "host/serve/message.h"
+
+namespace powbench::host {
+
+/// HTTP/1.1 and one kind of WebSocket, which only sends: the newest state, whenever it has changed. One thread for the sockets, one
+/// for stops, two for everything else.
+class HttpServer {
+ public:
+  struct Handlers {
+    std::function<Reply(const Request&)> answer;
+    std::function<bool(const Request&)> is_stop;  ///< answered by a thread of its own
+    std::function<Reply(const Request&)> listen;  ///< status 200: the client may have the state
+    std::function<std::string()> state;
+  };
+  static constexpr std::size_t most_clients = 2000, largest_body = 262'144;
+
+  /// Listens at once on "127.0.0.1:8080"; port 0: any free one. Throws RigError-like std::runtime_error with one sentence.
+  HttpServer(const std::string& address, std::uint16_t port, Handlers);
+  ~HttpServer();
+  HttpServer(const HttpServer&) = delete;
+  HttpServer& operator=(const HttpServer&) = delete;
+
+  std::uint16_t port() const;
+  /// The state has changed. From any thread.
+  void changed();
+  /// Serves until stop() from another thread, or SIGINT / SIGTERM; afterwards no handler runs any more.
+  void serve(bool until_interrupted);
+  void stop();
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace powbench::host

@@ -1,0 +1,52 @@
+#pragma once
+
+#include <atomic>
+#include <chrono>
+#include <memory>
+#include <optional>
+#include <utility>
+
+#include "rigs/rig.h"
+
+namespace powbench::host {
+
+/// A rig that fires nothing once a stop is asked for. `inside` is raised before the stop is looked at: whoever sets the stop first
+/// and then finds nobody inside knows that nothing will be fired.
+class StoppableRig final : public rigs::Rig {
+ public:
+  StoppableRig(std::unique_ptr<rigs::Rig> rig, const std::atomic<bool>& stop, std::atomic<bool>& inside)
+      : rig_(std::move(rig)), stop_(stop), inside_(inside) {}
+
+  const rigs::RigInfo& info() const override { return rig_->info(); }
+  rigs::Shot fire(const Conditions& c, std::chrono::milliseconds limit) override {
+    const Inside inside(inside_);
+    if (stop_) return stopped();
+    return rig_->fire(c, limit);
+  }
+  std::optional<rigs::Shot> recover(std::chrono::milliseconds limit) override {
+    const Inside inside(inside_);
+    if (stop_) return stopped();
+    return rig_->recover(limit);
+  }
+  bool abort() override { return rig_->abort(); }
+  bool reconnect() override { return rig_->reconnect(); }
+
+ private:
+  struct Inside {
+    explicit Inside(std::atomic<bool>& f) : flag(f) { flag = true; }
+    ~Inside() { flag = false; }
+    std::atomic<bool>& flag;
+  };
+  static rigs::Shot stopped() {
+    rigs::Shot shot;
+    shot.outcome = Outcome::aborted;
+    shot.reason = "stopped by the operator";
+    return shot;
+  }
+
+  std::unique_ptr<rigs::Rig> rig_;
+  const std::atomic<bool>& stop_;
+  std::atomic<bool>& inside_;
+};
+
+}  // namespace powbench::host

@@ -1,0 +1,200 @@
+#include <sys/resource.h>
+
+#include <atomic>
+#include <boost/asio/connect.hpp>
+#include <boost/asio/ip/tcp.hpp>
+#include <boost/beast/core.hpp>
+#include <boost/beast/http.hpp>
+#include <boost/beast/websocket.hpp>
+#include <catch2/catch.hpp>
+#include <thread>
+
+#include "core/random.h"
+#include "host/serve/http.h"
+#include "tests/waiting.h"
+
+/// The server alone, with handlers of words.
+
+namespace asio = boost::asio;
+namespace beast = boost::beast;
+namespace http = beast::http;
+using powbench::host::HttpServer;
+using powbench::host::Reply;
+using powbench::host::Request;
+using powbench::test::wait_until;
+using tcp = asio::ip::tcp;
+
+namespace {
+
+/// Answers with what it got; "/slow" waits until it is let go.
+struct Server {
+  Server()
+      : server("127.0.0.1", 0,
+               {[this](const Request& r) { return answer(r); },
+                [](const Request& r) { return r.path == "/api/stop"; },
+                [](const Request& r) {
+                  Reply reply;
+                  reply.status = r.token == "good" ? 200 : 401;
+                  return reply;
+                },
+                [this] { return "state " + std::to_string(number.load()); }}),
+        thread([this] { server.serve(false); }) {}
+  ~Server() {
+    released = true;
+    server.stop();
+    thread.join();
+  }
+
+  Reply answer(const Request& r) {
+    if (r.path == "/slow") {
+      ++slow;
+      wait_until("the release of the slow ones", [this] { return released.load(); });
+    }
+    Reply reply;
+    reply.type = "text/plain";
+    reply.body = r.method + " " + r.path + " " + std::to_string(r.body.size()) + " " + r.token;
+    return reply;
+  }
+
+  tcp::socket connect() {
+    tcp::socket socket(io);
+    socket.connect({asio::ip::make_address("127.0.0.1"), server.port()});
+    return socket;
+  }
+  http::response<http::string_body> ask(const std::string& method, const std::string& target,
+                                        const std::string& body = {}) {
+    beast::tcp_stream stream(connect());
+    http::request<http::string_body> r(http::string_to_verb(method), target, 11);
+    r.set(http::field::host, "x");
+    r.body() = body;
+    r.prepare_payload();
+    beast::error_code e;
+    http::write(stream, r, e);
+    beast::flat_buffer buffer;
+    http::response<http::string_body> reply;
+    http::read(stream, buffer, reply);
+    return reply;
+  }
+
+  std::atomic<bool> released = false;
+  std::atomic<int> slow = 0, number = 0;
+  asio::io_context io;
+  HttpServer server;
+  std::thread thread;
+};
+
+}  // namespace
+
+TEST_CASE("HTTP: requests, tokens and the header fields of a reply", "[serve]") {
+  Server s;
+  const auto reply = s.ask("POST", "/a?token=t1", "12345");
+  CHECK(reply.result_int() == 200);
+  CHECK(reply.body() == "POST /a 5 t1");
+  CHECK(reply["X-Content-Type-Options"] == "nosniff");
+  CHECK(reply["Content-Security-Policy"].find("script-src 'self'") != beast::string_view::npos);
+  CHECK(reply["Content-Security-Policy"].find("unsafe-eval") == beast::string_view::npos);
+}
+
+TEST_CASE("HTTP: a body that is too large is refused, in one piece and in many", "[serve]") {
+  Server s;
+  CHECK(s.ask("POST", "/a", std::string(HttpServer::largest_body, 'x')).result_int() == 200);
+  CHECK(s.ask("POST", "/a", std::string(HttpServer::largest_body + 1, 'x')).result_int() == 413);
+  // announced only, and sent without an end
+  for (const std::string& head :
+       {std::string("POST /a HTTP/1.1\r\nHost: x\r\nContent-Length: 99999999999\r\n\r\n"),
+        "POST /a HTTP/1.1\r\nHost: x\r\nX: " + std::string(100'000, 'h')}) {
+    tcp::socket socket = s.connect();
+    beast::error_code e;
+    asio::write(socket, asio::buffer(head), e);
+    std::string answer(4096, '\0');
+    const std::size_t n = socket.read_some(asio::buffer(answer), e);
+    CHECK(answer.substr(0, n).find("413") != std::string::npos);
+  }
+}
+
+TEST_CASE("HTTP: a request in pieces of one byte, two in one piece, and what is none", "[serve]") {
+  Server s;
+  {
+    tcp::socket socket = s.connect();
+    socket.set_option(tcp::no_delay(true));
+    for (const char c : std::string("POST /b HTTP/1.1\r\nHost: x\r\nContent-Length: 3\r\n\r\nabc"))
+      asio::write(socket, asio::buffer(&c, 1));
+    beast::flat_buffer buffer;
+    http::response<http::string_body> reply;
+    http::read(socket, buffer, reply);
+    CHECK(reply.body() == "POST /b 3 ");
+    const std::string two = "GET /c HTTP/1.1\r\nHost: x\r\n\r\nGET /d HTTP/1.1\r\nHost: x\r\n\r\n";
+    asio::write(socket, asio::buffer(two));
+    for (const char* expected : {"GET /c 0 ", "GET /d 0 "}) {
+      http::response<http::string_body> next;
+      http::read(socket, buffer, next);
+      CHECK(next.body() == expected);
+    }
+  }
+  powbench::Random random(3);
+  for (int i = 0; i < 200; ++i) {
+    tcp::socket socket = s.connect();
+    std::string noise;
+    const auto bytes = static_cast<std::size_t>(1 + random.uniform() * 400);
+    for (std::size_t k = 0; k < bytes; ++k) noise += static_cast<char>(random.uniform() * 256);
+    beast::error_code e;
+    asio::write(socket, asio::buffer(noise), e);
+  }
+  CHECK(s.ask("GET", "/after").body() == "GET /after 0 ");
+}
+
+TEST_CASE("HTTP: a stop waits behind nothing: slow requests, a thousand idle connections", "[serve]") {
+  rlimit limit{};
+  REQUIRE(getrlimit(RLIMIT_NOFILE, &limit) == 0);
+  limit.rlim_cur = std::min<rlim_t>(limit.rlim_max, 4096);
+  setrlimit(RLIMIT_NOFILE, &limit);
+  const int idle = limit.rlim_cur >= 2200 ? 1000 : static_cast<int>(limit.rlim_cur) / 4;
+  Server s;
+  std::vector<tcp::socket> sockets;
+  for (int i = 0; i < idle; ++i) sockets.push_back(s.connect());
+  for (int i = 0; i < 8; ++i) {
+    sockets.push_back(s.connect());
+    asio::write(sockets.back(), asio::buffer(std::string("GET /slow HTTP/1.1\r\nHost: x\r\n\r\n")));
+  }
+  wait_until("both workers to be busy", [&] { return s.slow == 2; });
+  CHECK(s.ask("POST", "/api/stop").body() == "POST /api/stop 0 ");
+}
+
+TEST_CASE("WebSocket: the newest state, and only to those who may", "[serve]") {
+  Server s;
+  namespace websocket = beast::websocket;
+  {
+    websocket::stream<tcp::socket> socket(s.connect());
+    beast::error_code e;
+    socket.handshake("x", "/api/live", e);
+    CHECK(e);
+  }
+  websocket::stream<tcp::socket> socket(s.connect());
+  socket.handshake("x", "/api/live?token=good");
+  const auto next = [&] {
+    beast::flat_buffer buffer;
+    socket.read(buffer);
+    return beast::buffers_to_string(buffer.data());
+  };
+  CHECK(next() == "state 0");
+  // many changes become few messages; the last one arrives
+  for (int i = 1; i <= 1000; ++i) {
+    s.number = i;
+    s.server.changed();
+  }
+  int messages = 1;
+  while (next() != "state 1000") ++messages;
+  CHECK(messages < 500);
+  // what a client says is thrown away; too much of it ends the connection
+  socket.write(asio::buffer(std::string("hello")));
+  s.number = 1001;
+  s.server.changed();
+  CHECK(next() == "state 1001");
+  beast::error_code e;
+  socket.write(asio::buffer(std::string(100'000, 'x')), e);
+  wait_until("the end of the connection", [&] {
+    beast::flat_buffer buffer;
+    socket.read(buffer, e);
+    return static_cast<bool>(e);
+  });
+}

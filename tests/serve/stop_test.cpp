@@ -1,0 +1,79 @@
+#include <atomic>
+#include <catch2/catch.hpp>
+#include <thread>
+
+#include "core/random.h"
+#include "rigs/iiod_server.h"
+#include "rigs/rig_watch.h"
+#include "tests/serve/served.h"
+
+using namespace powbench;
+using namespace powbench::test;
+using Catch::Contains;
+
+TEST_CASE("STOP: whenever it comes, nothing is fired once it is confirmed", "[serve]") {
+  // a rig of its own, so that somebody else can look at it
+  const rigs::LocalRig rig(rigs::SimRigConfig{}, sim::Specimen{});
+  const std::string uri = "ip:" + rig.address();
+  Served s(served_plan, uri);
+  rigs::RigWatch other(uri, std::chrono::milliseconds(2500));
+  Random random(7);
+  for (int round = 0; round < 60; ++round) {
+    CAPTURE(round);
+    const bool plan = round % 2 == 0;
+    if (plan)
+      s.bench.run(scene_of("angles_deg = [0, 45, 90, 135]\nrepeats = 50\n"));
+    else
+      s.bench.fire(1.0);
+    const auto turns = static_cast<int>(random.uniform() * 40'000);
+    for (int i = 0; i < turns; ++i) std::this_thread::yield();
+    const host::StopAnswer stopped = s.bench.stop();
+    REQUIRE(stopped.off);
+    REQUIRE_THAT(stopped.text, Contains("confirmed by the rig"));
+    for (int i = 0; i < 20; ++i) REQUIRE_FALSE(other.status().live());
+    s.until_ended();
+    const std::size_t then = s.shots();
+    for (int i = 0; i < 20; ++i) REQUIRE_FALSE(other.status().live());
+    REQUIRE(s.shots() == then);
+  }
+}
+
+TEST_CASE("STOP: from several threads at once, while somebody begins", "[serve]") {
+  Served s;
+  for (int round = 0; round < 20; ++round) {
+    std::atomic<int> begun = 0;
+    std::thread starter([&] {
+      for (int i = 0; i < 50; ++i) try {
+          s.bench.fire(0.5);
+          ++begun;
+        } catch (const host::NotNow&) {
+        }
+    });
+    std::atomic<int> off = 0;
+    const auto press = [&] { off += s.bench.stop().off ? 1 : 0; };
+    std::thread a(press), b(press);
+    starter.join();
+    a.join();
+    b.join();
+    CHECK(off == 2);
+    s.until_ended();
+    // what was begun behind the last stop has been fired; nothing else is on its way
+    const host::StopAnswer last = s.bench.stop();
+    REQUIRE(last.off);
+    const auto shots = s.shots();
+    CHECK(shots <= static_cast<std::size_t>(20 * 50));
+    CHECK(s.state().at("job").is_null());
+  }
+}
+
+TEST_CASE("STOP: a rig that does not answer is said loudly", "[serve]") {
+  auto rig = std::make_unique<rigs::LocalRig>(rigs::SimRigConfig{}, sim::Specimen{});
+  Served s(served_plan, "ip:" + rig->address());
+  rig.reset();
+  const host::Reply r = s.ask("POST", "/api/stop");
+  CHECK(r.status == 504);
+  CHECK_THAT(r.body, Contains("THE RIG DOES NOT ANSWER"));
+  CHECK_THAT(r.body, Contains("\"off\":false"));
+  wait_until("the state to say so", [&] { return s.state().at("link").at("answers") == false; });
+  CHECK(s.state().at("status").is_null());
+}
