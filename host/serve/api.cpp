@@ -108,7 +108,8 @@ Reply get_template(const Call&) {
   return json({{"text", plan_template()}});
 }
 
-Reply post_check(const Call& c) {
+/// Mistakes are what was asked for: status 200.
+Reply post_check(const Call& c) try {
   const Scene s = scene_of(c);
   Json shots = Json::array();
   for (const PlannedShot& p : s.shots)
@@ -123,6 +124,8 @@ Reply post_check(const Call& c) {
                {"seconds", seconds},
                {"coil_on_percent", seconds > 0 ? 100 * on / seconds : 0},
                {"shots", shots}});
+} catch (const BadInput& e) {
+  return json({{"errors", e.errors()}});
 }
 Reply post_run(const Call& c) {
   c.bench.run(scene_of(c));

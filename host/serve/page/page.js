@@ -138,6 +138,8 @@
       value('t_ct_bon', 1e3) + ' ms';
     $('shot-reason').textContent = shot.origin + ', ' + shot.outcome + (shot.reason ? ': ' + shot.reason : '') + '; reached ' +
       measured(shot.reached_rad, 180 / Math.PI) + ' deg, ' + shot.started + ' UTC';
+    $('shot-title').classList.toggle('bad', shot.outcome === 'FAIL');
+    if (shot.outcome === 'FAIL' && id === shownShot) alarm('Outside limits: shot ' + id + ', ' + shot.reason);
     $('quantities').textContent = '';
     for (const q of shot.quantities) {
       const [unit, factor] = units[q.unit] || [q.unit, 1];
@@ -170,7 +172,9 @@
   async function plan(path, done) {
     $('errors').textContent = $('planned').textContent = $('shots-planned').textContent = '';
     try {
-      done(await call('POST', path, { text: $('text').value }));
+      const reply = await call('POST', path, { text: $('text').value });
+      if (reply.errors) throw reply.errors;
+      done(reply);
     } catch (errors) {
       for (const one of [].concat(errors)) {
         const item = document.createElement('li');

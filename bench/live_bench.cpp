@@ -1,0 +1,197 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <atomic>
+#include <boost/asio/ip/tcp.hpp>
+#include <boost/beast/core.hpp>
+#include <boost/beast/http.hpp>
+#include <chrono>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <thread>
+
+#include "host/serve/api.h"
+#include "host/serve/bench.h"
+#include "host/serve/http.h"
+
+/// The live bench over loopback: from the click to the picture's data, the stop while a plan runs and while reports are made, size of
+/// the page, memory after many shots.
+/// Usage: bench_live_bench [--shots N] [--json PATH]
+
+namespace {
+
+using namespace powbench;
+using namespace powbench::host;
+namespace asio = boost::asio;
+namespace beast = boost::beast;
+namespace http = beast::http;
+using SteadyClock = std::chrono::steady_clock;
+using Json = nlohmann::ordered_json;
+
+double ms_since(SteadyClock::time_point t) {
+  return std::chrono::duration<double, std::milli>(SteadyClock::now() - t).count();
+}
+
+struct Spread {
+  double median = 0, p95 = 0, worst = 0;
+};
+Spread spread(std::vector<double> v) {
+  std::sort(v.begin(), v.end());
+  return {v[v.size() / 2], v[v.size() * 95 / 100], v.back()};
+}
+
+double resident_mb() {
+  std::ifstream in("/proc/self/status");
+  for (std::string line; std::getline(in, line);)
+    if (line.starts_with("VmRSS:")) return std::stod(line.substr(6)) / 1024;
+  return 0;
+}
+
+/// One connection that stays.
+class Client {
+ public:
+  Client(std::uint16_t port, std::string token)
+      : token_(std::move(token)), host_(fmt::format("127.0.0.1:{}", port)) {
+    socket_.connect({asio::ip::make_address("127.0.0.1"), port});
+    socket_.set_option(asio::ip::tcp::no_delay(true));
+  }
+  std::string ask(http::verb method, const std::string& target, const std::string& body = {}) {
+    http::request<http::string_body> r(method, target, 11);
+    r.set(http::field::host, host_);
+    r.set(http::field::authorization, "Bearer " + token_);
+    r.set(http::field::content_type, "application/json");
+    r.body() = body;
+    r.prepare_payload();
+    http::write(socket_, r);
+    http::response_parser<http::string_body> reply;
+    reply.body_limit(100'000'000);
+    http::read(socket_, buffer_, reply);
+    return reply.get().body();
+  }
+
+ private:
+  std::string token_, host_;
+  asio::io_context io_;
+  asio::ip::tcp::socket socket_{io_};
+  beast::flat_buffer buffer_;
+};
+
+void wait_for_shot(Client& client, int more_than) {
+  for (;;) {
+    const Json state = Json::parse(client.ask(http::verb::get, "/api/bench"));
+    if (!state["newest_shot"].is_null() && state["newest_shot"] > more_than && state["job"].is_null()) return;
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  int many = 2000;
+  std::string json_file;
+  for (int i = 1; i + 1 < argc; i += 2) {
+    if (std::string(argv[i]) == "--json") json_file = argv[i + 1];
+    if (std::string(argv[i]) == "--shots") many = std::stoi(argv[i + 1]);
+  }
+  std::string folder = (std::filesystem::temp_directory_path() / "powbench-live-XXXXXX").string();
+  if (mkdtemp(folder.data()) == nullptr) return 1;
+  const Scene scene = make_scene(parse_plan("angles_deg = [0, 30, 60, 90]\nrepeats = 5\n", "plan"));
+  std::atomic<HttpServer*> told = nullptr;
+  auto bench = std::make_unique<Bench>("sim:", scene, folder + "/lab.db", [&] {
+    if (HttpServer* s = told) s->changed();
+  });
+  std::unique_ptr<Api> api;
+  HttpServer server("127.0.0.1", 0,
+                    {[&](const Request& r) { return api->answer(r); }, Api::is_stop,
+                     [&](const Request& r) { return api->listen(r); }, [&] { return bench->state(); }});
+  api = std::make_unique<Api>(*bench, Access::made({fmt::format("127.0.0.1:{}", server.port())}));
+  told = &server;
+  std::thread thread([&] { server.serve(false); });
+  const std::string token = api->access().page_token();
+  Client client(server.port(), token);
+
+  std::size_t page = 0;
+  for (const char* part : {"/", "/page.js", "/page.css", "/chart.js"})
+    page += client.ask(http::verb::get, part).size();
+
+  std::vector<double> to_shot, to_picture;
+  for (int i = 0; i < 40; ++i) {
+    const Json before = Json::parse(client.ask(http::verb::get, "/api/bench"));
+    const int last = before["newest_shot"].is_null() ? 0 : before["newest_shot"].get<int>();
+    const auto begun = SteadyClock::now();
+    client.ask(http::verb::post, "/api/fire", fmt::format(R"({{"angle_deg": {}}})", i * 9));
+    wait_for_shot(client, last);
+    to_shot.push_back(ms_since(begun));
+    client.ask(http::verb::get, fmt::format("/api/shots/{}", last + 1));
+    client.ask(http::verb::get, fmt::format("/api/shots/{}/closing", last + 1));
+    to_picture.push_back(ms_since(begun));
+  }
+
+  std::vector<double> stops, loaded;
+  for (int round = 0; round < 60; ++round) {
+    const bool load = round % 2 == 1;
+    client.ask(http::verb::post, "/api/plan/run",
+               Json{{"text", "angles_deg = [0, 90]\nrepeats = 100\n"}}.dump());
+    std::vector<std::thread> readers;
+    if (load)
+      for (int k = 0; k < 4; ++k)
+        readers.emplace_back([&] {
+          Client reader(server.port(), token);
+          reader.ask(http::verb::get, "/api/campaigns/1/report.html");
+        });
+    std::this_thread::sleep_for(std::chrono::milliseconds(10 + 3 * round));
+    const auto begun = SteadyClock::now();
+    const Json answer = Json::parse(client.ask(http::verb::post, "/api/stop"));
+    (load ? loaded : stops).push_back(ms_since(begun));
+    if (answer["off"] != true) fmt::print("NOT CONFIRMED: {}\n", answer.dump());
+    for (auto& r : readers) r.join();
+    while (!Json::parse(client.ask(http::verb::get, "/api/bench"))["job"].is_null())
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }
+
+  const double before = resident_mb();
+  for (int part = 0; part < 2; ++part) {
+    client.ask(http::verb::post, "/api/plan/run",
+               Json{{"text", fmt::format("angles_deg = [0, 90]\nrepeats = {}\n", many / 4)}}.dump());
+    while (!Json::parse(client.ask(http::verb::get, "/api/bench"))["job"].is_null())
+      std::this_thread::sleep_for(std::chrono::milliseconds(20));
+  }
+  const double after = resident_mb();
+  const auto listed_from = SteadyClock::now();
+  client.ask(http::verb::get, "/api/campaigns");
+  const double listed = ms_since(listed_from);
+  server.stop();
+  thread.join();
+  bench.reset();
+  std::filesystem::remove_all(folder);
+
+  const Spread shot = spread(to_shot), picture = spread(to_picture), stop = spread(stops),
+               busy = spread(loaded);
+  fmt::print("live bench over loopback, simulated rig; wall time, ms\n\n{:<58} {:>8} {:>8} {:>8}   {}\n", "",
+             "median", "95 %", "worst", "goal");
+  const auto row = [](const char* what, const Spread& s, const char* goal) {
+    fmt::print("{:<58} {:>8.1f} {:>8.1f} {:>8.1f}   {}\n", what, s.median, s.p95, s.worst, goal);
+  };
+  row("fire to stored and simulated", shot, "");
+  row("fire to all data of the picture", picture, "150");
+  row("stop in mid-plan, until the rig has confirmed", stop, "100");
+  row("the same while four reports are made", busy, "100");
+  fmt::print("\npage, all parts, uncompressed: {:.0f} kB (goal 400 compressed)\n",
+             static_cast<double>(page) / 1e3);
+  fmt::print("resident memory: {:.0f} MB before, {:.0f} MB after {} more shots\n", before, after, many);
+  fmt::print("list of all campaigns then: {:.1f} ms\n", listed);
+  if (!json_file.empty()) {
+    const auto j = [](const Spread& s) {
+      return Json{{"median", s.median}, {"p95", s.p95}, {"worst", s.worst}};
+    };
+    std::ofstream(json_file) << Json{{"fire_to_shot_ms", j(shot)}, {"fire_to_picture_ms", j(picture)},
+                                     {"stop_ms", j(stop)},         {"stop_loaded_ms", j(busy)},
+                                     {"page_bytes", page},         {"resident_before_mb", before},
+                                     {"resident_after_mb", after}, {"shots", many},
+                                     {"list_ms", listed}}
+                                    .dump(2)
+                             << "\n";
+  }
+}
