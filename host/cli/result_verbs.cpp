@@ -115,14 +115,19 @@ Exit list_campaigns(const ResultArgs& args) {
   Json list = Json::array();
   for (const CampaignInfo& c : store.campaigns()) {
     if (args.campaign && c.id != *args.campaign) continue;
-    const auto measured = store.shots(c.id, ShotKind::measured);
-    const auto simulated = store.shots(c.id, ShotKind::simulated);
     if (!args.json) {
+      const auto count = [&](ShotKind kind) {
+        std::size_t n = 0;
+        for (const auto& [outcome, shots] : store.outcomes(c.id, kind)) n += shots;
+        return n;
+      };
       fmt::print("{:>4}  {}  {:<15}  {:<20} {:>5} shots, {:>4} simulated  {}\n", c.id, c.created,
-                 name(c.origin), c.name, measured.size(), simulated.size(),
+                 name(c.origin), c.name, count(ShotKind::measured), count(ShotKind::simulated),
                  c.finished ? "finished" : "unfinished");
       continue;
     }
+    const auto measured = store.shots(c.id, ShotKind::measured);
+    const auto simulated = store.shots(c.id, ShotKind::simulated);
     Json shots = Json::array();
     for (const auto* kind : {&measured, &simulated})
       for (const StoredShot& s : *kind)

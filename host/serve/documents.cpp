@@ -44,9 +44,9 @@ std::string campaigns_document(const Store& store) {
   Json list = Json::array();
   for (const CampaignInfo& c : store.campaigns()) {
     std::size_t measured_shots = 0, outside = 0;
-    for (const StoredShot& s : store.shots(c.id, ShotKind::measured)) {
-      ++measured_shots;
-      outside += s.outcome == Outcome::fail ? 1 : 0;
+    for (const auto& [outcome, count] : store.outcomes(c.id, ShotKind::measured)) {
+      measured_shots += count;
+      if (outcome == Outcome::fail) outside = count;
     }
     list.insert(list.begin(), Json{{"id", c.id},
                                    {"name", c.name},

@@ -298,6 +298,15 @@ std::vector<StoredShot> Store::shots(std::int64_t campaign, ShotKind kind) const
   return list;
 }
 
+std::map<Outcome, std::size_t> Store::outcomes(std::int64_t campaign, ShotKind kind) const {
+  std::map<Outcome, std::size_t> counts;
+  Statement s(impl_->db, "SELECT outcome, count(*) FROM shot WHERE campaign_id = ? AND kind = ? AND " +
+                             last_attempt + "GROUP BY outcome");
+  s.bind(campaign).bind(name(kind));
+  while (s.step()) counts[outcome_from(s.text(0))] = static_cast<std::size_t>(s.integer(1));
+  return counts;
+}
+
 std::vector<StoredShot> Store::earlier_attempts(std::int64_t campaign) const {
   std::vector<StoredShot> list;
   Statement s(impl_->db, shot_query + "WHERE campaign_id = ? AND NOT " + last_attempt +

@@ -108,6 +108,8 @@ class Store {
   /// All shots of a campaign, by kind, then number; of each the last attempt.
   std::vector<StoredShot> shots(std::int64_t campaign) const;
   std::vector<StoredShot> shots(std::int64_t campaign, ShotKind kind) const;
+  /// How many shots of a campaign ended how, without reading them: their seals are not checked.
+  std::map<Outcome, std::size_t> outcomes(std::int64_t campaign, ShotKind kind) const;
   /// The attempts before the last ones, which failed.
   std::vector<StoredShot> earlier_attempts(std::int64_t campaign) const;
   StoredShot shot(std::int64_t id) const;

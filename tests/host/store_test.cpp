@@ -116,6 +116,10 @@ TEST_CASE("failed attempts stay as history, whatever comes of the shot later", "
   REQUIRE(shots.size() == 2);
   CHECK(shots[1].outcome == Outcome::pass);
   CHECK(shots[1].attempt == 3);
+  std::map<Outcome, std::size_t> counted;
+  for (const StoredShot& one : store.shots(campaign, ShotKind::measured)) ++counted[one.outcome];
+  CHECK(store.outcomes(campaign, ShotKind::measured) == counted);  // the last attempts only
+  CHECK(store.outcomes(campaign, ShotKind::simulated).empty());
   const auto earlier = store.earlier_attempts(campaign);
   REQUIRE(earlier.size() == 2);
   CHECK(earlier[0].reason == "first");
