@@ -30,7 +30,8 @@ struct RigInfo {
   bool programmable_source = false;  ///< supply, frequency, ambient and seed can be set
   double sample_rate = 0.0;          ///< Hz
   std::string calibration;
-  std::string phase;  ///< of the mains at this moment, in words
+  std::string calibration_expires;  ///< last day, 2030-12-31; "" = no certificate is stored
+  std::string phase;                ///< of the mains at this moment, in words
   struct ChannelLine {
     std::string id, label, unit;
     double scale = 0.0;  ///< SI unit per count

@@ -50,6 +50,7 @@ Exit show_rig(const InfoArgs& args) {
                                 {"programmable_source", info.programmable_source},
                                 {"sample_rate_hz", info.sample_rate},
                                 {"calibration", info.calibration},
+                                {"calibration_expires", info.calibration_expires},
                                 {"phase", info.phase},
                                 {"channels", nlohmann::ordered_json::array()}};
     for (const auto& c : info.channels)
@@ -58,7 +59,9 @@ Exit show_rig(const InfoArgs& args) {
     return Exit::pass;
   }
   fmt::print("{}\n  serial       {}\n  firmware     {}\n  calibration  {}\n", info.model, info.serial,
-             info.firmware, info.calibration);
+             info.firmware,
+             info.calibration +
+                 (info.calibration_expires.empty() ? "" : ", valid until " + info.calibration_expires));
   fmt::print("  sampling     {:.0f} kS/s on {} channels\n", info.sample_rate / 1e3, info.channels.size());
   fmt::print("  source       {}\n",
              info.programmable_source ? "programmable (voltage, frequency, ambient)" : "fixed mains");

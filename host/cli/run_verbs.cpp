@@ -60,6 +60,8 @@ Exit run_plan(const RunArgs& args) {
     CampaignInfo info = campaign_info(scene, args.rig, identity);
     info.origin = origin;
     campaign = store.create_campaign(info);
+    if (const std::string late = note_calibration(store, campaign, rig->info()); !late.empty())
+      fmt::print(stderr, "{}\n", late);
   }
   RunOptions options = run_options(scene.plan);
   options.max_failures = args.max_failures;

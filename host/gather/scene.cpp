@@ -48,6 +48,18 @@ CampaignInfo campaign_info(const Scene& scene, const std::string& rig_uri, const
   return info;
 }
 
+std::string note_calibration(Store& store, std::int64_t campaign, const rigs::RigInfo& rig) {
+  if (rig.calibration_expires.empty()) return {};
+  const std::string text =
+      rig.model + " " + rig.serial + "; " + rig.calibration + "; " + rig.calibration_expires;
+  Instrument unused;
+  if (!read_instrument(text, unused).empty()) return {};
+  store.annotate(campaign, "instrument", text);
+  if (rig.calibration_expires >= store.campaign(campaign).created.substr(0, 10)) return {};
+  return "the rig's calibration " + rig.calibration + " was valid until " + rig.calibration_expires +
+         "; the report says so on page 1";
+}
+
 std::vector<Limit> plan_limits(const Plan& plan) {
   std::vector<Limit> limits;
   for (std::size_t i = 0; i < quantity_table.size(); ++i) {

@@ -110,6 +110,7 @@ struct Bench::Impl final : RunWatcher {
       CampaignInfo c = campaign_info(now.scene, uri, info.model + ", " + info.serial);
       c.origin = origin_of_kind(info.kind);
       campaign = store.create_campaign(c);
+      if (const std::string late = note_calibration(store, campaign, info); !late.empty()) say(late);
     }
     {
       const std::scoped_lock lock(mutex);
@@ -307,6 +308,7 @@ struct Bench::Impl final : RunWatcher {
                   {"boot_id", info.boot_id},
                   {"origin", name(origin_of_kind(info.kind))},
                   {"calibration", info.calibration},
+                  {"calibration_expires", info.calibration_expires},
                   {"sample_rate_hz", info.sample_rate},
                   {"programmable_source", info.programmable_source},
                   {"channels", channels}}},

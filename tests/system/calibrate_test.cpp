@@ -90,6 +90,33 @@ TEST_CASE("a calibration finds what is off, is stored, and stands in the next sh
   CHECK(least == Approx(-325.27).margin(1.5));
 }
 
+TEST_CASE("a rig whose calibration has expired: said by run, on page 1, and once", "[calibration]") {
+  const rigs::Endpoint end = rigs::endpoint("sim:", {}, {});
+  {
+    rigs::IioLink link(end.uri, rigs::connect_limit, rigs::request_limit);
+    link.write(rigs::IioLink::Device::control, "lease", "t 60000 test");
+    store(link, "t", Walk{.rows = rows_of(link), .switch_delay = 0.0, .report = {}}, "PB-9", 20200101,
+          20210101);
+    link.write(rigs::IioLink::Device::control, "lease", "t 0");
+  }
+  const test::Folder folder;
+  const std::string plan = folder.write("plan.toml", "angles_deg = [0, 90]\nrepeats = 1\n"),
+                    db = folder.file("lab.db");
+  for (const bool again : {false, true}) {
+    std::vector<std::string> words{"run", plan, "--rig", end.uri, "--db", db, "--progress", "none"};
+    if (again) words.emplace_back("--resume");
+    const test::Finished run = test::run(folder, words);
+    CHECK(run.status == 0);
+    CHECK((run.err.find("PB-9 was valid until 2021-01-01") != std::string::npos) == !again);
+  }
+  REQUIRE(test::run(folder, {"report", "--db", db, "-o", folder.file("out")}).status == 0);
+  const std::string page = test::read_file(folder.file("out/report.html"));
+  CHECK(
+      page.find("Calibration expired: simulated contactor bench SIM-0001, certificate PB-9, was valid until "
+                "2021-01-01") != std::string::npos);
+  CHECK(page.find("certificate PB-9, was valid") == page.rfind("certificate PB-9, was valid"));
+}
+
 TEST_CASE(
     "a calibration that cannot be is refused with the rig's reason, and answers that are no numbers too",
     "[calibration]") {

@@ -279,7 +279,7 @@
     fact('rig', rig.uri + ', ' + rig.model + ' ' + rig.serial);
     fact('origin', rig.origin);
     fact('firmware', rig.firmware + ', boot ' + rig.boot_id);
-    fact('calibration', rig.calibration);
+    fact('calibration', rig.calibration + (rig.calibration_expires ? ', valid until ' + rig.calibration_expires : ''));
     fact('sampling', rig.sample_rate_hz / 1e3 + ' kS/s');
     fact('link', line.answers ? 'answers in ' + line.answer_ms.toFixed(1) + ' ms' : line.error);
     if (status) {
