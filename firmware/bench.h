@@ -32,7 +32,7 @@ struct BenchReport {
   bool gate_on = false;
   bool settling = false;  ///< a shot was cut short and is not over yet
   bool phase_valid = false;
-  bool relay_closed = false;  ///< the safety relay is told to close
+  bool relay_closed = false;  ///< the command to the safety relay: close
   bool lease_held = false;
   bool owner_connected = false;  ///< a connection on which the owner of the lease has spoken is open
 };

@@ -61,8 +61,8 @@ struct BuildIdentity {
 InterlockConfig calibrated(const InterlockConfig& nominal, const Calibrations& from, const Calibrations& to);
 /// What makes thresholds unfit for these channels, or empty.
 std::string_view interlock_error(const InterlockConfig&, const Calibrations&);
-/// What makes a calibration impossible for this front end, or empty: channels that come or go, gains beyond what its parts
-/// can be off by, delays beyond 1 ms.
+/// What makes a calibration impossible for this front end, or empty: channels that come or go, gains beyond the
+/// tolerance of its parts, delays beyond 1 ms.
 std::string_view calibration_error(const ControllerConfig& nominal, const StoredCalibration&);
 
 /// What makes a configuration unfit to energise a coil, or empty.

@@ -45,7 +45,7 @@ class Interlocks {
   struct GateView {
     bool on = false;
     std::int64_t since = 0;        ///< sample at which it last changed
-    bool relay = false;            ///< the safety relay is told to close
+    bool relay = false;            ///< the command to the safety relay: close
     std::int64_t relay_since = 0;  ///< sample at which it was last told something else
   };
 
@@ -105,7 +105,7 @@ class Interlocks {
   std::int64_t contact_good_ = 0;  ///< last sample at which contact and travel agreed
   std::int64_t last_host_ = 0;
   std::int64_t relay_out_ = 0;     ///< last sample at which the relay was read back open
-  std::int64_t relay_agreed_ = 0;  ///< last sample at which it was what it was told to be
+  std::int64_t relay_agreed_ = 0;  ///< last sample at which read-back and command agreed
   std::int64_t next_sample_ = -1;
   std::int64_t block_length_ = 0;
   std::int64_t counter_ = -1;

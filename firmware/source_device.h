@@ -8,14 +8,14 @@
 
 namespace powbench::firmware {
 
-/// What a programmable source and a chamber are told. A rig without them simply does not have the device; the
+/// Set-points of a programmable source and a chamber. A rig without them simply does not have the device; the
 /// host asks, it does not assume.
 struct SetPoints {
   std::int64_t supply_millivolts = 230'000;  ///< rms
   std::int64_t mains_millihertz = 50'000;
   std::int64_t ambient_millidegc = 20'000;
   std::int64_t seed = 1;                ///< of the next shot; counts up when a shot begins
-  std::int64_t reference_channel = -1;  ///< input that hangs on a source of known quantity; -1: none
+  std::int64_t reference_channel = -1;  ///< input that is connected to a source of known quantity; -1: none
   std::int64_t reference_micro = 0;     ///< that quantity, 1e-6 SI
 };
 

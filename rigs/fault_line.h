@@ -17,7 +17,7 @@ struct LineFault {
     close,      ///< both sides are closed behind the byte
     delay,      ///< the byte and what follows come 20 ms later
     stall,      ///< the same, far later
-    half_open,  ///< from the byte on nothing passes either way, and nobody is told
+    half_open,  ///< from the byte on nothing passes either way, without any error
   };
   static constexpr int kinds = 7;
 

@@ -255,7 +255,7 @@ void IiodServer::Impl::listen(const std::string& where, std::uint16_t port) try 
                      e.code().message() + "; choose another loopback address, such as 127.0.0.8");
 }
 
-/// On a loopback address that nobody is told, with the bad line in front of it.
+/// On a loopback address that is not published, behind the disturbed line.
 void IiodServer::Impl::listen_behind(const BadLine& bad, std::uint16_t port) {
   std::string inner;
   for (int host = 1; host < 255 && inner.empty(); ++host) {
@@ -277,7 +277,7 @@ void IiodServer::Impl::listen_behind(const BadLine& bad, std::uint16_t port) {
 void IiodServer::Impl::accept() {
   acceptor.async_accept([this](auto error, tcp::socket socket) {
     if (error) return;
-    // a board has memory for so many clients; one more is told so
+    // a board has memory for so many clients; one more gets a sentence
     if (free_connection() < 0) make_room();
     if (const int number = free_connection(); number >= 0) {
       sessions.push_back(std::make_shared<Session>(*this, std::move(socket), static_cast<unsigned>(number)));

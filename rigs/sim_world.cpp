@@ -134,7 +134,7 @@ bool SimWorld::at_rest() const {
   return !report.gate_on && !report.settling && !welded;
 }
 
-/// The safety relay follows what it is told.
+/// The safety relay follows its command.
 void SimWorld::move_relay() {
   const bool told = board_->report().relay_closed && !config_.faults.relay_open;
   const bool stays = told == relay_in_ || (relay_in_ && config_.faults.relay_welded);

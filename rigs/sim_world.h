@@ -71,7 +71,7 @@ class SimWorld {
   std::vector<SwitchEdge> switched_;           ///< all that took effect in this shot
   double switched_on_ = -1.0;                  ///< plant time of the last on edge, < 0: not yet in this shot
   bool relay_in_ = false;                      ///< the safety relay is closed
-  std::int64_t relay_since_ = 0;               ///< sample at which it was last as it was told to be
+  std::int64_t relay_since_ = 0;               ///< sample at which it last agreed with its command
   bool samples_lost_ = false;                  ///< the fault on request has been played
   std::vector<double> times_;
   std::vector<sim::PlantSample> states_;

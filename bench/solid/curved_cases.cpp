@@ -149,7 +149,7 @@ SphereImpact sphere_on_half_space(double finest, int workers) {
   s.set_velocity(ball, {0, 0, -1});
   ContactOptions contact;
   contact.pairs.push_back({base, ball});
-  contact.pairs[0].factor = 2;  // the default gives way by a sixth of the approach looked for
+  contact.pairs[0].factor = 2;  // the default has a compliance of a sixth of the approach in question
   contact.edges = false;
   s.set_contact(contact);
   SphereImpact r;

@@ -61,7 +61,7 @@ class BufferSource {
   /// piece; empty: copy() has to make them. They stay there until the generation changes.
   virtual std::span<const std::uint8_t> in_place(std::uint64_t cursor, std::size_t scans,
                                                  std::uint32_t mask) const = 0;
-  /// Changes with every new record: a reader opened on an older one is told -EBADF.
+  /// Changes with every new record: a reader opened on an older one gets -EBADF.
   virtual std::uint32_t generation() const = 0;
 
  protected:
@@ -91,7 +91,7 @@ struct Context {
   std::string_view description;
   std::span<const ContextAttribute> attributes{};
   std::span<const Device* const> devices{};
-  /// Held (true), then let go (false) around every attribute function: a port whose controller runs in an
+  /// Locked (true), then unlocked (false) around every attribute function: a port whose controller runs in an
   /// interrupt keeps it out meanwhile. nullptr: not needed.
   void (*lock)(bool held) = nullptr;
 };

@@ -105,8 +105,7 @@ Exit run_sweep(const SweepArgs& args, const Study& s, sim::Team& team) {
                                                        {"latin", sim::Sampling::latin},
                                                        {"monte-carlo", sim::Sampling::monte_carlo}};
   const sim::Design design(s.axes, samplings.at(args.sampling), args.points, args.seed);
-  for (const double end :
-       {0.0, 1.0}) {  // corners: a specimen that does not exist is told before anything runs
+  for (const double end : {0.0, 1.0}) {  // corners: an impossible specimen is refused before anything runs
     std::vector<double> corner;
     for (const auto& a : s.axes) corner.push_back(a.at(end));
     const auto wrong = sim::validate(design.apply(s.base, corner).specimen);

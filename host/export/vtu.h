@@ -52,7 +52,7 @@ std::string to_vtu(const VtuGrid&, VtuEncoding = VtuEncoding::appended_raw);
 struct PvdStep {
   double time = 0;   ///< s
   std::string file;  ///< of the VTU, relative to the PVD
-  int part = 0;      ///< several files of one time are told apart by this
+  int part = 0;      ///< distinguishes several files of one time
 };
 
 /// A ParaView collection of VTU files.

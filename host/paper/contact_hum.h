@@ -9,7 +9,7 @@
 
 namespace powbench::host {
 
-/// The force after settling where the pull's pulsation finds something that gives way.
+/// The force after settling where the pulsation of the pull meets a compliance.
 struct HumLine {
   std::string what;
   double low, high;  ///< N, pull over the last period
@@ -19,7 +19,7 @@ struct HumLine {
   std::size_t lifts;  ///< releases of the core in the last 100 ms
 };
 
-/// What gives way: the pole faces as they are and softer ones; then a ring too weak to hold the core through the pull's minimum.
+/// The compliances: the pole faces as they are and more compliant ones; then a ring too weak to hold the core through the pull's minimum.
 /// Each closing at 0 deg under the paper's conditions is held for 0.4 s.
 std::vector<HumLine> hum_lines(const sim::Specimen&);
 

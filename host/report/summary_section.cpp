@@ -82,7 +82,7 @@ Markup limits_section(const ReportInput& input) {
   return out.close();
 }
 
-/// Nothing where nothing was told: an empty form would look like one that was filled in.
+/// Empty if no entry was given: an empty form would look like a completed one.
 Markup record_section(const ReportInput& input) {
   Markup out;
   const TestRecord& test = input.test;

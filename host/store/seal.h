@@ -12,7 +12,7 @@
 namespace powbench::host {
 
 /// Checksum of one row: SHA-256 over its values, each with its length, in a fixed order. Kept in the row and checked when
-/// it is read, so that a flipped bit is told as damage and never read as a result.
+/// it is read, so that a flipped bit is reported as damage and never read as a result.
 class Seal {
  public:
   Seal& add(std::string_view text) {

@@ -17,9 +17,10 @@ struct FitFold {
   std::optional<double> held_out;
   double misfit = 0;
   /// Values of the free numbers in the units of the specimen file, eight digits; the best first, then the ensemble; of a
-  /// posterior, its draws.
+  /// posterior, its samples.
   std::vector<std::vector<double>> members;
-  std::optional<sim::BounceCalibration> bounce{};  ///< of a posterior: what the closings it has seen say
+  std::optional<sim::BounceCalibration>
+      bounce{};  ///< of a posterior: from the closings it was conditioned on
 };
 
 struct FitFile {

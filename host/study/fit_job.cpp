@@ -42,7 +42,7 @@ FitFold together(std::span<const FitFold> searches) {
   return all;
 }
 
-/// Added to the seed of a fit that is to describe: it draws from a stream of its own.
+/// Added to the seed of the describing fit: it has a random stream of its own.
 constexpr std::uint64_t describing_stream = 1;
 
 /// Posterior number `k`: of all closings but one that is held out, or, after those, of all. None when told to stop.
@@ -64,7 +64,7 @@ std::optional<FitFold> blind_fold(const FitJob& job, std::size_t k, sim::Team& t
   });
   if (posterior.stopped) return {};
   fold.misfit = posterior.misfit;
-  for (const auto& point : posterior.draws)
+  for (const auto& point : posterior.samples)
     fold.members.push_back(values_of(misfit.specimen(point), problem.parameters));
   fold.bounce = rounded(posterior.bounce);
   return fold;
@@ -122,7 +122,7 @@ std::string problem_hash(const FitJob& job) {
                       job.finish);
   for (const double angle : job.unseen) text += fmt::format(" {}", angle);
   const auto& q = job.posterior;
-  text += fmt::format(" posterior with bounce factors {} {} {} {}", q.evaluations, q.starts, q.draws,
+  text += fmt::format(" posterior with bounce factors {} {} {} {}", q.evaluations, q.starts, q.samples,
                       q.tolerance);
   for (const auto& p : job.posterior_parameters)
     text += fmt::format(" {} {} {}", p.low, p.high, p.logarithmic);

@@ -140,20 +140,20 @@ std::string cells_text(const std::vector<FitCell>& cells) {
   return out;
 }
 
-/// How much each posterior's bounce is worth, and so what it was pooled by.
+/// The error of each posterior's bounce at the known angles, and its weight in the pooled prediction.
 std::string bounce_text(const FitFile& file) {
   std::string out;
   for (const auto& fold : file.folds) {
-    const double weight = fold.held_out && fold.bounce ? sim::weight_of_draws(*fold.bounce) : unknown;
+    const double weight = fold.held_out && fold.bounce ? sim::weight_of_samples(*fold.bounce) : unknown;
     if (!std::isfinite(weight)) continue;
     out += fmt::format("{:>6.1f} {:>28.2f} {:>26.2f} {:>18.2f}\n", *fold.held_out, fold.bounce->deviation,
                        fold.bounce->median_deviation, weight);
   }
   if (out.empty()) return out;
-  return "\nbounce held out: single draws and plain median, judged by the closings seen; rms of ln(measured "
+  return "\nbounce held out: single samples and plain median, error at the known angles; rms of ln(measured "
          "/ predicted)\n" +
-         fmt::format("{:>6} {:>28} {:>26} {:>18}\n", "theta", "draws off by", "median off by",
-                     "weight of draws") +
+         fmt::format("{:>6} {:>28} {:>26} {:>18}\n", "theta", "error of samples", "error of median",
+                     "weight of samples") +
          out;
 }
 
@@ -240,7 +240,7 @@ std::string fit_json(const FitJob& job, const FitReport& report, const std::vect
   for (const auto& fold : report.file.folds)
     if (fold.held_out && fold.bounce)
       j["bounce_held_out"].push_back({{"theta_deg", *fold.held_out},
-                                      {"draws_deviation", number(fold.bounce->deviation)},
+                                      {"samples_deviation", number(fold.bounce->deviation)},
                                       {"median_s", number(fold.bounce->median)},
                                       {"median_deviation", number(fold.bounce->median_deviation)}});
   j["summary"] = Json::array();

@@ -249,7 +249,7 @@ bool solve(int n, Real (&a)[Most][Most], Real (&b)[Most]) {
 
 namespace {
 
-/// Refuses parts that touch at rest although each gap is positive: seats give way by some micrometres.
+/// Refuses parts that touch at rest although each gap is positive: the seats deflect by some micrometres.
 void require_open(int contact, double depth, double gap) {
   const auto place = contact_place(contact);
   if (place.kind != ContactKind::pad && place.kind != ContactKind::pole) return;

@@ -6,7 +6,7 @@
 #include "sim/solid/solid_loads.h"
 
 /// Where the parts of the contactor meet: layers with the stiffness and the damping of the specimen, the same on every
-/// mesh. What the metal behind them gives way comes on top.
+/// mesh. The compliance of the metal behind them is added.
 
 namespace powbench::sim {
 

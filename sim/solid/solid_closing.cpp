@@ -11,7 +11,7 @@ namespace powbench::sim {
 namespace {
 
 constexpr double chatter = 20e-6;  ///< s, of deforming parts: shorter gaps between touches are not openings
-constexpr double slip = 1e-11;     ///< m, that the mover's guide gives way before it slides
+constexpr double slip = 1e-11;     ///< m, deflection of the mover's guide before it slides
 
 /// The bodies with their springs, and the coil beside them.
 class Closing {
@@ -219,7 +219,7 @@ class Closing {
   int pull_ = 0, reaction_ = 0, stop_pair_ = 0;
   double psi_ = 0, ring_ = 0, gap_ = 0, coupled_ = 0;
   double stuck_ = 0;  // N, friction of the mover's guide in its spring
-  double start_ = 0;  // m, of the mover: lowered by what the seats give way
+  double start_ = 0;  // m, of the mover: lowered by the deflection of the seats
   double closed_at_ = -1;
   bool rigid_ = true;
 };

@@ -60,13 +60,13 @@ BounceCalibration calibrate_bounce(std::span<const std::vector<double>> simulate
   return c;
 }
 
-double weight_of_draws(const BounceCalibration& c) {
+double weight_of_samples(const BounceCalibration& c) {
   const double v = c.deviation * c.deviation, u = c.median_deviation * c.median_deviation;
   return u + v == 0 ? 1 : u / (u + v);
 }
 
 PooledBounce pooled_bounce(double own, const BounceCalibration& c) {
-  const double w = weight_of_draws(c);
+  const double w = weight_of_samples(c);
   if (!std::isfinite(w)) return {own, BounceCalibration::nan};
   return {std::exp(w * log_of(own) + (1 - w) * std::log(c.median)), std::sqrt(w) * c.deviation};
 }

@@ -87,8 +87,8 @@ class Misfit {
   /// Simulated bounce of every closing, s; NaN where it does not close.
   std::vector<double> bounces(std::span<const double> point, double tolerance) const;
 
-  /// The part without jumps: touch and seat, simulated no longer than those two may take. Calm, which is a step, gives way to
-  /// `held_load`, which is smooth.
+  /// The part without jumps: touch and seat, simulated no longer than those two may take. `held_load`, which is smooth, replaces the
+  /// absence of chatter, which is a step function.
   Misfit motion() const;
 
   /// Standard normal shifts move the measured values, and the middles of the prior where given: for fits to data with noise.
@@ -113,7 +113,7 @@ class Misfit {
   FitProblem problem_;
 };
 
-/// Forces and powers that `Plausible` speaks of.
+/// Forces and powers that `Plausible` bounds.
 struct Derived {
   double inrush = 0, holding = 0;  ///< VA
   double overtravel = 0;           ///< of the contact gap

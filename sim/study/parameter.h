@@ -39,8 +39,8 @@ std::vector<double> point_of(const Specimen&, std::span<const Parameter>);
 /// from plausibility where nothing is printed. `buffered`: the static core as a mass of its own on buffer springs too.
 std::vector<Parameter> catalogue_parameters(bool buffered = false);
 
-/// The same for a posterior (sim/study/posterior.h), whose motion is fitted first: base and leakage may be smaller. What gives way under the
-/// pull need not be the mass that swings after the impact; before it, a base is little more than its spring.
+/// The same for a posterior (sim/study/posterior.h), whose motion is fitted first: base and leakage may be smaller. The compliance under the
+/// pull need not belong to the mass that vibrates after the impact; before the impact a base is little more than its spring.
 std::vector<Parameter> posterior_parameters();
 
 }  // namespace powbench::sim

@@ -44,12 +44,12 @@ std::vector<double> normals(Random& random, std::size_t count) {
   return list;
 }
 
-/// `motion` with data and prior shifted by one deviation each: what a draw is the minimum of.
-std::vector<Misfit> shifted(const Misfit& motion, int draws, std::uint64_t seed) {
+/// `motion` with data and prior shifted by one deviation each: a posterior sample is its minimum.
+std::vector<Misfit> shifted(const Misfit& motion, int samples, std::uint64_t seed) {
   Random random(seed);
   const std::size_t measured = Misfit::per_closing * motion.problem().closings.size();
   std::vector<Misfit> list;
-  for (int k = 0; k < draws; ++k) {
+  for (int k = 0; k < samples; ++k) {
     const auto data = normals(random, measured);
     list.push_back(motion.perturbed(data, normals(random, motion.dimension())));
   }
@@ -80,19 +80,19 @@ Posterior sample_posterior(const Misfit& misfit, const PosteriorOptions& options
   result.misfit = best.sum;
 
   constexpr int near = 24;  // evaluations: a shift of one deviation is near
-  constexpr int batch = 8;  // draws between two words to the caller
+  constexpr int batch = 8;  // samples between two progress reports
   const Jacobian at_best = jacobian(residuals, best.point, best.residuals, step, team);
-  const auto problems = shifted(motion, options.draws, options.seed);
+  const auto problems = shifted(motion, options.samples, options.seed);
   std::vector<std::vector<double>> bounces(problems.size());
-  result.draws.resize(problems.size());
-  for (int done = 0; done < options.draws; done += batch) {
-    for_each_index(team, std::min(batch, options.draws - done), [&](int place) {
+  result.samples.resize(problems.size());
+  for (int done = 0; done < options.samples; done += batch) {
+    for_each_index(team, std::min(batch, options.samples - done), [&](int place) {
       const auto k = static_cast<std::size_t>(done + place);
-      result.draws[k] =
+      result.samples[k] =
           refine_near(residuals_of(problems[k], options.tolerance), best.point, at_best, near).point;
-      bounces[k] = misfit.bounces(result.draws[k], options.tolerance);
+      bounces[k] = misfit.bounces(result.samples[k], options.tolerance);
     });
-    const double share = std::min(1.0, static_cast<double>(done + batch) / options.draws);
+    const double share = std::min(1.0, static_cast<double>(done + batch) / options.samples);
     if (!go_on(starts_end + (1 - starts_end) * share, best.sum)) return result;
   }
   std::vector<double> measured;

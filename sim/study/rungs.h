@@ -32,7 +32,7 @@ FieldRung pure_field(std::string name, std::string meaning, std::shared_ptr<cons
 /// field and motion.
 FieldRung live_field(const MagnetDesign&, const FieldOptions&);
 
-/// The magnet that a specimen draws: its shape, steel law, turns and residual gap.
+/// The magnet of a specimen: its shape, steel law, turns and residual gap.
 MagnetDesign magnet_design(const Specimen&);
 
 /// base + plus - minus: the base with a ring, the others without; what `plus` knows and `minus` does not is added. Has the
@@ -44,7 +44,7 @@ std::shared_ptr<const MagneticPotential> corrected_potential(std::shared_ptr<con
 inline constexpr std::array<std::string_view, 4> field_names{"circuit", "table", "field2d", "field3d"};
 inline constexpr std::array<std::string_view, 4> mechanics_names{"plant", "rigid", "modal", "explicit"};
 
-/// How far `explicit` goes: its times beyond the bounces are not to be believed, and every ms costs a second.
+/// How far `explicit` goes: its times after the bounces are not reliable, and every ms costs a second.
 inline constexpr double explicit_duration = 0.03;  // s
 
 /// What of a case these mechanics do not model, in one sentence; empty: nothing. Their rungs throw it as

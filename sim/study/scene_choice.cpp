@@ -136,7 +136,7 @@ class Chooser {
         if (std::isnan(last))
           s.unknown.push_back(of);
         else if (sum + last > allowed)
-          s.unknown.push_back(of + " but the rung below, which is off by " + microseconds(last));
+          s.unknown.push_back(of + " but the rung below, which differs by " + microseconds(last));
         else
           sum += last;
       };

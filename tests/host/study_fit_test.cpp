@@ -41,7 +41,7 @@ FitJob small_job() {
   job.options.evaluations = 120;
   job.posterior.evaluations = 60;
   job.posterior.starts = 2;
-  job.posterior.draws = 6;
+  job.posterior.samples = 6;
   job.options.ensemble = 1;
   job.options.polished = 1;
   job.searches = 2;
@@ -260,7 +260,7 @@ TEST_CASE("a calibrated prediction: bounce by its factors and what the others sa
   const Prediction plain = predict(list, {});
   sim::BounceCalibration c;
   c.factors = {2, 2, 2};
-  const Prediction alone = predict(list, {}, c);  // no deviations: draws times factors, nothing pooled
+  const Prediction alone = predict(list, {}, c);  // no deviations: samples times factors, nothing pooled
   CHECK(alone.bounce.median == Approx(2 * plain.bounce.median));
   CHECK(alone.bounce.high == Approx(2 * plain.bounce.high));
   CHECK(alone.touch.median == plain.touch.median);
@@ -286,13 +286,13 @@ TEST_CASE("texts of a fit name every number, mark what lies at a bound, and neve
   };
   const auto [text, json] = texts();
   CHECK_THAT(text, Contains("coil.resistance_ohm") && Contains("at a bound") && Contains("t_ct_bon") &&
-                       Contains("inrush") && Contains("weight of draws"));
+                       Contains("inrush") && Contains("weight of samples"));
   CHECK(text.find("nan") == std::string::npos);
-  CHECK_THAT(json, Contains("held_out_error_percent") && Contains("draws_deviation"));
+  CHECK_THAT(json, Contains("held_out_error_percent") && Contains("samples_deviation"));
   r.file.folds[0].bounce->median_deviation = sim::BounceCalibration::nan;
   const auto [unknown_text, unknown_json] = texts();
   CHECK(unknown_text.find("nan") == std::string::npos);
-  CHECK(unknown_text.find("weight of draws") == std::string::npos);
+  CHECK(unknown_text.find("weight of samples") == std::string::npos);
   CHECK(unknown_json.find("nan") == std::string::npos);
 }
 

@@ -45,7 +45,7 @@ bool program(unsigned slot, const SlotBytes& bytes) {
   return true;
 }
 
-/// The data cache knows nothing of what was written.
+/// The data cache still holds the values from before the write.
 void forget_cached(bool on) {
   if (!on) return flash().acr.clear(Flash::acr_dcache);
   flash().acr.set(Flash::acr_dcache_reset);

@@ -1,4 +1,4 @@
-// What measured bounces tell of draws that were made without them: against values by hand.
+// What measured bounces tell of samples made without them: against values by hand.
 
 #include <algorithm>
 #include <catch2/catch.hpp>
@@ -37,18 +37,18 @@ TEST_CASE("a draw whose bounces are all off by one factor is calibrated by it an
   CHECK(pooled_bounce(8e-3, c).deviation == Approx(0).margin(1e-12));
 }
 
-TEST_CASE("draws and plain median are pooled by the inverse of their squared deviations") {
+TEST_CASE("samples and plain median are pooled by the inverse of their squared deviations") {
   BounceCalibration c{{1}, 0.3, 5e-3, 0.1};
   const auto p = pooled_bounce(8e-3, c);
   const double w = 0.01 / (0.01 + 0.09);
-  CHECK(weight_of_draws(c) == Approx(w));
+  CHECK(weight_of_samples(c) == Approx(w));
   CHECK(std::log(p.value) == Approx(w * std::log(8e-3) + (1 - w) * std::log(5e-3)));
   CHECK(1 / (p.deviation * p.deviation) == Approx(1 / 0.09 + 1 / 0.01));
   c.median_deviation = 0;  // the others agree to the last digit
   CHECK(pooled_bounce(8e-3, c).value == Approx(5e-3));
-  CHECK(weight_of_draws(c) == 0);
+  CHECK(weight_of_samples(c) == 0);
   c.deviation = 0;
-  CHECK(weight_of_draws(c) == 1);
+  CHECK(weight_of_samples(c) == 1);
   CHECK(pooled_bounce(8e-3, c).value == Approx(8e-3));
 }
 
@@ -77,7 +77,7 @@ TEST_CASE("not measured: left out; does not close or bounce: far off; two closin
        {few, blind, BounceCalibration{{1}, 0.2, 6e-3}, BounceCalibration{{1}, missing, 6e-3, 0.2}}) {
     CHECK(pooled_bounce(8e-3, c).value == 8e-3);
     CHECK(std::isnan(pooled_bounce(8e-3, c).deviation));
-    CHECK(std::isnan(weight_of_draws(c)));
+    CHECK(std::isnan(weight_of_samples(c)));
   }
   // a median draw without bounce turns the pooled bounce neither into none nor into no number
   CHECK(pooled_bounce(0, {{1}, 0.3, 5e-3, 0}).value == Approx(5e-3));
@@ -89,7 +89,7 @@ TEST_CASE(
     "not") {
   powbench::Random random(3);
   double knowing = 0, ignorant = 0, plain = 0;
-  constexpr int times = 400, angles = 6, draws = 20;
+  constexpr int times = 400, angles = 6, samples = 20;
   for (int t = 0; t < times; ++t) {
     std::vector<double> truth;
     for (int i = 0; i < angles; ++i) truth.push_back(6e-3 * std::exp(0.2 * random.normal()));
@@ -97,7 +97,7 @@ TEST_CASE(
     const auto error = [&](double share_known) {
       std::vector<std::vector<double>> simulated;
       std::vector<double> unseen;
-      for (int k = 0; k < draws; ++k) {
+      for (int k = 0; k < samples; ++k) {
         const double scale = std::exp(0.3 * random.normal());  // restitution: every draw has its own
         std::vector<double> b;
         for (const double v : truth)
@@ -108,9 +108,9 @@ TEST_CASE(
         simulated.push_back(b);
       }
       const auto c = calibrate_bounce(simulated, seen);
-      for (int k = 0; k < draws; ++k) unseen[std::size_t(k)] *= c.factors[std::size_t(k)];
+      for (int k = 0; k < samples; ++k) unseen[std::size_t(k)] *= c.factors[std::size_t(k)];
       std::sort(unseen.begin(), unseen.end());
-      return squared_log(pooled_bounce(unseen[draws / 2], c).value / truth.back()) / times;
+      return squared_log(pooled_bounce(unseen[samples / 2], c).value / truth.back()) / times;
     };
     knowing += error(1);
     ignorant += error(0);

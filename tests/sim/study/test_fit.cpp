@@ -130,22 +130,22 @@ TEST_CASE("a posterior: the device by touch and seat alone; bounce moves no draw
   FitProblem problem = small_problem(device, {10, 50, 120, 160});
   PosteriorOptions options;
   options.evaluations = 200;
-  options.draws = 12;
+  options.samples = 12;
   options.tolerance = 1e-8;
   Team one(1), three(3);
   const auto always = [](double, double) { return true; };
   const auto sample = [&](Team& team) { return sample_posterior(Misfit(problem), options, team, always); };
   const Posterior p = sample(one);
-  REQUIRE(p.draws.size() == 12);
+  REQUIRE(p.samples.size() == 12);
   REQUIRE(p.bounce.factors.size() == 12);
   const Posterior threaded = sample(three);
-  CHECK(p.draws == threaded.draws);
+  CHECK(p.samples == threaded.samples);
   CHECK(p.bounce.factors == threaded.bounce.factors);
   CHECK(p.misfit < 0.1);
   REQUIRE(p.ends.size() == 3);
   CHECK(std::is_sorted(p.ends.begin(), p.ends.end()));
   double mean = 0, square = 0;
-  for (const auto& point : p.draws) {
+  for (const auto& point : p.samples) {
     const double r = Misfit(problem).specimen(point).coil.resistance;
     mean += r / 12;
     square += r * r / 12;
@@ -161,7 +161,7 @@ TEST_CASE("a posterior: the device by touch and seat alone; bounce moves no draw
 
   for (auto& m : problem.closings) m.bounce.value *= 1.2;
   const Posterior longer = sample(one);
-  CHECK(longer.draws == p.draws);
+  CHECK(longer.samples == p.samples);
   for (std::size_t k = 0; k < 12; ++k) CHECK(longer.bounce.factors[k] == Approx(1.2 * p.bounce.factors[k]));
   CHECK(longer.bounce.deviation == Approx(p.bounce.deviation));
 

@@ -78,7 +78,7 @@ TEST_CASE("an unknown error is no zero: met, not met and not known are three ans
   REQUIRE(one.steps.size() == 2);
   CHECK(one.steps[0].reached == Reached::not_met);
   CHECK(one.reached() == Reached::not_known);  // at the top of the fields, whose last step was 900 us
-  CHECK_THAT(one.steps[1].unknown.front(), Catch::Contains("off by 900 us"));
+  CHECK_THAT(one.steps[1].unknown.front(), Catch::Contains("differs by 900 us"));
   // at the top, the step from below stands for the error where it is small enough
   const auto top = choose_scene(known_axes(3, 2), at(0), {0.06, unwanted, unwanted}, 0.08, no_clock);
   CHECK(top.reached() == Reached::met);
