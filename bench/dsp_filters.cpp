@@ -12,7 +12,6 @@
 #include "bench/dsp_synth.h"
 #include "core/units.h"
 #include "dsp/cascade.h"
-#include "dsp/fir.h"
 #include "dsp/spectrum.h"
 
 /// Speed and rounding of the filters beside scipy in the same run. Prints one table; `--json PATH` writes it too.
@@ -44,10 +43,6 @@ t('zero1', lambda: ss.sosfiltfilt(sos, x))
 t('zero8', lambda: ss.sosfiltfilt(sos, x8, axis=-1))
 s = np.zeros(n); s[0] = 1
 t('silence', lambda: ss.sosfilt(sos, s))
-h = ss.firwin(2049, [2000, 50000], fs=fs, pass_zero=False)
-t('fir', lambda: ss.oaconvolve(x, h, mode='same'))
-g = np.ones(n // 2 + 1)
-t('spectral', lambda: sf.irfft(sf.rfft(x, workers=1) * g, n, workers=1))
 t('welch', lambda: ss.welch(x, fs, nperseg=4096))
 t('coherence', lambda: ss.coherence(x, x[::-1].copy(), fs, nperseg=4096))
 narrow = ss.butter(4, [50, 500], 'bandpass', fs=fs, output='sos')
@@ -148,8 +143,6 @@ const std::vector<Row>& rows() {
                                       {"zero1", "zero phase, 8 poles, 1 ch", m, 4, 6.5},
                                       {"zero8", "zero phase, 8 poles, 8 ch", m, 12, 19},
                                       {"silence", "sections forward, impulse and silence", m, 0, 0},
-                                      {"spectral", "spectrum times gain and back, 2^20", m, 3, 4},
-                                      {"fir", "overlap-save, 2049 taps", m, 5, 7},
                                       {"welch", "Welch density, pieces of 4096", m, 4, 8},
                                       {"coherence", "coherence, pieces of 4096", m, 4, 8}};
   return table;
@@ -181,12 +174,6 @@ Peer ours(const Arguments& a) {
   std::vector<double> impulse(samples, 0.0);
   impulse[0] = 1;
   timed("silence", impulse, y, [&] { c.forward(y); });
-  OverlapSave fir(design_fir(FilterKind::band, 2e3, 50e3, 1e6, 2049), a.effort);
-  out.seconds["fir"] = median_seconds(a.repeats, [&] { fir.run(x, y); });
-  const double planning = cpu_seconds();
-  SpectralFilter spectral(samples, 0, std::vector<double>(samples / 2 + 1, 1.0), a.effort);
-  out.seconds["planning"] = cpu_seconds() - planning;
-  timed("spectral", x, y, [&] { spectral.run(y); });
   SpectrumEstimator estimator(4096, 1e6, a.effort);
   out.seconds["welch"] = median_seconds(a.repeats, [&] { estimator.welch(x); });
   const std::span<const double> other(x8.data(), samples);
@@ -233,9 +220,7 @@ nlohmann::json print(const Peer& own, const Peer& peer) {
                             {"must", r.must},
                             {"goal", r.goal}});
   }
-  std::printf("planning of the 2^20 transforms, once a process (or from wisdom): %.2f s\n\n",
-              own.seconds.at("planning"));
-  out["planning_s"] = own.seconds.at("planning");
+  std::printf("\n");
   std::printf("%-40s %10s %10s %10s %8s %8s\n", "largest error / peak, 50-500 Hz, 1 MS/s", "ours", "peer",
               "textbook", "must", "goal");
   return out;

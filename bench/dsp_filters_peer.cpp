@@ -99,16 +99,6 @@ Peer textbook_peer(std::span<const dsp::Section> sections, int repeats) {
   peer.seconds["forward8"] = median_seconds(repeats, [&] { forward(8); });
   peer.seconds["zero1"] = median_seconds(repeats, [&] { zero(1); });
   peer.seconds["zero8"] = median_seconds(repeats, [&] { zero(8); });
-  std::vector<Complex> z(x.size());
-  peer.seconds["spectral"] = 2 * median_seconds(1, [&] { fft(z); });
-  std::vector<double> y(1 << 14);
-  peer.seconds["fir"] = 64 * median_seconds(1, [&] {
-                          for (std::size_t i = 0; i < y.size(); ++i) {
-                            double sum = 0;
-                            for (std::size_t k = 0; k < 2049; ++k) sum += x[i + k] * 1e-3;
-                            y[i] = sum;
-                          }
-                        });
   std::vector<Complex> piece(4096);
   const double one = median_seconds(repeats, [&] { fft(piece); });
   peer.seconds["welch"] = one * (1 << 20) / 2048;

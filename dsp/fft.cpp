@@ -134,17 +134,4 @@ std::size_t good_length(std::size_t n) {
   return best;
 }
 
-std::string fft_wisdom() {
-  const std::scoped_lock lock(planning());
-  char* text = fftw_export_wisdom_to_string();
-  const std::string out = text ? text : "";
-  std::free(text);
-  return out;
-}
-
-bool use_fft_wisdom(const std::string& text) {
-  const std::scoped_lock lock(planning());
-  return fftw_import_wisdom_from_string(text.c_str()) != 0;
-}
-
 }  // namespace powbench::dsp

@@ -4,10 +4,9 @@
 #include <cstddef>
 #include <memory>
 #include <span>
-#include <string>
 
 /// Real Fourier transforms by FFTW. Planning is serialised by one mutex, since only execution is thread safe
-/// there; what planning learned stays in the process and can be handed over as text.
+/// there; what planning learned stays in the process.
 
 namespace powbench::dsp {
 
@@ -39,10 +38,5 @@ class RealFft {
 
 /// Smallest 2^a 3^b 5^c >= n that is even: a prime length is 30 times slower. n <= 2^40.
 std::size_t good_length(std::size_t n);
-
-/// What planning has learned in this process, and its use in a later one. False, and nothing changed, when the
-/// text is none or from another version of FFTW.
-std::string fft_wisdom();
-bool use_fft_wisdom(const std::string&);
 
 }  // namespace powbench::dsp

@@ -103,6 +103,89 @@ inline constexpr std::string_view waiting_helper = "tests/waiting.h";
 inline constexpr std::string_view portable_firmware = "firmware/";
 inline constexpr std::string_view firmware_ports = "firmware/port/";
 
+/// Functions that no product source names: start-up code in assembler or a macro at the beginning of a line calls them.
+inline const std::vector<std::string_view>& called_from_outside() {
+  static const std::vector<std::string_view> table{"hold_gate_low", "POWBENCH_CELL_KERNEL"};
+  return table;
+}
+
+/// What tests and benchmarks alone reach. The lists may only become shorter: a new name fails a test, and so does one
+/// that is gone or has found a use.
+inline const std::vector<std::string_view>& unreached_files() {
+  static const std::vector<std::string_view> table{
+      "sim/field3d/import3.cpp",      "sim/field3d/import3.h",      "sim/field3d/probe3.cpp",
+      "sim/field3d/probe3.h",         "sim/fields/blend.cpp",       "sim/fields/blend.h",
+      "sim/fields/circuit.cpp",       "sim/fields/circuit.h",       "sim/fields/harmonic.cpp",
+      "sim/fields/harmonic.h",        "sim/mechanics/friction.h",   "sim/mechanics/no_roots.h",
+      "sim/mechanics/zeno.h",         "sim/solid/import_solid.cpp", "sim/solid/import_solid.h",
+      "sim/study/voltage_limits.cpp", "sim/study/voltage_limits.h"};
+  return table;
+}
+inline const std::vector<std::string_view>& unreached_functions() {
+  static const std::vector<std::string_view> table{"add_box",
+                                                   "after_stop",
+                                                   "ask_energies",
+                                                   "bridge_state",
+                                                   "cells_in",
+                                                   "cholesky",
+                                                   "coherence",
+                                                   "contact_time",
+                                                   "design_zpk",
+                                                   "drop_out_volts",
+                                                   "estimator_coverage",
+                                                   "factor_entries",
+                                                   "factorisations",
+                                                   "filter_forward",
+                                                   "fix",
+                                                   "flops",
+                                                   "fluxes",
+                                                   "follow_depths",
+                                                   "forward_frames",
+                                                   "friction_force",
+                                                   "from_centi_degrees",
+                                                   "has_ledger",
+                                                   "held_samples",
+                                                   "hunt_crossley_restitution",
+                                                   "impacts",
+                                                   "import_mesh3",
+                                                   "import_solid_mesh",
+                                                   "invalid_edge",
+                                                   "join_meshes",
+                                                   "limit_pages",
+                                                   "line_errors",
+                                                   "linear_medium",
+                                                   "map_nodes",
+                                                   "mass_times",
+                                                   "next_step",
+                                                   "node_pressure",
+                                                   "parse_calibration",
+                                                   "parse_rig",
+                                                   "pick_up_volts",
+                                                   "process_cpu_seconds",
+                                                   "random_scenes",
+                                                   "rate_of",
+                                                   "rebound_ratio",
+                                                   "reference_closing",
+                                                   "restore",
+                                                   "run_transient",
+                                                   "run_until",
+                                                   "rungs_with",
+                                                   "scheduled",
+                                                   "send_raw",
+                                                   "set_velocity",
+                                                   "solve_linear",
+                                                   "steady_current",
+                                                   "store_events",
+                                                   "straight_from",
+                                                   "switched",
+                                                   "twin_condition",
+                                                   "with_ratio",
+                                                   "without_losses",
+                                                   "zero_phase",
+                                                   "zero_phase_frames"};
+  return table;
+}
+
 inline constexpr int longest_file = 500;  ///< lines
 
 }  // namespace powbench::architecture

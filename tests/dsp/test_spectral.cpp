@@ -7,8 +7,6 @@
 #include "dsp/bands.h"
 #include "dsp/canceller.h"
 #include "dsp/cascade.h"
-#include "dsp/fir.h"
-#include "dsp/pair_convolver.h"
 #include "dsp/sos.h"
 #include "dsp/spectrum.h"
 
@@ -53,115 +51,6 @@ double rms(std::span<const double> x) {
 
 }  // namespace
 
-TEST_CASE("windowed-sinc taps agree with the reference to 1e-12") {
-  // scipy 1.10.1, signal.firwin(31, ..., fs=100e3)
-  const auto band = design_fir(FilterKind::band, 5e3, 20e3, 100e3, 31);
-  CHECK(std::abs(band[0] - 0.0016928187235203055) < 1e-12);
-  CHECK(std::abs(band[5]) < 1e-12);
-  CHECK(std::abs(band[15] - 0.2991457611939736) < 1e-12);
-  CHECK(std::abs(design_fir(FilterKind::high, 10e3, 0, 100e3, 31)[15] - 0.8004097073279481) < 1e-12);
-  CHECK(std::abs(design_fir(FilterKind::low, 0, 10e3, 100e3, 31)[15] - 0.1996606672986955) < 1e-12);
-  const auto stop = design_fir(FilterKind::stop, 5e3, 20e3, 100e3, 31);
-  CHECK(std::abs(stop[0] - -0.0017293767498742464) < 1e-12);
-  CHECK(std::abs(stop[15] - 0.7130808946660815) < 1e-12);
-  CHECK_THROWS_AS(design_fir(FilterKind::band, 5e3, 20e3, 100e3, 30), FilterDesignError);
-  CHECK_THROWS_AS(design_fir(FilterKind::band, 20e3, 5e3, 100e3, 31), FilterDesignError);
-  CHECK_THROWS_AS(design_fir(FilterKind::low, 0, std::nan(""), 100e3, 31), FilterDesignError);
-}
-
-TEST_CASE("two blocks in one transform are two circular convolutions") {
-  if (!PairConvolver::available()) return;
-  for (std::size_t n = 256; n <= 65536; n *= 2) {  // every mixture of radices
-    const std::size_t taps = n == 256 ? 256 : 101;
-    const auto h = noise(taps, 3), a = noise(n, 4), b = noise(n, 5);  // not symmetric
-    PairConvolver pair(n, h);
-    for (const std::size_t skip : {std::size_t{0}, taps - 1, n / 2 + 3}) {
-      std::vector<double> ya(n - skip), yb(n - skip);
-      pair.run(a.data(), b.data(), ya.data(), yb.data(), skip);
-      double worst = 0;
-      for (std::size_t j = skip; j < n; j += 1 + n / 97) {
-        double sa = 0, sb = 0;
-        for (std::size_t k = 0; k < taps; ++k) {
-          sa += h[k] * a[(j + n - k) % n];
-          sb += h[k] * b[(j + n - k) % n];
-        }
-        worst = std::max({worst, std::abs(sa - ya[j - skip]), std::abs(sb - yb[j - skip])});
-      }
-      CHECK(worst < 1e-12);
-    }
-  }
-  CHECK_THROWS_AS(PairConvolver(300, noise(3, 1)), std::invalid_argument);
-  CHECK_THROWS_AS(PairConvolver(128, noise(3, 1)), std::invalid_argument);
-  CHECK_THROWS_AS(PairConvolver(256, noise(257, 1)), std::invalid_argument);
-}
-
-TEST_CASE("overlap-save is the direct convolution, for every length of record, in pairs and block by block") {
-  const bool pairs = GENERATE(true, false);
-  for (const std::size_t taps : {3, 63, 501}) {
-    OverlapSave filter(design_fir(FilterKind::band, 2e3, 9e3, 100e3, taps), FftEffort::quick, pairs);
-    const auto h = design_fir(FilterKind::band, 2e3, 9e3, 100e3, taps);
-    for (const std::size_t n : {1UL, 2UL, taps, filter.block(), 3 * filter.block() + 17}) {
-      const auto x = noise(n, n);
-      std::vector<double> y(n);
-      filter.run(x, y);
-      double worst = 0;
-      for (std::size_t i = 0; i<n; i += n> 3000 ? 37 : 1) {
-        double sum = 0;
-        for (std::size_t k = 0; k < taps; ++k) {
-          const auto j = static_cast<std::ptrdiff_t>(i + filter.edge()) - static_cast<std::ptrdiff_t>(k);
-          if (j >= 0 && j < static_cast<std::ptrdiff_t>(n)) sum += h[k] * x[static_cast<std::size_t>(j)];
-        }
-        worst = std::max(worst, std::abs(sum - y[i]));
-      }
-      CHECK(worst < 1e-13);
-    }
-    Signal s = signal(noise(taps + 5, 1), 100e3);
-    const Signal y = filter_linear_phase(filter, s);
-    CHECK(y.masked[filter.edge() - 1] == mask_edge);
-    CHECK(y.masked[filter.edge()] == mask_none);
-    CHECK(y.masked.back() == mask_edge);
-    CHECK_THROWS_AS(filter_linear_phase(filter, signal(noise(taps, 1), 100e3)), FilterMemoryError);
-  }
-  CHECK_THROWS_AS(OverlapSave({1.0, 2.0}), std::invalid_argument);
-  CHECK_THROWS_AS(OverlapSave({1.0, std::nan(""), 1.0}), std::invalid_argument);
-}
-
-TEST_CASE("the filter in the spectrum is the forward-backward cascade inside the edges") {
-  const Cascade c(FilterSpec{FilterKind::low, 4, 0, 8e3, 100e3});
-  const std::size_t n = 10007, padding = 2 * c.warm_up();
-  auto x = noise(n, 3), y = x;
-  SpectralFilter filter(n, padding, two_pass_gain(c.sections(), good_length(n + padding)));
-  filter.run(x);
-  c.zero_phase(y);
-  double worst = 0;
-  for (std::size_t i = c.warm_up(); i + c.warm_up() < n; ++i) worst = std::max(worst, std::abs(x[i] - y[i]));
-  CHECK(worst < 1e-13);
-  std::vector<double> other(n - 1);
-  CHECK_THROWS_AS(filter.run(other), std::invalid_argument);
-}
-
-TEST_CASE("the filter in rows and columns is the one in a single transform") {
-  for (const std::size_t n :
-       {std::size_t{131072}, std::size_t{163840}, std::size_t{3} << 16, std::size_t{1} << 18}) {
-    CAPTURE(n);
-    REQUIRE(LargeSpectralGain::serves(n));
-    std::vector<double> gain = noise(n / 2 + 1, 8);
-    const auto x = noise(n, n);
-    LargeSpectralGain large(n, gain, FftEffort::quick);
-    std::copy(x.begin(), x.end(), large.time().begin());
-    large.run();
-    RealFft fft(n);
-    std::copy(x.begin(), x.end(), fft.time().begin());
-    fft.forward();
-    for (std::size_t k = 0; k <= n / 2; ++k) fft.spectrum()[k] *= gain[k] / static_cast<double>(n);
-    fft.inverse();
-    double worst = 0;
-    for (std::size_t i = 0; i < n; ++i) worst = std::max(worst, std::abs(large.time()[i] - fft.time()[i]));
-    CHECK(worst < 1e-13);
-  }
-  CHECK_FALSE(LargeSpectralGain::serves(100'000));
-}
-
 TEST_CASE("good lengths are even, have only the factors 2, 3, 5, and none is skipped") {
   const auto smooth = [](std::size_t n) {
     for (const std::size_t p : {2, 3, 5})
@@ -174,13 +63,6 @@ TEST_CASE("good lengths are even, have only the factors 2, 3, 5, and none is ski
     CHECK(good_length(n) == expected);
   }
   CHECK(good_length(1'000'003) <= 1'012'500);
-}
-
-TEST_CASE("wisdom can be handed over as text, and nonsense is refused") {
-  RealFft fft(1000, FftEffort::thorough);
-  const std::string wisdom = fft_wisdom();
-  CHECK(use_fft_wisdom(wisdom));
-  CHECK_FALSE(use_fft_wisdom("(not wisdom"));
   CHECK_THROWS_AS(RealFft(0), std::invalid_argument);
 }
 
