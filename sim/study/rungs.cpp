@@ -79,13 +79,13 @@ PlantSample between(const std::vector<SolidClosingSample>& list, double t, std::
   return s;
 }
 
-/// The explicit rung's result in the words of the others. It keeps no list of events: re-openings are counted only.
+/// The explicit rung's result in the words of the others.
 Trajectory trajectory(const SolidClosingResult& r, const Case& c, double duration, double sample_dt) {
   Trajectory t;
   if (r.first_touch >= 0) t.truth.touch = t.truth.touch_a = t.truth.touch_b = r.first_touch;
   if (r.last_touch >= 0) t.truth.settled = r.last_touch;
   if (r.core_seat >= 0) t.truth.core_seat = r.core_seat;
-  t.truth.openings.resize(static_cast<std::size_t>(std::max(0, r.openings)));
+  for (const auto& [release, touch] : r.open) t.truth.openings.push_back({release, touch});
   t.evaluations = r.rigid_steps + r.deformed_steps;
   t.energy_residual = r.residual;
   std::size_t at = 0;

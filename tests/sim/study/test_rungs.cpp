@@ -94,3 +94,18 @@ TEST_CASE("the explicit rung takes coil temperature and polarity as the others d
   CHECK(change < -1e-4);
   CHECK(current(hot) / current(c) - 1 == Approx(change).epsilon(0.05));
 }
+
+TEST_CASE("the explicit rung's openings last from a release to the next touch", "[.slow][rungs]") {
+  Case c;
+  c.conditions.closing_angle = radians(40.0);
+  const Trajectory t = scene_rung(circuit_field(), "explicit").run(c, 30e-3, 6, 1e-3);
+  REQUIRE(t.truth.touch);
+  REQUIRE_FALSE(t.truth.openings.empty());
+  double closed_since = *t.truth.touch;
+  for (const Opening& o : t.truth.openings) {
+    CHECK(o.release >= closed_since);
+    CHECK(o.touch > o.release);
+    closed_since = o.touch;
+  }
+  CHECK(t.truth.settled == closed_since);
+}
