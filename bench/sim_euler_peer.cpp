@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "core/commanded_phase.h"
 #include "sim/magnetic_circuit.h"
 #include "sim/unilateral.h"
 
@@ -28,7 +29,7 @@ EulerClosing euler_closing(const sim::Specimen& s, const Conditions& c, double d
   const auto& b = s.bridges;
   const double n = b.poles;
   const double omega = 2 * pi * c.mains_hertz;
-  const double phase = c.closing_angle + (c.polarity < 0 ? pi : 0);
+  const double phase = commanded_phase(c);
   const double amplitude = std::numbers::sqrt2 * c.supply_volts;
   const double resistance = s.coil.resistance * (1 + s.coil.temperature_coefficient * (c.ambient - 293.15));
   const double base_omega = 2 * pi * s.base.hertz;

@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "core/commanded_phase.h"
 #include "core/phase.h"
 #include "dsp/coil.h"
 #include "dsp/contact_train.h"
@@ -58,7 +59,7 @@ Events extract_events(const Record& record, const ExtractOptions& o) {
 void check_angle(Events& e, const Conditions& c, double tolerance) {
   for (std::uint32_t* flags : {&e.coil.flags, &e.flags})
     *flags &= ~static_cast<std::uint32_t>(flag_angle_off);
-  const double commanded = c.closing_angle + (c.polarity < 0 ? pi : 0.0);
+  const double commanded = commanded_phase(c);
   if (!(tolerance > 0) || !std::isfinite(commanded) || !e.coil.closing_angle.known()) return;
   if (std::abs(wrap_half_turn(e.coil.closing_angle.value - commanded)) <= tolerance) return;
   for (std::uint32_t* flags : {&e.coil.flags, &e.flags}) *flags |= flag_angle_off;

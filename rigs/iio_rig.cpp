@@ -10,6 +10,7 @@
 #include <random>
 #include <thread>
 
+#include "core/commanded_phase.h"
 #include "core/crc32.h"
 #include "core/phase.h"
 #include "rigs/iio_link.h"
@@ -149,7 +150,7 @@ void IioRig::set_conditions(const Conditions& c) {
     // the wire carries 18 decimal digits
     set(Device::plant, "seed", std::to_string(c.seed % 1'000'000'000'000'000'000ULL));
   }
-  const double angle = c.closing_angle + (c.polarity < 0 ? pi : 0.0);
+  const double angle = commanded_phase(c);
   link_->write_angle(owned(std::to_string(to_centi_degrees(angle))));
   set(Device::control, "hold_time_ms", std::to_string(std::llrint(c.hold_time * 1000.0)));
   set(Device::control, "touch_delay_us", "0");
@@ -175,7 +176,7 @@ std::string IioRig::read_state() {
 
 /// What the rig has latched is what was asked for. Anything else came from a line that changes bits.
 void IioRig::refuse_other_set_points(const SealedShot& s, const Conditions& c) const {
-  const double angle = c.closing_angle + (c.polarity < 0 ? pi : 0.0);
+  const double angle = commanded_phase(c);
   bool same = s.angle_centideg == to_centi_degrees(angle) && s.hold_ms == std::llrint(c.hold_time * 1000.0) &&
               s.touch_us == 0 && s.tolerance_mdeg == std::llrint(degrees(c.angle_tolerance) * 1000.0) &&
               s.source.has_value() == link_->has_source();

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "core/commanded_phase.h"
 #include "core/crc32.h"
 #include "core/phase.h"
 #include "core/version.h"
@@ -74,7 +75,7 @@ void convert(SensorChain& sensors, const std::vector<sim::PlantSample>& states, 
 SimulatedClosing simulate_record(const sim::Specimen& specimen, const Conditions& conditions,
                                  const SimRigConfig& rig) {
   const double rate = rig.sample_rate;
-  const double angle = conditions.closing_angle + (conditions.polarity < 0 ? pi : 0.0);
+  const double angle = commanded_phase(conditions);
   SimulatedClosing out;
   out.record = empty_record(conditions, rig, "simulation");
   const std::size_t samples = out.record.samples();

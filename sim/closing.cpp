@@ -4,6 +4,7 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "core/commanded_phase.h"
 #include "sim/validate.h"
 
 namespace powbench::sim {
@@ -20,7 +21,7 @@ Mains closing_mains(const Conditions& c, const Mains& bench) {
   Mains m = bench;
   m.volts = c.supply_volts;
   m.hertz = c.mains_hertz;
-  m.phase = c.closing_angle + (c.polarity < 0 ? pi : 0.0);
+  m.phase = commanded_phase(c);
   return m;
 }
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/commanded_phase.h"
 #include "core/phase.h"
 #include "core/quantities.h"
 #include "host/compare/repeats.h"
@@ -88,7 +89,7 @@ ComparisonRow row_of(const Quantity& q, const AngleGroup& group, std::span<const
 
 double effective_angle(const Conditions& c) {
   if (!std::isfinite(c.closing_angle)) return c.closing_angle;
-  return wrap_turn(c.closing_angle + (c.polarity < 0 ? pi : 0.0));
+  return wrap_turn(commanded_phase(c));
 }
 
 double stored_degrees(double angle) {

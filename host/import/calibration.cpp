@@ -4,6 +4,7 @@
 #include <cctype>
 #include <cmath>
 
+#include "core/commanded_phase.h"
 #include "core/phase.h"
 #include "host/config/file_reader.h"
 
@@ -120,7 +121,7 @@ std::string calibration_of(const Record& record) {
   k.id = record.calibration;
   k.hold_time = record.conditions.hold_time;
   k.mains_hertz = record.conditions.mains_hertz;
-  k.closing_angle = wrap_turn(record.conditions.closing_angle + (record.conditions.polarity < 0 ? pi : 0.0));
+  k.closing_angle = wrap_turn(commanded_phase(record.conditions));
   std::vector<Channel> channels;
   for (const ChannelRecord& c : record.channels) {
     channels.push_back(c.channel);

@@ -6,6 +6,8 @@
 #include <set>
 #include <sstream>
 
+#include "tests/architecture/rules.h"
+
 namespace powbench::architecture {
 namespace {
 
@@ -203,6 +205,18 @@ std::vector<Unreached> functions_not_reached(const std::vector<Source>& sources)
   for (const auto& [name, where] : first)
     if (!used.contains(name)) found.push_back({name, where});
   return found;
+}
+
+std::vector<std::string> check_said_once(const std::vector<Source>& sources) {
+  std::vector<std::string> wrong;
+  for (const auto& s : sources) {
+    if (!in_product(s.path)) continue;
+    const auto code = code_of(s.text);
+    for (const auto& rule : said_once())
+      if (s.path != rule.where && code.find(rule.text) != std::string::npos)
+        wrong.push_back(s.path + ": '" + std::string(rule.text) + "' is said in " + std::string(rule.where));
+  }
+  return wrong;
 }
 
 std::vector<std::string> check_reached(const std::vector<Unreached>& found,

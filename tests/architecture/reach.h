@@ -31,6 +31,9 @@ std::vector<Unreached> files_not_reached(const std::vector<Source>&);
 /// definitions.
 std::vector<Unreached> functions_not_reached(const std::vector<Source>&);
 
+/// One line per place outside its file where a rule of said_once() is written a second time.
+std::vector<std::string> check_said_once(const std::vector<Source>&);
+
 /// One line per difference between what was found and the names that are known and allowed: a new one, or a known one
 /// that is no longer there. `outside`: names that need no caller.
 std::vector<std::string> check_reached(const std::vector<Unreached>& found,

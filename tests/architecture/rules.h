@@ -103,6 +103,15 @@ inline constexpr std::string_view waiting_helper = "tests/waiting.h";
 inline constexpr std::string_view portable_firmware = "firmware/";
 inline constexpr std::string_view firmware_ports = "firmware/port/";
 
+/// A rule that stands in one file of the product: its text, and where.
+struct SaidOnce {
+  std::string_view text, where;
+};
+inline const std::vector<SaidOnce>& said_once() {
+  static const std::vector<SaidOnce> table{{"polarity < 0", "core/commanded_phase.h"}};
+  return table;
+}
+
 /// Functions that no product source names: start-up code in assembler or a macro at the beginning of a line calls them.
 inline const std::vector<std::string_view>& called_from_outside() {
   static const std::vector<std::string_view> table{"hold_gate_low", "POWBENCH_CELL_KERNEL"};

@@ -25,6 +25,15 @@ TEST_CASE("every file and every function of the product is reached from a progra
   CHECK(functions.empty());
 }
 
+TEST_CASE("a rule is written once") {
+  const auto wrong = check_said_once(read_tree({".h", ".cpp"}));
+  INFO(joined(wrong));
+  CHECK(wrong.empty());
+  const std::string twice = "double p = a + (c.polarity < 0 ? pi : 0.0);\n";
+  CHECK(check_said_once({{"dsp/a.cpp", twice}}).size() == 1);
+  CHECK(check_said_once({{"core/commanded_phase.h", twice}, {"dsp/a.cpp", "// polarity < 0\n"}}).empty());
+}
+
 TEST_CASE("what a program needs is reached, also a source that defines what another's header declares") {
   CHECK(files_not_reached({program, header, body}).empty());
   CHECK(functions_not_reached({program, header, body}).empty());
