@@ -11,13 +11,17 @@ constexpr float longest_count = 200.0F;       ///< errors that the slow mean rem
 constexpr float quick_gain = 0.04F, quick_gain_mixed = 0.02F;
 constexpr float largest_square = 1.7e-5F;   ///< turns^2: beyond 1.5 deg nothing is valid anyway
 constexpr float deviation_unit = 0x1p-22F;  ///< turns
-constexpr float least_variance = 1.0e-11F;
+constexpr float least_variance = 5.0e-13F;
 constexpr float test_factor = 9.0F;    ///< of the innovation test: squares
 constexpr float surprise_gain = 9.0F;  ///< from the newest cycle to 20 ms ahead, squared
 constexpr float least_share = 0.15F;   ///< of the mean square that a long memory is left with
 constexpr float revision_factor = 6.0F, revision_share = 0.35F, alarm_decay = 0.95F;
-constexpr float now_share = 0.04F;                ///< of an alarm 20 ms ahead, now
-constexpr float step_square = 1.9e-4F;            ///< turns^2: (5 deg)^2
+constexpr float now_share = 0.04F;      ///< of an alarm 20 ms ahead, now
+constexpr float step_square = 1.9e-4F;  ///< turns^2: (5 deg)^2
+constexpr float slope_reach = 40.0F;    ///< updates
+constexpr float slope_factor = 30.0F, level_factor = 4.0F;
+constexpr float level_decay = 0.995F;             ///< an update: the windows behind the change become more
+constexpr float slope_free = 8.0e-8F;             ///< turns^2: (0.1 deg)^2
 constexpr int scatter_lag = 20;                   ///< updates
 constexpr int keep_interval = 32;                 ///< updates
 constexpr std::array<int, 3> lags = {5, 10, 20};  ///< updates
@@ -53,7 +57,7 @@ void PhaseBank::reset() {
   scatter_ = scatter_count_ = 0.0F;
   said_count_ = 0;
   revision_.fill(0.0F);
-  alarm_ = 0.0F;
+  alarm_ = level_doubt_ = 0.0F;
 }
 
 void PhaseBank::event() {
@@ -66,9 +70,17 @@ void PhaseBank::event() {
   alarm_ = 0.0F;
 }
 
-void PhaseBank::push(PhaseWord phase) {
-  history_.push(phase);
-  judge(phase);
+bool PhaseBank::resume(float level, float slope, int count) {
+  said_count_ = 0;
+  // what the slope would be wrong by 20 ms ahead
+  const float wrong = slope * slope * slope_reach * slope_reach;
+  const float usual = expected_[1] + scatter_;
+  const bool fits = wrong <= slope_factor * usual + slope_free;
+  const bool moved = level * level > level_factor * usual;
+  history_.take_seen(count, moved ? to_word(level) : 0U);
+  if (fits && wrong > alarm_) alarm_ = wrong;
+  if (moved) level_doubt_ = scatter_;
+  return fits;
 }
 
 void PhaseBank::push_late(PhaseWord phase, int after) {
@@ -175,7 +187,7 @@ float PhaseBank::variance(unsigned horizon) const {
   const float seen = recent > expected_[horizon] ? recent : expected_[horizon];
   const float own = seen - scatter_;
   const float least = least_share * seen;
-  return (own > least ? own : least) + least_variance;
+  return (own > least ? own : least) + level_doubt_ + least_variance;
 }
 
 /// How much has what was said lately of 20 ms ahead been revised?
@@ -212,6 +224,7 @@ void PhaseBank::keep_tracks() {
 
 BankSay PhaseBank::say(int clean, PhaseWord step, int now, int ahead) {
   const bool judged = clean >= fewest;
+  level_doubt_ *= level_decay;
   const std::array<int, 2> reach = {now, ahead};
   const Predictions said = predict(history_, clean, step, reach);
   if (clean > 3 * scatter_lag) note_scatter();

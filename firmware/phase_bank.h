@@ -36,7 +36,12 @@ class PhaseBank {
 
   void reset();
   /// Next phase of two cycles.
-  void push(PhaseWord phase);
+  void push(PhaseWord phase) {
+    history_.push(phase, phase);
+    judge(phase);
+  }
+  /// While a window spans a change: `expected` stands in for what was seen.
+  void push_expected(PhaseWord expected, PhaseWord seen) { history_.push(expected, seen); }
   /// The phase of one cycle that belongs `after` updates behind the newest of two cycles.
   void push_late(PhaseWord phase, int after);
   /// The windows had the wrong length: what one cycle said until now does not count.
@@ -44,6 +49,10 @@ class PhaseBank {
   /// `clean`: phases that belong to the mains as it is now. `step`: reference frequency, 2^-32 turns an update. `now`,
   /// `ahead`: updates from the newest phase to now and to 20 ms ahead, < 48. Once an update.
   BankSay say(int clean, PhaseWord step, int now, int ahead);
+  /// The newest `count` phases were seen behind a change and differ from what stands in for them by `level` + `slope`
+  /// (i - middle), turns. They take their places; is the slope none, the memory before them moves by the level. False:
+  /// there is a slope, and the memory before them does not fit.
+  bool resume(float level, float slope, int count);
   /// Something has happened to the mains: predictions made before are not judged, and what the last ones erred by
   /// does not count.
   void event();
@@ -105,6 +114,7 @@ class PhaseBank {
   int said_count_ = 0;
   std::array<float, 3> revision_{};  ///< usual mean squares, turns^2
   float alarm_ = 0;                  ///< turns^2
+  float level_doubt_ = 0;            ///< turns^2, of the level behind a change
 };
 
 }  // namespace powbench::firmware

@@ -81,6 +81,22 @@ PhaseWord to_word(float turns) {
   return static_cast<PhaseWord>(static_cast<std::int32_t>(wrap_half(turns) * 4294967296.0F));
 }
 
+void PhaseHistory::take_seen(int count, PhaseWord level) {
+  late_count = 0;
+  if (count > static_cast<int>(seen.size())) count = static_cast<int>(seen.size());
+  for (std::int32_t i = 0; i < phase_memory; ++i) {
+    const auto place = static_cast<std::uint32_t>(newest - i);
+    PhaseWord& word = phase[place % phase_memory];
+    word = i < count ? seen[place % seen.size()] : word + level;
+  }
+  const std::int32_t first = newest / long_stride;
+  for (std::int32_t i = 0; i < phase_memory; ++i) {
+    PhaseWord& word = sparse[static_cast<std::uint32_t>(first - i) % phase_memory];
+    const std::int32_t age = newest - (first - i) * long_stride;
+    word = age < count ? at(newest - age) : word + level;
+  }
+}
+
 Predictions predict(const PhaseHistory& history, int clean, PhaseWord step, const std::array<int, 2>& reach) {
   constexpr unsigned shortest = 3;
   Predictions out;

@@ -49,6 +49,7 @@ struct PhaseHistory {
   std::array<PhaseWord, phase_memory> phase{};
   std::array<PhaseWord, phase_memory> sparse{};  ///< at the places that are multiples of long_stride
   std::array<PhaseWord, phase_memory> late{};
+  std::array<PhaseWord, 32> seen{};
   std::int32_t newest = 0;       ///< place of the newest of two cycles
   std::int32_t newest_late = 0;  ///< place of the newest of one cycle
   int late_count = 0;            ///< of one cycle, whose windows had the length of a cycle; saturates
@@ -57,9 +58,14 @@ struct PhaseHistory {
   PhaseWord late_at(std::int32_t place) const {
     return late[static_cast<std::uint32_t>(place) % phase_memory];
   }
-  void push(PhaseWord word) {
+  /// What was seen of the newest `count` phases takes the place of what stood in for it; all before moves by `level`.
+  /// Those of one cycle are forgotten.
+  void take_seen(int count, PhaseWord level);
+  /// `word`: phase, or what stands in for the phase that was `seen` while that does not count.
+  void push(PhaseWord word, PhaseWord what_was_seen) {
     ++newest;
     phase[static_cast<std::uint32_t>(newest) % phase_memory] = word;
+    seen[static_cast<std::uint32_t>(newest) % seen.size()] = what_was_seen;
     if (newest % long_stride == 0)
       sparse[static_cast<std::uint32_t>(newest / long_stride) % phase_memory] = word;
   }

@@ -23,9 +23,14 @@ constexpr int fewest_level = 4;             ///< equal points after the first: 9
 constexpr int fewest_entries = 18;          ///< phasors a valid estimate rests on
 constexpr int longest_memory = 1 << 14;     ///< samples of the history
 constexpr int longest_coast = 96;           ///< updates
-constexpr int keep_interval = 32;           ///< updates
-constexpr float wrong_cycle = 0.004F;       ///< the window of one cycle is biased beyond it
-constexpr float stale_window = 0.03F;       ///< a window this much off in length is not used
+constexpr int keep_interval = 12;           ///< updates
+constexpr int longest_change = 1 << 10;     ///< updates
+/// Updates since a change that moved no phase: sooner it cannot be told, and later it should be over.
+constexpr int changed_least = 8, changed_most = 50;
+constexpr int notice_delay = 4;        ///< updates
+constexpr float leap = 9.0F;           ///< squared: three times the limit
+constexpr float wrong_cycle = 0.004F;  ///< the window of one cycle is biased beyond it
+constexpr float stale_window = 0.03F;  ///< a window this much off in length is not used
 
 float magnitude(float x) {
   return x < 0.0F ? -x : x;
@@ -54,7 +59,6 @@ void PhaseTracker::reset() {
   pll_.reset();
   zero_cross_.reset();
   gap_ = false;
-  coast_ = 0;
   cycle_ = rate_ / config_.nominal_hertz;
   estimate_ = no_estimate(config_.nominal_hertz);
 }
@@ -65,7 +69,10 @@ void PhaseTracker::restart() {
   entry_count_ = before_ = 0;
   bank_.reset();
   sum_ = 0;
-  summed_ = since_update_ = clean_ = 0;
+  summed_ = since_update_ = clean_ = spared_ = 0;
+  coast_ = since_kept_ = 0;
+  changed_ = event_ = false;
+  since_change_ = longest_change;
   quiet_ = false;
   level_run_ = 0;
   level_sum_ = 0;
@@ -110,15 +117,57 @@ bool PhaseTracker::take(std::int32_t sum) {
   if (ring_.count() > static_cast<std::int32_t>(cycle) + MainsRing::final_age + 2)
     compare_.push(ring_, cycle);
   if (clean_ < longest_memory) ++clean_;
+  if (spared_ < longest_memory) ++spared_;
   if (++since_update_ < update_step_) return false;
   since_update_ = 0;
   return true;
 }
 
-int PhaseTracker::clean_entries() const {
+int PhaseTracker::entries_within(int clean) const {
   const int reach = middle_ + static_cast<int>(cycle_) + 1;
-  const int clean = clean_ < reach ? 0 : (clean_ - reach) / update_step_ + 1;
-  return clean < entry_count_ ? clean : entry_count_;
+  const int entries = clean < reach ? 0 : (clean - reach) / update_step_ + 1;
+  return entries < entry_count_ ? entries : entry_count_;
+}
+
+void PhaseTracker::notice_changes() {
+  const float step = static_cast<float>(update_step_);
+  const float age = lag_ + (static_cast<float>(MainsRing::final_age) + 0.5F * step) / rate_;
+  quiet_ = compare_.judge(wrap_turns(estimate_.phase_turns - estimate_.frequency * age), cycle_ / step);
+  if (since_change_ < longest_change) ++since_change_;
+  const int newer = static_cast<int>(cycle_) + MainsRing::final_age;
+  if (compare_.changing() && clean_ > newer) begin_change(newer, false);
+  // a change is noticed some milliseconds late: then a cycle of it is not longer than this
+  const int cycle = static_cast<int>(cycle_ / step) - notice_delay;
+  if (changed_ && (compare_.sudden() || (compare_.evidence() > 1.0F && since_change_ == cycle) ||
+                   (compare_.evidence() > leap && since_change_ >= notice_delay)))
+    event_ = true;
+  if (!changed_ || event_) jump_doubt_ = 0.0F;
+  if (changed_ && !event_ && since_change_ <= cycle) jump_doubt_ = compare_.doubt();
+  doubtful_ = changed_ && !event_ &&
+              (since_change_ < changed_least || (compare_.evidence() > 1.0F && since_change_ < cycle));
+  // nothing to go on by, or it leads astray
+  if (changed_ && (coast_ <= 0 || (event_ && since_change_ == cycle && compare_.slips()) ||
+                   (event_ && since_change_ > 2 * cycle + changed_least && compare_.evidence() > leap))) {
+    bank_.resume(0.0F, 1.0F, since_change_);
+    restart_memory();
+  }
+}
+
+/// Only the newest `clean` samples are of the mains as it is now.
+void PhaseTracker::begin_change(int clean, bool event) {
+  clean_ = clean;
+  level_ = slope_ = 0.0F;
+  if (entries_within(spared_) < fewest_entries) return restart_memory();
+  if (!changed_) since_change_ = 0;
+  changed_ = true;
+  event_ = event_ || event;
+}
+
+/// What was before the last change does not count any more.
+void PhaseTracker::restart_memory() {
+  changed_ = event_ = false;
+  spared_ = clean_;
+  since_change_ = longest_change;
 }
 
 /// The middle stays whole updates before the newest sample, so that phases lie on an even grid.
@@ -129,17 +178,36 @@ void PhaseTracker::place_window() {
   if (middle_ > least + update_step_ + update_step_ / 4) middle_ -= update_step_;
 }
 
-void PhaseTracker::remember(const WindowPhasor& phasor) {
+/// `hidden`: the window spans a change, and what is predicted stands in its place.
+void PhaseTracker::remember(const WindowPhasor& phasor, bool hidden) {
   const float hertz = rate_ / cycle_;
-  const auto phase = static_cast<std::uint32_t>(phasor.turns * 4294967296.0F);
+  const auto seen = static_cast<std::uint32_t>(phasor.turns * 4294967296.0F);
+  const float age = lag_ + static_cast<float>(middle_) / rate_;
+  const float then =
+      estimate_.phase_turns - age * (estimate_.frequency - 0.5F * estimate_.frequency_rate * age);
+  const auto expected = static_cast<std::uint32_t>(wrap_turns(then) * 4294967296.0F);
+  const std::uint32_t phase = hidden ? expected : seen;
+  unexpected_ = static_cast<float>(static_cast<std::int32_t>(seen - expected)) * 0x1p-32F;
   const int moved = before_ == 0 ? 1 : 1 - (middle_ - before_) / update_step_;  // places of the grid
   before_ = middle_;
-  if (moved >= 2) bank_.push(newest_phase_ + (phase - newest_phase_) / 2), ++entry_count_;
-  if (moved >= 1) bank_.push(phase), ++entry_count_;
+  for (int i = moved < 2 ? moved : 2; i > 0; --i) {
+    const auto half = static_cast<std::uint32_t>(i - 1);  // a place left out gets the middle
+    const std::uint32_t then_seen = seen - half * ((seen - newest_seen_) / 2);
+    if (hidden)
+      bank_.push_expected(expected - half * ((expected - newest_phase_) / 2), then_seen);
+    else
+      bank_.push(then_seen);
+    ++entry_count_;
+  }
+  newest_seen_ = seen;
   newest_phase_ = phase;
   if (entry_count_ > longest_memory) entry_count_ = longest_memory;
   const auto after = static_cast<int>(0.5F * cycle_ / static_cast<float>(update_step_) + 0.5F);
   const float shift = (static_cast<float>(after * update_step_) - 0.5F * cycle_) * hertz / rate_;
+  if (hidden)
+    return bank_.push_late(expected + static_cast<std::uint32_t>(static_cast<float>(after * update_step_) *
+                                                                 hertz / rate_ * 4294967296.0F),
+                           after);
   bank_.push_late(static_cast<std::uint32_t>(wrap_turns(phasor.late_turns + shift) * 4294967296.0F), after);
 }
 
@@ -152,15 +220,56 @@ void PhaseTracker::extrapolate(const PhaseEstimate& from) {
   estimate_.phase_turns =
       wrap_turns(from.phase_turns + time * from.frequency + rate * curved * (time - 0.5F * curved));
   estimate_.frequency = clamp_hertz(from.frequency + rate * curved);
-  estimate_.frequency_rate = 0.0F;
+  estimate_.frequency_rate = time < rate_horizon ? rate : 0.0F;
   estimate_.sample = sample_;
+}
+
+/// After a change the phase goes on as it was before; its uncertainty grows with the time.
+void PhaseTracker::coast() {
+  const PhaseEstimate& from = kept_[1];
+  extrapolate(from);
+  const float time =
+      static_cast<float>(static_cast<std::int32_t>(sample_ - from.sample)) / config_.sample_rate;
+  const float now = from.deviation(time);
+  const float ahead = from.deviation(time + PhaseEstimate::ahead_seconds);
+  estimate_.variance = now * now + jump_doubt_;
+  estimate_.variance_ahead = ahead * ahead + jump_doubt_;
+  --coast_;
+}
+
+/// Windows behind a change against what was predicted before it.
+void PhaseTracker::compare_windows(int clean) {
+  if (clean < 1) return;
+  constexpr float middle = 0.5F * static_cast<float>(fewest_entries - 1);
+  constexpr float spread = middle * (middle + 1.0F) / 3.0F;  // mean square distance from the middle
+  const float place = static_cast<float>(clean - 1) - middle;
+  level_ += unexpected_ * (1.0F / static_cast<float>(fewest_entries));
+  slope_ += unexpected_ * place * (1.0F / (static_cast<float>(fewest_entries) * spread));
+  if (clean < fewest_entries) return;
+  changed_ = event_ = false;
+  if (!bank_.resume(level_, slope_, clean)) restart_memory();
+}
+
+void PhaseTracker::learn(int clean, std::uint32_t step) {
+  const int now = middle_ / update_step_;
+  const int ahead = now + static_cast<int>(0.020F * rate_ / static_cast<float>(update_step_) + 0.5F);
+  const BankSay say = bank_.say(clean, step, now, ahead);
+  const int newer = static_cast<int>(cycle_) + MainsRing::final_age;
+  if (say.broken && clean_ > newer) begin_change(newer, true);
+  if (changed_) return coast();
+  publish(say, step, now, ahead);
+  if (clean < fewest_entries && coast_ > 0) coast();
+  if (clean < fewest_entries) return;
+  if (++since_kept_ < keep_interval) return;
+  since_kept_ = 0;
+  kept_[1] = coast_ > 0 ? kept_[0] : estimate_;
+  kept_[0] = estimate_;
+  coast_ = coast_ + keep_interval < longest_coast ? coast_ + keep_interval : longest_coast;
 }
 
 void PhaseTracker::update() {
   extrapolate(estimate_);
-  quiet_ = compare_.judge();
-  if (compare_.changing() && clean_ > static_cast<int>(cycle_) + MainsRing::final_age)
-    clean_ = static_cast<int>(cycle_) + MainsRing::final_age;
+  notice_changes();
   // Without a history to go by, the zero crossings say where to look.
   const float crossing_hertz = zero_cross_.hertz();
   if (entry_count_ == 0 && zero_cross_.ready() && crossing_hertz > lowest_hertz &&
@@ -175,37 +284,15 @@ void PhaseTracker::update() {
   const WindowPhasor phasor = window_phasor(ring_, cycle_, middle_);
   estimate_.amplitude = phasor.amplitude * config_.nominal_amplitude;
   if (phasor.amplitude < absent_amplitude) return absent();
-  remember(phasor);
-  const int clean = clean_entries();
-  const float updates = static_cast<float>(update_step_) / rate_;
-  const auto step = static_cast<std::uint32_t>(updates * rate_ / cycle_ * 4294967296.0F);
-  const int now = middle_ / update_step_;
-  const int ahead = now + static_cast<int>(0.020F / updates + 0.5F);
-  if (clean < 2) bank_.event();
   const float window_cycle = cycle_;
-  if (entry_count_ >= fewest_entries) {
-    const BankSay say = bank_.say(clean, step, now, ahead);
-    const PhaseEstimate before = estimate_;
-    publish(say, step, now, ahead);
-    const int newer = static_cast<int>(cycle_) + MainsRing::final_age;
-    if (say.broken && clean_ > newer) clean_ = newer;
-    if (clean >= fewest_entries) {
-      if (++since_kept_ >= keep_interval) {
-        since_kept_ = 0;
-        kept_[1] = kept_[0];
-        kept_[0] = estimate_;
-        if (coast_ < longest_coast) coast_ += keep_interval;
-      }
-    } else if (coast_ > 0) {
-      // after an event the phase goes on as it was until there is enough behind the event to go by
-      if (since_kept_ >= 0)
-        extrapolate(kept_[1]);
-      else
-        estimate_ = before;
-      since_kept_ = -1;
-      --coast_;
-    }
-  }
+  const int behind = entries_within(clean_);
+  if (changed_) coast();
+  remember(phasor, changed_);
+  if (behind < 2) bank_.event();
+  if (changed_) compare_windows(behind);
+  const auto step = static_cast<std::uint32_t>(static_cast<float>(update_step_) / cycle_ * 4294967296.0F);
+  if (!changed_ && entry_count_ >= fewest_entries) learn(entries_within(spared_), step);
+  const int clean = entries_within(event_ ? clean_ : spared_);
   if (magnitude(cycle_ - window_cycle) > wrong_cycle * cycle_) bank_.forget_late();
   if (magnitude(cycle_ - window_cycle) > stale_window * cycle_) entry_count_ = 0, before_ = 0;
   estimate_.faults = gate(phasor, clean);
@@ -215,6 +302,7 @@ void PhaseTracker::update() {
 void PhaseTracker::absent() {
   // The frequency stays, so that a mains that comes back is found at once.
   entry_count_ = before_ = 0;
+  restart_memory();
   bank_.event();
   estimate_.frequency_rate = 0.0F;
   estimate_.faults = static_cast<std::uint16_t>(PhaseFault::warming_up) |
@@ -264,7 +352,8 @@ std::uint16_t PhaseTracker::gate(const WindowPhasor& phasor, int clean) const {
   faults |= bit(PhaseFault::cross_check, !(magnitude(wrap_half(pll_.turns() - then)) <= cross_check_limit));
   faults |= bit(PhaseFault::third_opinion, !zero_cross_agrees);
   faults |= bit(PhaseFault::gap, gap_ && !enough);
-  faults |= bit(PhaseFault::disturbed, !quiet_);
+  const bool judged = !event_ && since_change_ < changed_most;
+  faults |= bit(PhaseFault::disturbed, judged ? doubtful_ : !quiet_);
   return faults;
 }
 

@@ -30,9 +30,11 @@ struct PhaseTrackerConfig {
 ///    the frequency, and that of the last cycle alone (window_phasor.h).
 /// 3. Polynomials over memories from 10 ms to half a second predict the phase; their average, weighted by what each
 ///    has lately been wrong by, is the estimate, and its errors are the uncertainty (PhaseBank).
-/// 4. The waveform is compared with that of a cycle ago: an event is noticed within a few milliseconds and
-///    invalidates the estimate. The phase goes on as it was before the event while the memory of step 3 starts again
-///    behind it.
+/// 4. The waveform is compared with that of a cycle ago (CycleCompare): a change is noticed within a few milliseconds.
+///    While a window spans it the phase goes on as it was before, and what it would have been stands in the memory of
+///    step 3. If the phase may have jumped, the estimate is invalid until 18 windows behind the change have been
+///    compared with that: where they differ by a level, the whole memory is given that level; where they differ by a
+///    slope, it starts again.
 /// 5. A SOGI-PLL and the zero crossings must agree with the result before it is valid.
 ///
 /// State is bounded (11 kB) and may live in static memory. push() costs a few operations, at each tenth
@@ -77,8 +79,15 @@ class PhaseTracker {
   void restart();
   void absent();
   void place_window();  ///< chooses middle_
-  void remember(const WindowPhasor& phasor);
-  int clean_entries() const;  ///< phasors whose windows lie behind the last event
+  void notice_changes();
+  void remember(const WindowPhasor& phasor, bool hidden);
+  /// Phasors whose windows lie within the newest `clean` samples of the history.
+  int entries_within(int clean) const;
+  void learn(int clean, std::uint32_t step);
+  void coast();
+  void compare_windows(int clean);
+  void begin_change(int clean, bool event);
+  void restart_memory();
   void publish(const BankSay& say, std::uint32_t step, int now, int ahead);
   void extrapolate(const PhaseEstimate& from);
   std::uint16_t gate(const WindowPhasor& phasor, int clean) const;
@@ -98,13 +107,22 @@ class PhaseTracker {
   int before_ = 0;  ///< middle_ of the newest phasor, 0 = none
   int entry_count_ = 0;                  ///< phasors since the memory started
   std::uint32_t newest_phase_ = 0;       ///< 2^-32 turns
-  std::array<PhaseEstimate, 2> kept_{};  ///< older estimates: what goes on after an event is from before it
+  std::uint32_t newest_seen_ = 0;        ///< of the window; the same but behind a change
+  std::array<PhaseEstimate, 2> kept_{};  ///< older estimates: what goes on after a change is from before it
   int since_kept_ = 0;
-  int coast_ = 0;  ///< updates that the estimate may still go on without new phases
+  int coast_ = 0;                ///< updates that the estimate may still go on without new phases
+  bool changed_ = false;         ///< the waveform has changed, and the windows behind that are not enough yet
+  bool event_ = false;           ///< ... and its phase may have jumped
+  float jump_doubt_ = 0;         ///< turns^2: square of a jump that is not seen to be none
+  bool doubtful_ = false;        ///< ... but that is not known yet
+  int since_change_ = 0;         ///< updates, saturates
+  float unexpected_ = 0;         ///< the newest window less what was predicted, turns
+  float level_ = 0, slope_ = 0;  ///< sums of the windows behind a change less what was predicted, turns
   std::int32_t sum_ = 0;
   int summed_ = 0;
   int since_update_ = 0;
-  int clean_ = 0;  ///< samples of the history since the last event, saturates
+  int clean_ = 0;   ///< samples of the history since the last change, saturates
+  int spared_ = 0;  ///< ... since the last change that the memory did not outlive
   std::int32_t level_sum_ = 0;
   int level_run_ = 0;  ///< points equal to the one before
   float clipped_ = 0;  ///< share of the points at which the input clips
