@@ -30,5 +30,7 @@ CLI::App* verb(CLI::App& parent, const char* name, const char* help, std::shared
 void add_rig_verbs(CLI::App&);
 /// serve.
 void add_live_verb(CLI::App&);
+/// db.
+void add_db_verbs(CLI::App&);
 
 }  // namespace powbench::host

@@ -393,6 +393,7 @@ int main(int argc, char** argv) {
   add_plan_verbs(app);
   add_result_verbs(app);
   add_import_verb(app);
+  add_db_verbs(app);
   add_study_verbs(app);
   add_fit_verb(app);
   add_sweep_verb(app);

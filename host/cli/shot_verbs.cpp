@@ -36,11 +36,6 @@ std::string plain(const Measured& m, double scale, int decimals) {
   return text;
 }
 
-Measured quantity(const std::optional<Events>& events, std::string_view symbol) {
-  const Quantity* q = find_quantity(symbol);
-  return events && q != nullptr ? q->of(*events) : Measured{};
-}
-
 Json measured_json(const Measured& m) {
   return {{"value", number(m.value)}, {"u", number(m.u)}};
 }
@@ -84,11 +79,7 @@ Exit list_shots(const ResultArgs& args) {
     fmt::print("{}, campaign {}, {}; +- is U (k = 2)\n{:>6} {:<9} {:>7} {:>17} {:>17} {:>17} {:>17}  {}\n",
                name(campaign.origin), campaign.id, campaign.name, "shot", "", "deg", "reached deg",
                "touch ms", "bounce ms", "settled ms", "outcome");
-  for (const StoredShot& s : store.shots(campaign.id)) {
-    const auto events = store.load_events(s.id);
-    const Measured reached = events ? events->coil.closing_angle : Measured{};
-    const Measured touch = quantity(events, "t_ct1"), bounce = quantity(events, "t_ct_bon"),
-                   settled = quantity(events, "t_ct2");
+  for (const auto& [s, digested, reached, touch, bounce, settled] : store.lines(campaign.id)) {
     if (args.json) {
       list.push_back({{"shot", s.id},
                       {"campaign", s.campaign},

@@ -5,6 +5,7 @@
 
 #include "core/crc32.h"
 #include "host/store/hash.h"
+#include "host/store/packing.h"
 #include "host/store/seal.h"
 #include "host/store/store.h"
 
@@ -15,18 +16,55 @@ using sqlite::Statement;
 
 namespace {
 
-/// Scans in wire order: sample by sample, channel by channel, little endian.
+constexpr std::string_view packed_name = "blocks64";
+
+/// Scans in wire order: sample by sample, channel by channel, little endian. Their hash names the record.
 std::vector<std::uint8_t> interleave(const Record& r) {
-  std::vector<std::uint8_t> bytes;
-  bytes.reserve(2 * r.channels.size() * r.samples());
-  for (std::size_t i = 0; i < r.samples(); ++i) {
-    for (const ChannelRecord& c : r.channels) {
-      const auto value = static_cast<std::uint16_t>(c.raw[i]);
-      bytes.push_back(static_cast<std::uint8_t>(value & 0xFFU));
-      bytes.push_back(static_cast<std::uint8_t>(value >> 8));
+  const std::size_t step = 2 * r.channels.size();
+  std::vector<std::uint8_t> bytes(step * r.samples());
+  for (std::size_t k = 0; k < r.channels.size(); ++k) {
+    std::size_t at = 2 * k;
+    for (const std::int16_t sample : r.channels[k].raw) {
+      const auto value = static_cast<std::uint16_t>(sample);
+      bytes[at] = static_cast<std::uint8_t>(value & 0xFFU);
+      bytes[at + 1] = static_cast<std::uint8_t>(value >> 8);
+      at += step;
     }
   }
   return bytes;
+}
+
+std::vector<std::uint8_t> packed(const Record& r) {
+  std::vector<Samples> channels;
+  for (const ChannelRecord& c : r.channels) channels.emplace_back(c.raw);
+  return pack_samples(channels);
+}
+
+/// The number of samples comes from the file: it is compared, never multiplied, before anything is made of it.
+bool take_bare(std::span<const std::uint8_t> scans, std::int64_t stated, Record& r) {
+  const std::size_t step = 2 * r.channels.size(), samples = step == 0 ? 0 : scans.size() / step;
+  if (scans.size() != samples * step || stated != static_cast<std::int64_t>(samples)) return false;
+  for (std::size_t k = 0; k < r.channels.size(); ++k) {
+    auto& raw = r.channels[k].raw;
+    raw.resize(samples);
+    for (std::size_t i = 0; i < samples; ++i) {
+      const std::size_t at = i * step + 2 * k;
+      raw[i] = static_cast<std::int16_t>(static_cast<std::uint16_t>(scans[at] | scans[at + 1] << 8));
+    }
+  }
+  return true;
+}
+
+/// A block of samples takes one byte at least, which bounds what a number in the file can ask for.
+bool take_packed(std::span<const std::uint8_t> bytes, std::int64_t stated, Record& r) {
+  if (stated < 0 || static_cast<std::uint64_t>(stated) / packed_block > bytes.size()) return false;
+  if (r.channels.empty()) return stated == 0 && bytes.empty();
+  std::vector<std::span<std::int16_t>> channels;
+  for (ChannelRecord& c : r.channels) {
+    c.raw.resize(static_cast<std::size_t>(stated));
+    channels.emplace_back(c.raw);
+  }
+  return unpack_samples(bytes, channels);
 }
 
 void insert_channels(Database& db, std::int64_t record_id, const Record& record) {
@@ -103,18 +141,18 @@ void check_numbers(const Record& r, const std::string& where) {
 }  // namespace
 
 std::int64_t insert_record(Database& db, std::int64_t shot, const Record& r) {
-  const std::vector<std::uint8_t> scans = interleave(r);
   nlohmann::json gaps = nlohmann::json::array();
   for (const Gap& g : r.gaps) gaps.push_back({g.first, g.count});
   for (std::size_t k = 0; k < r.channels.size(); ++k)  // a third number: the one channel that lost them
     for (const Gap& g : r.channels[k].gaps) gaps.push_back({g.first, g.count, k});
-  const std::string content_hash = sha256_hex(scans);
-  Statement(
-      db,
-      "INSERT INTO record (shot_id, content_hash, sample_rate, samples, fire_sample, fire_offset, "
-      "gaps, overruns, crc32, "
-      "rig_shot_id, rig, firmware, calibration, sealed, seal, scans) VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, "
-      "?, ?, ?, ?, ?, ?)")
+  const std::string content_hash = sha256_hex(interleave(r));
+  const std::vector<std::uint8_t> bytes = packed(r);
+  Statement(db,
+            "INSERT INTO record (shot_id, content_hash, sample_rate, samples, fire_sample, fire_offset, "
+            "gaps, overruns, crc32, "
+            "rig_shot_id, rig, firmware, calibration, sealed, seal, packing, scans) VALUES (?, ?, ?, ?, ?, "
+            "?, ?, ?, ?, "
+            "?, ?, ?, ?, ?, ?, ?, ?)")
       .bind(shot)
       .bind(content_hash)
       .bind(r.sample_rate)
@@ -130,7 +168,8 @@ std::int64_t insert_record(Database& db, std::int64_t shot, const Record& r) {
       .bind(r.calibration)
       .bind(r.sealed)
       .bind(seal_of(r, content_hash, gaps.dump()))
-      .bind_blob(scans)
+      .bind(packed_name)
+      .bind_blob(bytes)
       .run();
   const std::int64_t record_id = db.last_id();
   insert_channels(db, record_id, r);
@@ -141,7 +180,7 @@ Record select_record(const Database& db, std::int64_t shot) {
   Statement s(db,
               "SELECT id, content_hash, sample_rate, samples, fire_sample, fire_offset, gaps, overruns, "
               "crc32, rig_shot_id, rig, "
-              "firmware, calibration, scans, seal, sealed FROM record WHERE shot_id = ?");
+              "firmware, calibration, scans, seal, sealed, packing FROM record WHERE shot_id = ?");
   s.bind(shot);
   const std::string where = db.path() + ": shot " + std::to_string(shot);
   if (!s.step()) throw StoreError(where + " has no record");
@@ -174,24 +213,29 @@ Record select_record(const Database& db, std::int64_t shot) {
   if (seal_of(r, s.text(1), s.text(6)) != s.text(14))
     throw StoreError(where +
                      ": the record does not match its checksum: the file is damaged; restore it from a copy");
-  const auto scans = s.blob(13);
-  const std::size_t scan_bytes = 2 * r.channels.size();
-  const std::size_t samples = scan_bytes == 0 ? 0 : scans.size() / scan_bytes;
-  // the number in the file is compared, never multiplied: it may be anything
-  if (sha256_hex(scans) != s.text(1) || scans.size() != samples * scan_bytes ||
-      s.integer(3) != static_cast<std::int64_t>(samples))
+  const std::string packing = s.text(16);
+  if (!packing.empty() && packing != packed_name)
+    throw StoreError(where + ": its samples are packed as '" + packing +
+                     "', which this program does not know: update it, or the file is damaged");
+  const auto blob = s.blob(13);
+  const bool taken = packing.empty() ? take_bare(blob, s.integer(3), r) : take_packed(blob, s.integer(3), r);
+  if (!taken || sha256_hex(interleave(r)) != s.text(1))
     throw StoreError(where + ": its samples do not match their hash: the record is damaged");
-  take_gaps(s.text(6), r, static_cast<std::int64_t>(samples), where);
+  take_gaps(s.text(6), r, s.integer(3), where);
   check_numbers(r, where);
-  for (std::size_t k = 0; k < r.channels.size(); ++k) {
-    auto& raw = r.channels[k].raw;
-    raw.resize(samples);
-    for (std::size_t i = 0; i < samples; ++i) {
-      const std::size_t at = 2 * (i * r.channels.size() + k);
-      raw[i] = static_cast<std::int16_t>(static_cast<std::uint16_t>(scans[at] | scans[at + 1] << 8));
-    }
-  }
   return r;
+}
+
+bool pack_record(Database& db, std::int64_t shot) {
+  Statement s(db, "SELECT packing FROM record WHERE shot_id = ?");
+  if (!s.bind(shot).step() || !s.text(0).empty()) return false;
+  const std::vector<std::uint8_t> bytes = packed(select_record(db, shot));
+  Statement(db, "UPDATE record SET packing = ?, scans = ? WHERE shot_id = ?")
+      .bind(packed_name)
+      .bind_blob(bytes)
+      .bind(shot)
+      .run();
+  return true;
 }
 
 }  // namespace powbench::host

@@ -77,7 +77,7 @@ void Database::run(const std::string& sql) {
   if (sqlite3_exec(db_.get(), sql.c_str(), nullptr, nullptr, nullptr) != SQLITE_OK) fail();
 }
 
-std::int64_t Database::number(const std::string& sql) {
+std::int64_t Database::number(const std::string& sql) const {
   Statement s(*this, sql);
   return s.step() ? s.integer(0) : 0;
 }
@@ -105,6 +105,12 @@ Statement& Statement::bind(std::string_view value) {
 }
 Statement& Statement::bind_blob(std::span<const std::uint8_t> bytes) {
   if (sqlite3_bind_blob64(s_.get(), next_++, bytes.data(), bytes.size(), SQLITE_STATIC) != SQLITE_OK)
+    db_.fail();
+  return *this;
+}
+
+Statement& Statement::bind_column(const Statement& row, int column) {
+  if (sqlite3_bind_value(s_.get(), next_++, sqlite3_column_value(row.s_.get(), column)) != SQLITE_OK)
     db_.fail();
   return *this;
 }

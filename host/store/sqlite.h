@@ -23,10 +23,11 @@ class Database {
   Database(const std::string& path, int flags) : Database(path, path, flags) {}
   Database(const std::string& path, int flags, Immutable);
   void run(const std::string& sql);
-  std::int64_t number(const std::string& sql);
+  std::int64_t number(const std::string& sql) const;
   sqlite3* handle() const { return db_.get(); }
   const std::string& path() const { return path_; }
   std::int64_t last_id() const { return sqlite3_last_insert_rowid(db_.get()); }
+  int changes() const { return sqlite3_changes(db_.get()); }  ///< rows changed by the last statement
   [[noreturn]] void fail() const;
   /// Whether closing copies the log into the file; off until write_log_back(true).
   void write_log_back(bool on);
@@ -53,6 +54,9 @@ class Statement {
   Statement& bind(const std::string& s) { return bind(std::string_view(s)); }
   Statement& bind(const char* s) { return bind(std::string_view(s)); }
   Statement& bind_blob(std::span<const std::uint8_t>);  ///< the bytes must live until step()
+
+  /// A value of another statement's row, whatever its type; `row` must stay on that row until step().
+  Statement& bind_column(const Statement& row, int column);
 
   bool step();  ///< true: a row is there
   void run() { step(); }

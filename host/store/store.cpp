@@ -1,148 +1,18 @@
 #include "host/store/store.h"
 
-#include <chrono>
-#include <ctime>
+#include <set>
 
-#include "host/store/hash.h"
+#include "core/quantities.h"
 #include "host/store/json.h"
 #include "host/store/open.h"
 #include "host/store/record_rows.h"
-#include "host/store/seal.h"
+#include "host/store/rows.h"
 
 namespace powbench::host {
 
 using sqlite::Database;
 using sqlite::Statement;
 using sqlite::Transaction;
-
-namespace {
-
-std::string utc_now() {
-  const std::time_t now = std::chrono::system_clock::to_time_t(std::chrono::system_clock::now());
-  std::tm tm{};
-  gmtime_r(&now, &tm);
-  char text[32];
-  std::strftime(text, sizeof text, "%Y-%m-%dT%H:%M:%SZ", &tm);
-  return text;
-}
-
-Outcome outcome_from(const std::string& word) {
-  for (std::size_t i = 0; i < outcome_names.size(); ++i)
-    if (outcome_names[i] == word) return static_cast<Outcome>(i);
-  throw StoreError("unknown outcome '" + word + "' in the store: the file is damaged");
-}
-
-/// Stored JSON that cannot be read is damage, not bad input.
-template <class F>
-auto stored_json(F&& read) {
-  try {
-    return read();
-  } catch (const std::invalid_argument& e) {
-    throw StoreError(std::string("the file is damaged: ") + e.what());
-  }
-}
-
-constexpr const char* campaign_columns =
-    "id, created, name, plan, plan_hash, specimen, specimen_hash, rig_file, rig_uri, rig_identity, "
-    "program_version, "
-    "finished, seal, origin";
-
-std::string seal_of(const CampaignInfo& c) {
-  Seal seal;
-  for (const std::string* text : {&c.created, &c.name, &c.plan, &c.plan_hash, &c.specimen, &c.specimen_hash,
-                                  &c.rig_file, &c.rig_uri, &c.rig_identity, &c.program_version})
-    seal.add(*text);
-  if (c.origin != Origin::unknown) seal.add(name(c.origin));  // rows from before it was kept have none
-  return seal.hex();
-}
-
-Origin origin_from(const std::string& word) {
-  for (std::size_t i = 0; i < origin_names.size(); ++i)
-    if (origin_names[i] == word) return static_cast<Origin>(i);
-  return Origin::unknown;
-}
-
-/// Of a campaign from before its origin was kept: what its rig's name can only mean.
-Origin origin_of(const CampaignInfo& c) {
-  if (c.origin != Origin::unknown) return c.origin;
-  if (c.rig_uri.starts_with("sim:")) return Origin::simulated_rig;
-  if (c.rig_uri.starts_with("qemu:")) return Origin::emulated_board;
-  if (c.rig_uri.starts_with("file:")) return Origin::import;
-  return c.rig_uri.empty() ? Origin::simulation : Origin::unknown;
-}
-
-std::string seal_of(const StoredShot& s) {
-  Seal seal;
-  if (s.attempt > 1) seal.add(s.attempt);  // rows from before there were attempts have none
-  return seal.add(s.campaign)
-      .add(name(s.kind))
-      .add(s.number)
-      .add(s.repeat)
-      .add(s.angle_deg)
-      .add(to_json(s.conditions))
-      .add(name(s.outcome))
-      .add(s.reason)
-      .add(s.started)
-      .hex();
-}
-
-std::string seal_of_events(std::int64_t record, const std::string& method, const std::string& parameters_hash,
-                           const std::string& parameters, const std::string& version,
-                           const std::string& events) {
-  return Seal().add(record).add(method).add(parameters_hash).add(parameters).add(version).add(events).hex();
-}
-
-void check_seal(const std::string& expected, const std::string& found, const std::string& what) {
-  if (expected != found)
-    throw StoreError("the file is damaged: " + what + " does not match its checksum; restore it from a copy");
-}
-
-CampaignInfo campaign_row(const Statement& s) {
-  CampaignInfo c{.id = s.integer(0),
-                 .created = s.text(1),
-                 .name = s.text(2),
-                 .plan = s.text(3),
-                 .plan_hash = s.text(4),
-                 .specimen = s.text(5),
-                 .specimen_hash = s.text(6),
-                 .rig_file = s.text(7),
-                 .rig_uri = s.text(8),
-                 .rig_identity = s.text(9),
-                 .program_version = s.text(10),
-                 .finished = s.integer(11) != 0,
-                 .origin = origin_from(s.text(13))};
-  check_seal(seal_of(c), s.text(12), "campaign " + std::to_string(c.id));
-  c.origin = origin_of(c);
-  return c;
-}
-
-/// Columns of shot_row(); `shot` is the alias of the table. Of all attempts at a shot the last one is the shot.
-const std::string last_attempt =
-    "shot.attempt = (SELECT max(attempt) FROM shot AS other WHERE other.campaign_id = shot.campaign_id AND "
-    "other.kind = shot.kind AND other.number = shot.number) ";
-const std::string shot_query =
-    "SELECT shot.id, campaign_id, kind, number, repeat, angle_deg, conditions, outcome, reason, started, "
-    "content_hash, "
-    "shot.seal, shot.attempt FROM shot LEFT JOIN record ON record.shot_id = shot.id ";
-
-StoredShot shot_row(const Statement& s) {
-  StoredShot shot{.id = s.integer(0),
-                  .campaign = s.integer(1),
-                  .kind = s.text(2) == "measured" ? ShotKind::measured : ShotKind::simulated,
-                  .number = static_cast<int>(s.integer(3)),
-                  .repeat = static_cast<int>(s.integer(4)),
-                  .angle_deg = s.real(5),
-                  .conditions = stored_json([&] { return conditions_from_json(s.text(6)); }),
-                  .outcome = outcome_from(s.text(7)),
-                  .reason = s.text(8),
-                  .started = s.text(9),
-                  .record_hash = s.text(10),
-                  .attempt = static_cast<int>(s.integer(12))};
-  check_seal(seal_of(shot), s.text(11), "shot " + std::to_string(shot.id));
-  return shot;
-}
-
-}  // namespace
 
 std::string_view name(ShotKind kind) {
   return kind == ShotKind::measured ? "measured" : "simulated";
@@ -158,22 +28,17 @@ struct Store::Impl {
     return s.integer(0);
   }
 
-  void insert_events(std::int64_t record, const Events& e, const ExtractionInfo& info) {
-    const std::string text = to_json(e);
-    Statement(db,
-              "INSERT OR IGNORE INTO events (record_id, method, parameters_hash, parameters, "
-              "program_version, events, seal) "
-              "VALUES (?, ?, ?, ?, ?, ?, ?)")
-        .bind(record)
-        .bind(e.method)
-        .bind(e.parameters_hash)
-        .bind(info.parameters)
-        .bind(info.program_version)
-        .bind(text)
-        .bind(
-            seal_of_events(record, e.method, e.parameters_hash, info.parameters, info.program_version, text))
-        .run();
+  void insert(std::int64_t shot, std::int64_t record, const Events& e, const ExtractionInfo& info) {
+    const EventsRow row{0,         record, e.method, e.parameters_hash, info.parameters, info.program_version,
+                        to_json(e)};
+    if (const auto id = insert_events(db, row)) write_digest(db, shot, *id, e);
   }
+
+  /// Before its indices are used for the first time: a flipped bit in an index must not hide a row.
+  void need(const char* table) const {
+    if (checked.insert(table).second) check_table(db, table);
+  }
+  mutable std::set<std::string> checked{};
 
   /// The number of the next attempt at this shot; one that gave a valid record has none.
   int next_attempt(const StoredShot& shot) {
@@ -197,24 +62,8 @@ Store& Store::operator=(Store&&) noexcept = default;
 std::int64_t Store::create_campaign(const CampaignInfo& info) {
   CampaignInfo c = info;
   c.created = utc_now();
-  Statement(impl_->db,
-            "INSERT INTO campaign (created, name, plan, plan_hash, specimen, specimen_hash, rig_file, "
-            "rig_uri, rig_identity, "
-            "program_version, origin, seal) VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)")
-      .bind(c.created)
-      .bind(c.name)
-      .bind(c.plan)
-      .bind(c.plan_hash)
-      .bind(c.specimen)
-      .bind(c.specimen_hash)
-      .bind(c.rig_file)
-      .bind(c.rig_uri)
-      .bind(c.rig_identity)
-      .bind(c.program_version)
-      .bind(c.origin == Origin::unknown ? std::string_view("") : name(c.origin))
-      .bind(seal_of(c))
-      .run();
-  return impl_->db.last_id();
+  c.finished = false;
+  return insert_campaign(impl_->db, c);
 }
 
 void Store::set_finished(std::int64_t campaign, bool finished) {
@@ -257,27 +106,10 @@ std::int64_t Store::store_shot(const StoredShot& given, const Record* record, co
   if (shot.started.empty()) shot.started = utc_now();
   Transaction t(db);
   shot.attempt = impl_->next_attempt(shot);
-  Statement(
-      db,
-      "INSERT INTO shot (campaign_id, kind, number, attempt, repeat, angle_deg, conditions, outcome, reason, "
-      "started, seal) "
-      "VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)")
-      .bind(shot.campaign)
-      .bind(name(shot.kind))
-      .bind(shot.number)
-      .bind(shot.attempt)
-      .bind(shot.repeat)
-      .bind(shot.angle_deg)
-      .bind(to_json(shot.conditions))
-      .bind(name(shot.outcome))
-      .bind(shot.reason)
-      .bind(shot.started)
-      .bind(seal_of(shot))
-      .run();
-  const std::int64_t id = db.last_id();
+  const std::int64_t id = insert_shot(db, shot);
   if (record) {
     const std::int64_t record_id = insert_record(db, id, *record);
-    if (events) impl_->insert_events(record_id, *events, extraction);
+    if (events) impl_->insert(id, record_id, *events, extraction);
   }
   t.commit();
   return id;
@@ -335,73 +167,65 @@ std::string Store::sealed_text(std::int64_t shot) const {
   return s.bind(shot).step() ? s.text(0) : std::string();
 }
 
+std::vector<ShotLine> Store::lines(std::int64_t campaign) const {
+  impl_->need("digest");
+  std::vector<ShotLine> list = shot_lines(impl_->db, campaign);
+  for (ShotLine& line : list) {
+    if (line.digested) continue;
+    const auto events = load_events(line.shot.id);
+    if (!events) continue;
+    const auto of = [&](std::string_view symbol) { return find_quantity(symbol)->of(*events); };
+    line.reached = events->coil.closing_angle;
+    line.touch = of("t_ct1"), line.bounce = of("t_ct_bon"), line.settled = of("t_ct2");
+  }
+  return list;
+}
+
 std::optional<Events> Store::load_events(std::int64_t shot) const {
-  Statement s(
-      impl_->db,
-      "SELECT record_id, events.method, parameters_hash, parameters, events.program_version, events, "
-      "events.seal "
-      "FROM events JOIN record ON record.id = record_id WHERE shot_id = ? ORDER BY events.id DESC LIMIT 1");
-  s.bind(shot);
-  if (!s.step()) return std::nullopt;
-  check_seal(seal_of_events(s.integer(0), s.text(1), s.text(2), s.text(3), s.text(4), s.text(5)), s.text(6),
-             "events of shot " + std::to_string(shot));
-  return stored_json([&] { return events_from_json(s.text(5)); });
+  const auto read = [&](Statement& s) {
+    return stored_json([&] { return events_from_json(events_row(s, shot).events); });
+  };
+  const std::string query =
+      std::string("SELECT ") + events_columns + ", shot_id FROM events JOIN record ON record.id = record_id ";
+  // the digest names the row: no index is needed to find it, and none can hide it
+  if (const auto id = digest_of(impl_->db, shot)) {
+    Statement s(impl_->db, query + "WHERE events.id = ?");
+    if (!s.bind(*id).step() || s.integer(8) != shot)
+      throw StoreError("the file is damaged: the events of shot " + std::to_string(shot) +
+                       " are missing; restore it from a copy");
+    return read(s);
+  }
+  impl_->need("digest");
+  impl_->need("events");
+  Statement s(impl_->db, query + "WHERE shot_id = ? ORDER BY events.id DESC LIMIT 1");
+  if (!s.bind(shot).step()) return std::nullopt;
+  return read(s);
 }
 
 void Store::store_events(std::int64_t shot, const Events& events, const ExtractionInfo& info) {
   const auto record = impl_->record_of(shot);
   if (!record) throw StoreError(impl_->db.path() + ": shot " + std::to_string(shot) + " has no record");
-  impl_->insert_events(*record, events, info);
+  Transaction t(impl_->db);
+  impl_->insert(shot, *record, events, info);
+  t.commit();
 }
-
-namespace {
-
-std::string seal_of(std::int64_t campaign, const Annotation& a) {
-  return Seal().add(campaign).add(a.created).add(a.key).add(a.text).hex();
-}
-
-}  // namespace
 
 void Store::annotate(std::int64_t campaign, const std::string& key, const std::string& text) {
-  const Annotation a{utc_now(), key, text};
-  Statement(impl_->db,
-            "INSERT INTO annotation (campaign_id, created, key, text, seal) VALUES (?, ?, ?, ?, ?)")
-      .bind(campaign)
-      .bind(a.created)
-      .bind(a.key)
-      .bind(a.text)
-      .bind(seal_of(campaign, a))
-      .run();
+  insert_annotation(impl_->db, campaign, {utc_now(), key, text});
 }
 
 std::vector<Annotation> Store::annotations(std::int64_t campaign) const {
-  std::vector<Annotation> list;
-  Statement s(impl_->db, "SELECT created, key, text, seal FROM annotation WHERE campaign_id = ? ORDER BY id");
-  s.bind(campaign);
-  while (s.step()) {
-    list.push_back({s.text(0), s.text(1), s.text(2)});
-    check_seal(seal_of(campaign, list.back()), s.text(3),
-               "an annotation of campaign " + std::to_string(campaign));
-  }
-  return list;
+  return select_annotations(impl_->db, campaign);
 }
 
 void Store::store_prediction(std::int64_t shot, const std::map<std::string, double>& u) {
-  const std::string text = numbers_to_json(u);
-  Statement(impl_->db, "INSERT INTO prediction (shot_id, uncertainty, seal) VALUES (?, ?, ?)")
-      .bind(shot)
-      .bind(text)
-      .bind(Seal().add(shot).add(text).hex())
-      .run();
+  insert_prediction(impl_->db, shot, numbers_to_json(u));
 }
 
 std::map<std::string, double> Store::prediction(std::int64_t shot) const {
-  Statement s(impl_->db, "SELECT uncertainty, seal FROM prediction WHERE shot_id = ?");
-  s.bind(shot);
-  if (!s.step()) return {};
-  check_seal(Seal().add(shot).add(s.text(0)).hex(), s.text(1),
-             "the prediction of shot " + std::to_string(shot));
-  return stored_json([&] { return numbers_from_json(s.text(0)); });
+  const std::string text = select_prediction(impl_->db, shot);
+  if (text.empty()) return {};
+  return stored_json([&] { return numbers_from_json(text); });
 }
 
 void Store::limit_pages(int pages) {

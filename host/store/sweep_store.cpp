@@ -2,11 +2,11 @@
 
 #include <bit>
 #include <cstring>
-#include <ctime>
 
 #include "host/store/open.h"
+#include "host/store/rows.h"
 #include "host/store/seal.h"
-#include "host/store/sqlite.h"
+#include "host/store/sweep_rows.h"
 
 namespace powbench::host {
 
@@ -45,26 +45,19 @@ std::string seal_of(std::int64_t sweep, std::int64_t first, std::int64_t count,
 
 }  // namespace
 
-struct SweepStore::Impl {
-  Database db;
-};
+std::vector<SweepInfo> select_sweeps(const Database& db) {
+  std::vector<SweepInfo> list;
+  Statement s(db,
+              "SELECT id, created, design, design_hash, points, columns, program_version, seal FROM sweep "
+              "ORDER BY id");
+  while (s.step()) {
+    list.push_back({s.integer(0), s.text(1), s.text(2), s.text(3), s.integer(4), s.text(5), s.text(6)});
+    if (seal_of(list.back()) != s.text(7)) damaged("sweep " + std::to_string(list.back().id));
+  }
+  return list;
+}
 
-SweepStore::SweepStore(const std::string& path)
-    : impl_(new Impl{open_store(path, Store::Mode::read_write)}) {}
-SweepStore::~SweepStore() = default;
-
-std::int64_t SweepStore::open_sweep(const SweepInfo& given) {
-  Database& db = impl_->db;
-  Transaction t(db);
-  for (const auto& s : sweeps())
-    if (s.design_hash == given.design_hash) return s.id;
-  SweepInfo info = given;
-  const std::time_t now = std::time(nullptr);
-  std::tm tm{};
-  gmtime_r(&now, &tm);
-  char text[32];
-  std::strftime(text, sizeof text, "%Y-%m-%dT%H:%M:%SZ", &tm);
-  info.created = text;
+std::int64_t insert_sweep(Database& db, const SweepInfo& info) {
   Statement(db,
             "INSERT INTO sweep (created, design, design_hash, points, columns, program_version, seal) "
             "VALUES (?, ?, ?, ?, ?, ?, ?)")
@@ -76,44 +69,26 @@ std::int64_t SweepStore::open_sweep(const SweepInfo& given) {
       .bind(info.program_version)
       .bind(seal_of(info))
       .run();
-  const std::int64_t id = db.last_id();
-  t.commit();
-  return id;
+  return db.last_id();
 }
 
-std::vector<SweepInfo> SweepStore::sweeps() const {
-  std::vector<SweepInfo> list;
-  Statement s(impl_->db,
-              "SELECT id, created, design, design_hash, points, columns, program_version, seal FROM sweep "
-              "ORDER BY id");
-  while (s.step()) {
-    list.push_back({s.integer(0), s.text(1), s.text(2), s.text(3), s.integer(4), s.text(5), s.text(6)});
-    if (seal_of(list.back()) != s.text(7)) damaged("sweep " + std::to_string(list.back().id));
-  }
-  return list;
-}
-
-void SweepStore::put(std::int64_t sweep, std::int64_t first, std::int64_t count,
-                     std::span<const double> numbers) {
+void insert_block(Database& db, std::int64_t sweep, std::int64_t first, std::int64_t count,
+                  std::span<const double> numbers) {
   const std::span<const std::uint8_t> bytes(reinterpret_cast<const std::uint8_t*>(numbers.data()),
                                             numbers.size_bytes());
-  Transaction t(impl_->db);
   Statement(
-      impl_->db,
-      "INSERT OR IGNORE INTO sweep_block (sweep_id, first, count, seal, numbers) VALUES (?, ?, ?, ?, ?)")
+      db, "INSERT OR IGNORE INTO sweep_block (sweep_id, first, count, seal, numbers) VALUES (?, ?, ?, ?, ?)")
       .bind(sweep)
       .bind(first)
       .bind(count)
       .bind(seal_of(sweep, first, count, bytes))
       .bind_blob(bytes)
       .run();
-  t.commit();
 }
 
-std::vector<SweepBlock> SweepStore::blocks(std::int64_t sweep) const {
+std::vector<SweepBlock> select_blocks(const Database& db, std::int64_t sweep) {
   std::vector<SweepBlock> list;
-  Statement s(impl_->db,
-              "SELECT first, count, seal, numbers FROM sweep_block WHERE sweep_id = ? ORDER BY first");
+  Statement s(db, "SELECT first, count, seal, numbers FROM sweep_block WHERE sweep_id = ? ORDER BY first");
   s.bind(sweep);
   while (s.step()) {
     SweepBlock b{s.integer(0), s.integer(1), {}};
@@ -125,6 +100,40 @@ std::vector<SweepBlock> SweepStore::blocks(std::int64_t sweep) const {
     list.push_back(std::move(b));
   }
   return list;
+}
+
+struct SweepStore::Impl {
+  Database db;
+};
+
+SweepStore::SweepStore(const std::string& path)
+    : impl_(new Impl{open_store(path, Store::Mode::read_write)}) {}
+SweepStore::~SweepStore() = default;
+
+std::int64_t SweepStore::open_sweep(const SweepInfo& given) {
+  Transaction t(impl_->db);
+  for (const auto& s : sweeps())
+    if (s.design_hash == given.design_hash) return s.id;
+  SweepInfo info = given;
+  info.created = utc_now();
+  const std::int64_t id = insert_sweep(impl_->db, info);
+  t.commit();
+  return id;
+}
+
+std::vector<SweepInfo> SweepStore::sweeps() const {
+  return select_sweeps(impl_->db);
+}
+
+void SweepStore::put(std::int64_t sweep, std::int64_t first, std::int64_t count,
+                     std::span<const double> numbers) {
+  Transaction t(impl_->db);
+  insert_block(impl_->db, sweep, first, count, numbers);
+  t.commit();
+}
+
+std::vector<SweepBlock> SweepStore::blocks(std::int64_t sweep) const {
+  return select_blocks(impl_->db, sweep);
 }
 
 }  // namespace powbench::host

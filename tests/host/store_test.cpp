@@ -6,6 +6,7 @@
 
 #include <catch2/catch.hpp>
 
+#include "tests/host/bare_records.h"
 #include "tests/host/store_samples.h"
 
 using namespace powbench;
@@ -62,7 +63,7 @@ TEST_CASE("campaign, shot, record and events come back as they went in", "[store
   }
 }
 
-TEST_CASE("a record takes 16 bytes a sample and little more", "[store]") {
+TEST_CASE("a record of pure noise takes 16 bytes a sample and little more", "[store]") {
   const Folder folder;
   constexpr int shots = 10;
   constexpr std::size_t samples = 14'000;
@@ -143,6 +144,7 @@ TEST_CASE("a store of the schema before attempts is brought up to date, also by 
     record.sealed.clear();
     const Events events = sample_events(0);
     store.store_shot(sample_shot(campaign, 0), &record, &events, extraction);
+    unpack_records(today.file());
     sql(folder.file(),
         "ATTACH '" + today.file() +
             "' AS today; INSERT INTO campaign SELECT id, created, name, plan, plan_hash, specimen, "

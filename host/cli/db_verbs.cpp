@@ -1,0 +1,166 @@
+#include <fmt/format.h>
+
+#include <filesystem>
+#include <nlohmann/json.hpp>
+
+#include "host/cli/commands.h"
+#include "host/config/bad_input.h"
+#include "host/run/progress.h"
+#include "host/store/maintain.h"
+#include "host/store/store.h"
+
+/// Whole stores: powbench db check, migrate, merge, split.
+
+namespace powbench::host {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+struct DbArgs {
+  std::string database = "powbench.db";
+  bool json = false;
+  std::string progress = "auto";
+  bool compact = false;              ///< migrate
+  std::string output;                ///< merge: store; split: folder
+  std::vector<std::string> sources;  ///< merge
+  std::int64_t campaign = 0;         ///< split; 0: all
+};
+
+Progress::Style style(const std::string& word) {
+  return word == "bar"     ? Progress::Style::bar
+         : word == "lines" ? Progress::Style::lines
+         : word == "none"  ? Progress::Style::none
+                           : Progress::Style::automatic;
+}
+
+/// A step that shows itself only in stores large enough to take a while.
+class Steps {
+ public:
+  Steps(std::string what, const std::string& progress) : what_(std::move(what)), style_(style(progress)) {}
+  Step step() {
+    return [this](std::int64_t done, std::int64_t all) {
+      if (!shown_ && all >= 1000)
+        shown_ = std::make_unique<Progress>(what_, static_cast<std::size_t>(all), style_);
+      if (shown_) shown_->update(static_cast<std::size_t>(done));
+    };
+  }
+
+ private:
+  std::string what_;
+  Progress::Style style_;
+  std::unique_ptr<Progress> shown_;
+};
+
+double megabytes(const std::string& file) {
+  std::error_code ignored;
+  const auto size = std::filesystem::file_size(file, ignored);
+  return ignored ? 0.0 : static_cast<double>(size) / 1e6;
+}
+
+Exit check(const DbArgs& args) {
+  Steps steps("check", args.progress);
+  const StoreContent c = check_store(args.database, steps.step());
+  if (args.json) {
+    fmt::print("{}\n", Json{{"campaigns", c.campaigns},
+                            {"shots", c.shots},
+                            {"records", c.records},
+                            {"events", c.events},
+                            {"sweeps", c.sweeps},
+                            {"bare_records", c.bare},
+                            {"undigested", c.undigested},
+                            {"hash", c.hash},
+                            {"damage", c.damage}}
+                           .dump(2));
+  } else {
+    fmt::print("{}: {} campaigns, {} shots, {} records, {} extractions, {} sweeps, {:.1f} MB\n",
+               args.database, c.campaigns, c.shots, c.records, c.events, c.sweeps, megabytes(args.database));
+    for (const std::string& d : c.damage) fmt::print("damaged: {}\n", d);
+    if (c.damage.empty()) fmt::print("whole; content {}\n", c.hash);
+    if (c.bare + c.undigested > 0)
+      fmt::print(
+          "{} records are not packed, {} shots have no short row for lists: powbench db migrate --db {}\n",
+          c.bare, c.undigested, args.database);
+  }
+  return c.damage.empty() ? Exit::pass : Exit::data_damaged;
+}
+
+Exit migrate(const DbArgs& args) {
+  const double before = megabytes(args.database);
+  if (before == 0.0) throw WrongStore(args.database + ": no such store; run a plan first");
+  Steps steps("migrate", args.progress);
+  const Migrated m = migrate_store(args.database, args.compact, steps.step());
+  if (args.json)
+    fmt::print(
+        "{}\n",
+        Json{{"packed", m.packed}, {"digested", m.digested}, {"schema", Store::schema_version}}.dump(2));
+  else
+    fmt::print(
+        "{}: schema {}, {} records packed, {} short rows for lists written; {:.1f} MB, before {:.1f} MB{}\n",
+        args.database, Store::schema_version, m.packed, m.digested, megabytes(args.database), before,
+        args.compact || m.packed == 0 ? "" : "; --compact gives the freed pages back");
+  return Exit::pass;
+}
+
+Exit merge(const DbArgs& args) {
+  const Merged m = merge_stores(args.output, args.sources);
+  if (args.json)
+    fmt::print("{}\n", Json{{"campaigns", m.campaigns},
+                            {"shots", m.shots},
+                            {"events", m.events},
+                            {"sweep_blocks", m.sweep_blocks}}
+                           .dump(2));
+  else
+    fmt::print("{}: {} campaigns, {} shots, {} extractions, {} blocks of sweeps added\n", args.output,
+               m.campaigns, m.shots, m.events, m.sweep_blocks);
+  return Exit::pass;
+}
+
+Exit split(const DbArgs& args) {
+  for (const std::string& file : split_store(args.database, args.output, args.campaign))
+    fmt::print("{}\n", file);
+  return Exit::pass;
+}
+
+void add_common(CLI::App* app, DbArgs& args) {
+  app->add_option("--db", args.database, "store")->capture_default_str();
+  app->add_flag("--json", args.json, "JSON to stdout");
+  app->add_option("--progress", args.progress, "auto, bar, lines or none")
+      ->check(CLI::IsMember({"auto", "bar", "lines", "none"}))
+      ->capture_default_str();
+}
+
+}  // namespace
+
+void add_db_verbs(CLI::App& app) {
+  CLI::App* db = app.add_subcommand("db", "Whole stores: check, bring up to date, put together, take apart");
+  db->require_subcommand(1);
+  auto checked = std::make_shared<DbArgs>();
+  add_common(verb(*db, "check", "Read all of a store: structure, seals, samples; name what is damaged",
+                  checked, check),
+             *checked);
+  auto migrated = std::make_shared<DbArgs>();
+  CLI::App* up = verb(*db, "migrate", "Bring an older store up to date and pack its records without loss",
+                      migrated, migrate);
+  add_common(up, *migrated);
+  up->add_flag("--compact", migrated->compact, "give freed pages back; needs room for a copy");
+  auto merged = std::make_shared<DbArgs>();
+  CLI::App* together =
+      verb(*db, "merge", "Add stores to another; order and repetition do not matter", merged, merge);
+  together->add_option("sources", merged->sources, "stores to read; they stay as they are")->required();
+  together->add_option("-o,--output", merged->output, "store to add them to; made if missing")->required();
+  together->add_flag("--json", merged->json, "JSON to stdout");
+  together->footer(
+      "The same campaign is one, the same shot too. Where two stores differ in a shot, its extraction or a "
+      "block of a "
+      "sweep,\nthis is said and nothing is merged. `powbench db check` prints a hash of the content that "
+      "does not "
+      "depend on the order.");
+  auto parts = std::make_shared<DbArgs>();
+  CLI::App* apart = verb(*db, "split", "Write each campaign to a store of its own", parts, split);
+  apart->add_option("--db", parts->database, "store")->capture_default_str();
+  apart->add_option("-o,--output", parts->output, "folder to write into; made if missing")->required();
+  apart->add_option("--campaign", parts->campaign, "only this one")->check(CLI::Range(1, 1'000'000'000));
+}
+
+}  // namespace powbench::host
