@@ -47,9 +47,12 @@ bool find_again(rigs::Rig& rig, const RunOptions& options, Progress& progress) {
   return rig.reconnect();
 }
 
+/// Shots outside limits that are named one by one; the others are in the sum at the end.
+constexpr int failures_named = 5;
+
 /// Extracts, judges and stores what one attempt gave.
 StoredShot keep_shot(Store& store, StoredShot shot, const rigs::Shot& result, const RunOptions& options,
-                     Progress& progress) {
+                     RunSummary& summary, Progress& progress) {
   shot.outcome = result.outcome;
   shot.reason = result.reason;
   std::optional<Events> events;
@@ -58,11 +61,15 @@ StoredShot keep_shot(Store& store, StoredShot shot, const rigs::Shot& result, co
     Judgement j = judge_shot(*events, shot.conditions, options);
     shot.outcome = j.outcome;
     shot.reason = std::move(j.reason);
+    count(summary.limits, *events, options.decision, shot.angle_deg);
   }
   shot.id = store.store_shot(shot, events ? &result.record : nullptr, events ? &*events : nullptr,
                              extraction_info(options));
   if (options.watcher != nullptr) options.watcher->stored(shot.id);
-  if (!shot.reason.empty())
+  const bool outside = shot.outcome == Outcome::fail || shot.outcome == Outcome::not_observed;
+  const int named = outside ? ++summary.outside_here : 0;
+  if (named == failures_named + 1) progress.say("more shots outside limits are summed at the end");
+  if (!shot.reason.empty() && named <= failures_named)
     progress.say(fmt::format("shot {} at {:.1f} deg: {}: {}", shot.number + 1, shot.angle_deg,
                              name(shot.outcome), shot.reason));
   return shot;
@@ -112,6 +119,7 @@ RunSummary run_campaign(Store& store, std::int64_t campaign, std::span<const Pla
                         rigs::Rig& rig, const RunOptions& options, Progress& progress) {
   RunSummary summary;
   summary.planned = plan.size();
+  summary.limits = tally_of(options.limits);
   std::set<int> done;
   for (const StoredShot& s : store.shots(campaign, ShotKind::measured)) {
     if (!measured(s.outcome)) continue;
@@ -129,14 +137,14 @@ RunSummary run_campaign(Store& store, std::int64_t campaign, std::span<const Pla
     }
     const StoredShot shot = stored(campaign, ShotKind::measured, planned);
     rigs::Shot result = rig.fire(planned.conditions, options.shot_limit);
-    StoredShot ended = keep_shot(store, shot, result, options, progress);
+    StoredShot ended = keep_shot(store, shot, result, options, summary, progress);
     bool back = true;
     if (result.rig_lost) {
       back = find_again(rig, options, progress);
       // what was fired before the rig was lost may lie there still
       if (auto late = back ? rig.recover(options.shot_limit) : std::nullopt) {
         result = std::move(*late);
-        ended = keep_shot(store, shot, result, options, progress);
+        ended = keep_shot(store, shot, result, options, summary, progress);
       }
     }
     ++summary.counts[static_cast<std::size_t>(ended.outcome)];

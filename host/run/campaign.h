@@ -11,6 +11,7 @@
 #include "host/plan/expand.h"
 #include "host/run/machine_clock.h"
 #include "host/run/progress.h"
+#include "host/run/tally.h"
 #include "host/store/store.h"
 #include "rigs/rig.h"
 
@@ -49,11 +50,13 @@ class RunWatcher {
 struct RunSummary {
   std::size_t planned = 0;
   std::size_t counts[outcome_names.size()] =
-      {};                    ///< shots of each Outcome, earlier runs of the campaign included
-  bool rig_lost = false;     ///< stopped: the rig went away and did not come back
-  bool interlock = false;    ///< stopped: the rig tripped or refused for safety
-  bool interrupted = false;  ///< stopped by the operator
-  std::string stopped;       ///< why it stopped early, one sentence; empty when it ran to the end
+      {};                          ///< shots of each Outcome, earlier runs of the campaign included
+  bool rig_lost = false;           ///< stopped: the rig went away and did not come back
+  bool interlock = false;          ///< stopped: the rig tripped or refused for safety
+  bool interrupted = false;        ///< stopped by the operator
+  std::string stopped;             ///< why it stopped early, one sentence; empty when it ran to the end
+  std::vector<LimitTally> limits;  ///< of the plan, over the shots fired in this run
+  int outside_here = 0;            ///< shots of this run that are FAIL or NOT OBSERVED
 
   std::size_t count(Outcome o) const { return counts[static_cast<std::size_t>(o)]; }
   std::size_t done() const {

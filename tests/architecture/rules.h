@@ -34,6 +34,7 @@ inline const std::vector<Folder>& folders() {
       {"sim", {"core"}, true, false},
       {"rigs", {"core", "sim", "firmware"}, false, false},
       {"host", {"core", "dsp", "sim", "rigs"}, false, false},
+      {"python", {"core", "dsp", "sim", "rigs", "host"}, false, false},
       {"bench", {"core", "firmware", "dsp", "sim", "rigs", "host"}, false, true},
       {"tests", {"core", "firmware", "dsp", "sim", "rigs", "host", "bench"}, false, true},
   };
@@ -59,6 +60,7 @@ inline const std::vector<Allowance>& allowances() {
       {"nlohmann/", "host/", true, "nlohmann-json"},
       {"fmt/", "host/", true, "fmt"},
       {"openssl/", "host/", true, "OpenSSL"},
+      {"pybind11/", "python/", true, "pybind11"},
   };
   return table;
 }

@@ -62,6 +62,13 @@ TEST_CASE("a program that ends without a summary is one failure") {
   CHECK(closing_line(block(1, "core", all_passed, "Test Failed.")) == "12 passed, 1 failed\n");
 }
 
+TEST_CASE("a program that closes with a plain count is counted as it says") {
+  CHECK(closing_line(block(1, "python", "failed: events: a sentence\n14 passed, 1 failed\n", "Test Failed.") +
+                     block(2, "core", all_passed, "Test Passed.")) == "26 passed, 1 failed\n");
+  CHECK(dev("report-cases", block(1, "python", "failed: events\n14 passed, 1 failed\n", "Test Failed.")) ==
+        "failed: python: events\n");
+}
+
 TEST_CASE("a program without matching test cases adds nothing") {
   CHECK(closing_line(block(1, "core.slow", "No test cases matched '[.slow]'\n===\nNo tests ran\n",
                            "Test Passed.")) == "0 passed, 0 failed\n");

@@ -1,0 +1,26 @@
+#include "host/gather/begin.h"
+
+namespace powbench::host {
+
+std::int64_t begin_campaign(Store& store, const Scene& scene, const std::string& rig_uri,
+                            const rigs::RigInfo& rig, bool resume,
+                            const std::function<void(const std::string&)>& say) {
+  const std::string identity = rig.model + ", " + rig.serial;
+  const auto begun = store.find_campaign(scene.plan_hash, scene.specimen_hash);
+  if (resume && begun) {
+    if (begun->rig_identity != identity)
+      throw rigs::RigError("campaign " + std::to_string(begun->id) + " was begun on '" + begun->rig_identity +
+                           "', this rig is '" + identity + "'; use that rig, or start anew without --resume");
+    return begun->id;
+  }
+  if (begun && !begun->finished)
+    say("campaign " + std::to_string(begun->id) +
+        " of this plan is unfinished; --resume would go on with it");
+  CampaignInfo info = campaign_info(scene, rig_uri, identity);
+  info.origin = origin_of_kind(rig.kind);
+  const std::int64_t campaign = store.create_campaign(info);
+  if (const std::string late = note_calibration(store, campaign, rig); !late.empty()) say(late);
+  return campaign;
+}
+
+}  // namespace powbench::host
