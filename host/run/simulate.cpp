@@ -7,6 +7,7 @@
 #include <optional>
 #include <set>
 #include <thread>
+#include <utility>
 
 #include "core/phase.h"
 #include "core/quantities.h"
@@ -122,42 +123,46 @@ std::size_t simulate_campaign(Store& store, std::int64_t campaign, std::span<con
   std::atomic<std::size_t> next = 0, finished = 0;
   std::mutex mutex;
   std::exception_ptr trouble;
+  std::size_t first_open = 0, stored_shots = 0;  // all before the first are stored
+  const auto store_one = [&](std::size_t i) {
+    const Simulated result = std::exchange(results[i], {});
+    if (!result.closing) return;
+    shots[i].outcome = Outcome::not_judged;
+    const std::int64_t id =
+        store.store_shot(shots[i], &result.closing->record, &result.events, extraction_info(options));
+    if (!result.u.empty()) store.store_prediction(id, result.u);
+    ++stored_shots;
+  };
   const auto work = [&] {
     for (std::size_t i = next++; i < shots.size() && !StopOnSignal::asked(); i = next++) {
       try {
+        Simulated result;
         const auto closings = measured.find(shots[i].angle_deg);
         if (closings != measured.end()) {
           const ClosingInputs inputs = inputs_of(shots[i].conditions, closings->second, options);
           shots[i].conditions = inputs.conditions;
-          results[i].u = input_uncertainty(inputs, specimen, rig, options);
+          result.u = input_uncertainty(inputs, specimen, rig, options);
         }
-        auto closing = make_record(specimen, shots[i].conditions, rig);
-        results[i].events = extract_checked(closing.record, options);
-        results[i].closing = std::move(closing);
+        result.closing = make_record(specimen, shots[i].conditions, rig);
+        result.events = extract_checked(result.closing->record, options);
+        const std::scoped_lock lock(mutex);
+        results[i] = std::move(result);
+        // stored in the order of the angles, whatever thread was first
+        for (; first_open < shots.size() && results[first_open].closing; ++first_open) store_one(first_open);
+        progress.update(++finished);
       } catch (...) {
         const std::scoped_lock lock(mutex);
         trouble = std::current_exception();
         return;
       }
-      const std::scoped_lock lock(mutex);
-      progress.update(++finished);
     }
   };
   std::vector<std::thread> pool;
   for (int t = 0; t < std::max(threads, 1); ++t) pool.emplace_back(work);
   for (auto& t : pool) t.join();
+  // behind an angle that was stopped or has failed
+  for (; first_open < shots.size(); ++first_open) store_one(first_open);
   if (trouble) std::rethrow_exception(trouble);
-
-  // stored in the order of the angles, whatever thread was first
-  std::size_t stored_shots = 0;
-  for (std::size_t i = 0; i < shots.size(); ++i) {
-    if (!results[i].closing) continue;
-    shots[i].outcome = Outcome::not_judged;
-    const std::int64_t id =
-        store.store_shot(shots[i], &results[i].closing->record, &results[i].events, extraction_info(options));
-    if (!results[i].u.empty()) store.store_prediction(id, results[i].u);
-    ++stored_shots;
-  }
   return stored_shots;
 }
 

@@ -1,11 +1,14 @@
 #include <catch2/catch.hpp>
 #include <cmath>
+#include <map>
+#include <stdexcept>
 
 #include "core/random.h"
 #include "core/units.h"
 #include "dsp/extract.h"
 #include "host/compare/compare.h"
 #include "host/run/simulate.h"
+#include "tests/host/store_samples.h"
 
 using namespace powbench;
 using namespace powbench::host;
@@ -67,6 +70,48 @@ TEST_CASE("the inputs' uncertainty covers what other inputs do", "[simulate]") {
   ClosingInputs exact;
   exact.conditions = in.conditions;
   CHECK(input_uncertainty(exact, {}, {}, options).at("t_ct1") == 0);
+}
+
+TEST_CASE("simulations are stored as they come, in the order of the angles, and kept when a later one fails",
+          "[simulate]") {
+  const int threads = GENERATE(1, 3);
+  CAPTURE(threads);
+  Folder folder;
+  Store store{folder.file()};
+  const auto campaign = store.create_campaign({});
+  std::vector<PlannedShot> plan(6);
+  for (int i = 0; i < 6; ++i) {
+    plan[static_cast<std::size_t>(i)].index = 5 - i;
+    plan[static_cast<std::size_t>(i)].conditions.closing_angle = radians(10.0 * i);
+  }
+  Progress silent("test", plan.size(), Progress::Style::none);
+  const auto angles = [&] {  // in the order in which they were stored
+    std::map<std::int64_t, int> found;
+    for (const StoredShot& s : store.shots(campaign, ShotKind::simulated))
+      found[s.id] = static_cast<int>(std::lround(s.angle_deg));
+    std::vector<int> list;
+    for (const auto& [id, angle] : found) list.push_back(angle);
+    return list;
+  };
+  std::vector<std::size_t> seen;  // shots in the store when an angle begins; one thread only
+  const RecordMaker maker = [&](const sim::Specimen& specimen, const Conditions& c,
+                                const rigs::SimRigConfig& rig) {
+    if (threads == 1) seen.push_back(angles().size());
+    if (std::lround(degrees(c.closing_angle)) == 40) throw std::runtime_error("no such angle");
+    return rigs::simulate_record(specimen, c, rig);
+  };
+  const auto simulate = [&](const RecordMaker& with) {
+    return simulate_campaign(store, campaign, plan, {}, {}, {}, threads, silent, with);
+  };
+  CHECK_THROWS_WITH(simulate(maker), "no such angle");
+  if (threads == 1) CHECK(seen == std::vector<std::size_t>{0, 1, 2, 3, 4});
+  auto kept = angles();
+  REQUIRE(kept.size() >= 4);
+  kept.resize(4);
+  CHECK(kept == std::vector<int>{0, 10, 20, 30});
+  const std::size_t missing = 6 - angles().size();
+  CHECK(simulate(rigs::simulate_record) == missing);
+  CHECK(angles().size() == 6);
 }
 
 TEST_CASE("of devices whose inputs scatter as stated, 95 % of the differences lie within U", "[.slow]") {
