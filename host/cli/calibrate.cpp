@@ -25,7 +25,7 @@ double number(const std::string& text, const std::string& what) {
   return value;
 }
 
-Counts read_counts(IioLink& link, Channel channel) {
+MeanCounts read_counts(IioLink& link, Channel channel) {
   double sum = 0.0, squares = 0.0;
   for (int i = 0; i < readings; ++i) {
     const double n = number(link.read_channel(channel, "raw"), "raw");
@@ -43,7 +43,7 @@ std::int64_t fixed(const std::string& text, int digits, const std::string& what)
 
 struct Reading {
   double applied = 0.0;
-  Counts counts;
+  MeanCounts counts;
 };
 
 class Desk {
@@ -92,7 +92,7 @@ std::string table(const ChannelInfo& c, const Reading& a, const Reading& b, cons
 
 }  // namespace
 
-Line line_through(double x1, const Counts& n1, double x2, const Counts& n2) {
+Line line_through(double x1, const MeanCounts& n1, double x2, const MeanCounts& n2) {
   if (std::abs(n2.mean - n1.mean) < closest_counts)
     throw BadInput(
         {fmt::format("the two quantities {} and {} differ by {:.0f} counts only: at least {:.0f} are needed",

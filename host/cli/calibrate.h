@@ -13,7 +13,7 @@
 namespace powbench::host {
 
 /// Mean of the counts and their scatter.
-struct Counts {
+struct MeanCounts {
   double mean = 0.0, deviation = 0.0;
 };
 
@@ -22,7 +22,7 @@ struct Counts {
 struct Line {
   double si_per_count = 0.0, zero = 0.0;
 };
-Line line_through(double x1, const Counts& n1, double x2, const Counts& n2);
+Line line_through(double x1, const MeanCounts& n1, double x2, const MeanCounts& n2);
 
 /// The rig's own words on its channels, as rows of a calibration.
 rigs::Calibrations rows_of(rigs::IioLink&);

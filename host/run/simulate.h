@@ -38,7 +38,8 @@ std::map<std::string, double> input_uncertainty(const ClosingInputs&, const sim:
                                                 const rigs::SimRigConfig&, const RunOptions&);
 
 /// One closing for each angle of the plan, on `threads` threads, stored with record and events. Where the campaign has measured
-/// closings and not `nominal`: under their conditions, with its uncertainty. What is stored already is kept.
+/// closings and not `nominal`: under their conditions, with its uncertainty. Each is stored as soon as those of the angles before
+/// it are; what is stored already is kept. An angle that fails is thrown at the end, the others are stored.
 std::size_t simulate_campaign(Store&, std::int64_t campaign, std::span<const PlannedShot>,
                               const sim::Specimen&, const rigs::SimRigConfig&, const RunOptions&, int threads,
                               Progress&, const RecordMaker& = rigs::simulate_record, bool nominal = false);
