@@ -23,8 +23,8 @@ struct Unreached {
   std::string name, where;
 };
 
-/// Files that no program needs. A program is a source with `int main(` and all of firmware/port. A file needs what it
-/// includes; a header needs the sources of its folder that define what it declares.
+/// Files that no program needs. A program is a source with `int main(`, and all of firmware/port and python. A file
+/// needs what it includes; a header needs the sources of its folder that define what it declares.
 std::vector<Unreached> files_not_reached(const std::vector<Source>&);
 
 /// Functions that a header declares and no product source calls: the name occurs nowhere else than in declarations and
