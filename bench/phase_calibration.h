@@ -13,6 +13,9 @@ namespace powbench::bench {
 
 inline constexpr double stated_tolerance = 1.0;  ///< deg at the instant of the edge
 inline constexpr double after_break = 0.15;      ///< s after a break within which nobody is compared
+/// s after a break or the onset of a movement within which no estimate can know of it. A fault is to be noticed in 1 .. 6
+/// ms; a window of two cycles hears of a movement at its middle, and not at once.
+inline constexpr double unknowable_break = 0.006, unknowable_onset = 0.060;
 
 /// Errors in degrees at one horizon.
 struct ErrorSum {
@@ -55,14 +58,16 @@ struct Calibration {
 
 struct FamilyScore {
   std::string family;
-  std::int64_t judged = 0;          ///< estimates
-  std::int64_t valid = 0;           ///< valid for an edge 20 ms ahead
-  std::int64_t valid_soon = 0;      ///< valid for an edge at once
-  std::int64_t beyond = 0;          ///< valid, no break before the edge, and beyond the tolerance there
-  std::int64_t surprised = 0;       ///< valid, and a break before the edge put it beyond the tolerance
-  ErrorSum now[3], ahead[3];        ///< ours, SOGI, zero crossing; away from breaks
-  ErrorSum valid_now, valid_ahead;  ///< ours, valid
-  Calibration u_now, u_ahead;
+  std::int64_t judged = 0;           ///< estimates
+  std::int64_t valid = 0;            ///< valid for an edge 20 ms ahead
+  std::int64_t valid_soon = 0;       ///< valid for an edge at once
+  std::int64_t beyond = 0;           ///< valid, no break before the edge, and beyond the tolerance there
+  std::int64_t surprised = 0;        ///< valid, and a break before the edge put it beyond the tolerance
+  ErrorSum now[3], ahead[3];         ///< ours, SOGI, zero crossing; away from breaks
+  ErrorSum valid_now, valid_ahead;   ///< ours, valid
+  Calibration u_now, u_ahead;        ///< all valid estimates without a break before the edge
+  Calibration fair_now, fair_ahead;  ///< ... but those that cannot know of a break or an onset yet
+  std::int64_t beyond_later = 0;     ///< of `beyond`: those that could know
   std::int64_t shots = 0, shots_beyond = 0, shots_outside = 0;  ///< fired; beyond the tolerance; + 3 u
   double worst_shot = 0;                                        ///< deg
 

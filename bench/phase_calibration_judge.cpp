@@ -61,6 +61,9 @@ void FamilyScore::add(const FamilyScore& o) {
   valid_ahead.add(o.valid_ahead);
   u_now.add(o.u_now);
   u_ahead.add(o.u_ahead);
+  fair_now.add(o.fair_now);
+  fair_ahead.add(o.fair_ahead);
+  beyond_later += o.beyond_later;
   shots += o.shots;
   shots_beyond += o.shots_beyond;
   shots_outside += o.shots_outside;
@@ -105,11 +108,18 @@ FamilyScore judge_case(const MainsCase& drawn) {
     const bool unforeseen = source.breaks(t, t + look_ahead);
     (unforeseen ? score.surprised : score.beyond) += wrong ? 1 : 0;
     if (unforeseen) continue;
+    const bool knowable =
+        !source.breaks(t - unknowable_break, t) && !source.onsets(t - unknowable_onset, t + look_ahead);
+    score.beyond_later += wrong && knowable ? 1 : 0;
     score.valid_now.add(error_now);
     score.valid_ahead.add(error_ahead);
-    score.u_now.add(error_now, 360.0 * static_cast<double>(estimate.deviation(0.0F)));
-    score.u_ahead.add(error_ahead,
-                      360.0 * static_cast<double>(estimate.deviation(static_cast<float>(look_ahead))));
+    const double u_now = 360.0 * static_cast<double>(estimate.deviation(0.0F));
+    const double u_ahead = 360.0 * static_cast<double>(estimate.deviation(static_cast<float>(look_ahead)));
+    score.u_now.add(error_now, u_now);
+    score.u_ahead.add(error_ahead, u_ahead);
+    if (!knowable) continue;
+    score.fair_now.add(error_now, u_now);
+    score.fair_ahead.add(error_ahead, u_ahead);
   }
   return score;
 }

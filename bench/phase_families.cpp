@@ -96,6 +96,7 @@ void ramp(MainsCase& c, Dice& d) {
   std::vector<double> by(track_points);
   for (std::size_t k = 0; k < by.size(); ++k) by[k] = rate * (std::clamp(time_of(k), from, to) - from);
   move(c, by);
+  c.onsets = {from, to};
 }
 
 void hunting(MainsCase& c, Dice& d) {
@@ -120,6 +121,7 @@ void generator_set(MainsCase& c, Dice& d) {
     by[k] = rough[k] + (t > 0 ? rate / wd * std::exp(-damping * w * t) * std::sin(wd * t) : 0.0);
   }
   move(c, by);
+  c.onsets = {at};
   set_harmonic(c, 5, d.between(0.01, 0.05), d);
   set_harmonic(c, 7, d.between(0.01, 0.03), d);
 }
@@ -299,6 +301,11 @@ double CaseSource::hertz(double t) const {
 
 bool CaseSource::breaks(double from, double to) const {
   return std::any_of(case_->breaks.begin(), case_->breaks.end(),
+                     [&](double at) { return at > from && at <= to; });
+}
+
+bool CaseSource::onsets(double from, double to) const {
+  return std::any_of(case_->onsets.begin(), case_->onsets.end(),
                      [&](double at) { return at > from && at <= to; });
 }
 

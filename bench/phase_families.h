@@ -64,6 +64,7 @@ struct MainsCase {
   double clip_low = -10, clip_high = 10;      ///< the input clips here
   std::vector<double>
       breaks;  ///< s: instants that nothing before them announces (jumps, sags, missing half-waves)
+  std::vector<double> onsets;  ///< s: a movement of the frequency begins or ends with a corner
 };
 
 /// Undisturbed mains of one frequency, to be disturbed by hand.
@@ -85,6 +86,8 @@ class CaseSource {
   double hertz(double t) const;
   /// Something that could not be foreseen happens in (from, to].
   bool breaks(double from, double to) const;
+  /// A corner of the frequency lies in (from, to].
+  bool onsets(double from, double to) const;
 
  private:
   double waveform(double t);

@@ -175,7 +175,7 @@ void PhaseBank::weigh(const Predictions& said, bool judged) {
     weight_[p] = weight;
     total += weight;
     expected_[0] += weight * (now.worse() + first_expectation * unproven(now.count));
-    expected_[1] += weight * expected[p];
+    expected_[1] += weight * (expected[p] - phase_predictors[p].doubt);
   }
   const float scale = 1.0F / total;
   for (float& weight : weight_) weight *= scale;
