@@ -5,8 +5,8 @@
 #include <numbers>
 
 #include "core/commanded_phase.h"
+#include "sim/contact_damping.h"
 #include "sim/magnetic_circuit.h"
-#include "sim/unilateral.h"
 
 namespace powbench::bench {
 namespace {
@@ -17,10 +17,6 @@ struct Stop {
     return pen > 0 ? std::max(0.0, stiffness * pen + damping * rate) : 0.0;
   }
 };
-
-Stop make_stop(double stiffness, double zeta, double mass) {
-  return {stiffness, 2 * zeta * std::sqrt(stiffness * mass)};
-}
 
 }  // namespace
 
@@ -34,9 +30,9 @@ EulerClosing euler_closing(const sim::Specimen& s, const Conditions& c, double d
   const double resistance = s.coil.resistance * (1 + s.coil.temperature_coefficient * (c.ambient - 293.15));
   const double base_omega = 2 * pi * s.base.hertz;
   const sim::MagneticCircuit circuit(s.magnet, core.travel);
-  const Stop stop = make_stop(core.stop_stiffness, sim::damping_ratio(core.stop_restitution), core.mass);
-  const Stop contact = make_stop(b.contact_stiffness, sim::damping_ratio(b.contact_restitution), b.mass);
-  const Stop seat = make_stop(b.seat_stiffness, b.seat_damping, b.mass);
+  const Stop stop{core.stop_stiffness, sim::stop_damping(s)};
+  const Stop contact{b.contact_stiffness, sim::pad_damping(s)};
+  const Stop seat{b.seat_stiffness, sim::seat_damping(s)};
   const double open_depth = core.return_preload / core.stop_stiffness;
   const double seat_depth = b.preload / b.seat_stiffness;
 

@@ -5,6 +5,7 @@
 #include <stdexcept>
 
 #include "core/commanded_phase.h"
+#include "sim/contact_damping.h"
 #include "sim/validate.h"
 
 namespace powbench::sim {
@@ -102,7 +103,7 @@ Trajectory simulate(const Specimen& specimen, const Conditions& conditions, doub
 
 ClosingTruth tried_closing(const Specimen& specimen, const Conditions& conditions, double duration,
                            double relative_tolerance) {
-  if (!validate(specimen).empty()) return {};
+  if (!validate(specimen).empty() || !rigid_only(specimen).empty()) return {};
   try {
     return simulate(specimen, conditions, duration, 0, relative_tolerance).truth;
   } catch (const std::runtime_error&) {  // a step became too small

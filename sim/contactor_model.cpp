@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include "sim/contact_damping.h"
+
 namespace powbench::sim {
 
 ContactorModel::ContactorModel(const Specimen& specimen, const Mains& mains, const PlantOptions& options)
@@ -24,7 +26,7 @@ ContactorModel::ContactorModel(const Specimen& specimen, const Mains& mains, con
   buffer_rate_ = base.core_mass * omega_core * omega_core;
   buffer_damping_ = 2 * base.core_damping * base.core_mass * omega_core;
   const auto& core = specimen_.core;
-  const double c = 2 * damping_ratio(core.stop_restitution) * std::sqrt(core.stop_stiffness * core.mass);
+  const double c = stop_damping(specimen_);
   add_contact(core.stop_stiffness, c);
   add_contact(core.stop_stiffness, c);
   const double flux = circuit_.area();  // of 1 T
@@ -43,9 +45,7 @@ int ContactorModel::add_contact(double stiffness, double damping) {
 void ContactorModel::add_groups() {
   const auto& b = specimen_.bridges;
   const bool alike = b.gap_spread == 0;
-  const double seat_damping = 2 * b.seat_damping * std::sqrt(b.seat_stiffness * b.mass);
-  const double break_damping =
-      2 * damping_ratio(b.contact_restitution) * std::sqrt(b.contact_stiffness * b.mass);
+  const double of_seat = seat_damping(specimen_), of_breaks = pad_damping(specimen_);
   int next = first_group;
   for (int pole = 0; pole < (alike ? 1 : b.poles); ++pole) {
     Group g;
@@ -55,8 +55,8 @@ void ContactorModel::add_groups() {
     g.tilts = b.tilt_gap != 0;
     const int parts = g.tilts ? 2 : 1;
     g.first_contact = contact_count_;
-    for (int i = 0; i < parts; ++i) add_contact(b.seat_stiffness / parts, seat_damping / parts);
-    for (int i = 0; i < parts; ++i) add_contact(b.contact_stiffness / parts, break_damping / parts);
+    for (int i = 0; i < parts; ++i) add_contact(b.seat_stiffness / parts, of_seat / parts);
+    for (int i = 0; i < parts; ++i) add_contact(b.contact_stiffness / parts, of_breaks / parts);
     const auto at = static_cast<std::size_t>(next);
     scale_[at] = 1e-3;
     scale_[at + 1] = 1;

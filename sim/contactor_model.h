@@ -64,7 +64,7 @@ class ContactorModel {
   double current(const double* s) const;        ///< A
   double stored_energy(const double* s) const;  ///< J, zero at rest
   double supplied_energy(const double* s) const { return s[ledger_]; }
-  /// Supplied energy minus losses minus stored energy, over the supplied one.
+  /// |Supplied energy minus losses minus stored energy| over the largest of them and of F_r0 times the travel.
   double energy_residual(const double* s) const;
   void book_loss(double* s, double joule) const { s[ledger_ + 3] += joule; }
 

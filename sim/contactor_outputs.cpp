@@ -1,5 +1,6 @@
 #include "sim/contactor_model.h"
 
+#include <algorithm>
 #include <cmath>
 
 /// What the contactor shows: current, energies, samples.
@@ -58,8 +59,10 @@ double ContactorModel::stored_energy(const double* s) const {
 
 double ContactorModel::energy_residual(const double* s) const {
   const double* l = s + ledger_;
-  const double missing = l[0] - l[1] - l[2] - l[3] - (stored_energy(s) - start_energy_);
-  return l[0] > 0 ? std::fabs(missing) / l[0] : std::fabs(missing);
+  const double stored = stored_energy(s) - start_energy_, lost = l[1] + l[2] + l[3];
+  // early on the coil may have given back nearly all it took: the work of the return spring is the least scale
+  const double least = specimen_.core.return_preload * specimen_.core.travel;
+  return std::fabs(l[0] - lost - stored) / std::max({std::fabs(l[0]), std::fabs(stored), lost, least, 1e-6});
 }
 
 void ContactorModel::sample(double t, const double* s, PlantSample& out) const {

@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <cassert>
+#include <cstdio>
 #include <stdexcept>
 #include <string>
 
+#include "sim/contact_damping.h"
 #include "sim/contactor_model.h"
 #include "sim/integrator.h"
 #include "sim/validate.h"
@@ -15,13 +17,15 @@ struct Plant::Impl {
   Impl(const Specimen& specimen, const Mains& mains, const PlantOptions& options)
       : model(specimen, mains, options),
         integrator(model, options.relative_tolerance, 0.05 / mains.hertz),
-        rest_state(model.rest()) {
+        rest_state(model.rest()),
+        bound(std::max(1e-4, 1e4 * options.relative_tolerance)) {
     model.events().reserve(256);
   }
   Impl(const Impl& other)
       : model(other.model),
         integrator(other.integrator),
         rest_state(other.rest_state),
+        bound(other.bound),
         now(other.now),
         at_rest(other.at_rest) {
     integrator.attach(model);
@@ -30,6 +34,8 @@ struct Plant::Impl {
   ContactorModel model;
   EventIntegrator<ContactorModel> integrator;
   ContactorModel::State rest_state{};  ///< valid while at rest; keeps the ledger
+  double bound = 0;                    ///< of the energy residual
+  long steps = 0;
   double now = 0;
   bool at_rest = true;
 
@@ -61,6 +67,17 @@ struct Plant::Impl {
     at_rest = true;
   }
 
+  /// The residual is a sum since t = 0: what a look misses, the next one sees.
+  void judge_energy() const {
+    const double residual = model.energy_residual(integrator.end_state().data());
+    if (residual <= bound) return;
+    char text[160];
+    std::snprintf(text, sizeof text,
+                  "plant: the energies do not balance at t = %.9g s, residual %.3g, allowed %.3g",
+                  integrator.end(), residual, bound);
+    throw std::runtime_error(text);
+  }
+
   void advance(double t_end, std::span<const double> times, std::span<PlantSample> out) {
     std::size_t next = 0;
     ContactorModel::State s;
@@ -78,6 +95,7 @@ struct Plant::Impl {
       if (!integrator.extend())
         throw std::runtime_error(
             "plant: the step became too small at t = " + std::to_string(integrator.end()) + " s");
+      if (++steps % 32 == 0) judge_energy();
     }
     for (; next < times.size(); ++next) model.sample(times[next], rest_state.data(), out[next]);
     now = t_end;
@@ -86,6 +104,7 @@ struct Plant::Impl {
 
 Plant::Plant(const Specimen& specimen, const Mains& mains, const PlantOptions& options) {
   require_valid(specimen);
+  if (const std::string beyond = rigid_only(specimen); !beyond.empty()) throw std::invalid_argument(beyond);
   require_valid(Supply{mains, options.coil_switch});
   if (!(options.relative_tolerance >= 1e-14 && options.relative_tolerance <= 1e-2))
     throw std::invalid_argument("relative tolerance: allowed 1e-14 .. 1e-2");

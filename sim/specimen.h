@@ -36,30 +36,41 @@ struct Magnet {
 
 /// Moving core with its bracket (the "holder"), return spring and stop on the static core.
 struct Core {
-  double mass = 0.1995;            ///< M, kg: armature and holder
-  double travel = 4.06e-3;         ///< m: contact gap plus overtravel
-  double return_preload = 9.15;    ///< F_r0, N, open
-  double return_rate = 1890;       ///< k_r, N/m
-  double friction = 2.0;           ///< F_f, N, Coulomb
-  double stop_stiffness = 3.14e7;  ///< k_core, N/m
-  double stop_restitution = 0.10;  ///< e_core
+  double mass = 0.1995;                  ///< M, kg: armature and holder
+  double travel = 4.06e-3;               ///< m: contact gap plus overtravel
+  double return_preload = 9.15;          ///< F_r0, N, open
+  double return_rate = 1890;             ///< k_r, N/m
+  double friction = 2.0;                 ///< F_f, N, Coulomb
+  double stop_stiffness = 3.14e7;        ///< k_core, N/m
+  double stop_restitution = 0.13126570;  ///< e_core, rebound of a drop test (sim/contact_damping.h)
+  double stop_exponent = 1;              ///< n: 1, 1.5 (Hertz) or 2
+  double stop_depth = 10e-6;             ///< d_0, m: with n > 1, where F = k d_0
+  double stop_speed = 0.5;               ///< m/s: with n > 1, of the drop test
+  double tilt_inertia = 0;     ///< I, kg m2: of core and holder against tilt; 0: guided without play
+  double tilt_hertz = 300;     ///< f_t: mode of the tilt on guide and springs
+  double tilt_damping = 0.05;  ///< z_t
+  double pole_arm = 12e-3;     ///< m: pole faces and stops from the tilt axis
 };
 
 /// Contact bridges with overtravel springs. Forces, rates and masses are those of ONE bridge.
 struct Bridges {
-  int poles = 3;                       ///< number of equal double-break bridges
-  double gap = 2.50e-3;                ///< x_c, m: travel to first touch
-  double mass = 7.76e-3;               ///< m_c, kg
-  double preload = 3.07;               ///< F_c0, N: overtravel spring, open
-  double rate = 3000;                  ///< k_c, N/m
-  double contact_stiffness = 2.86e6;   ///< k_con, N/m, both breaks together
-  double contact_restitution = 0.465;  ///< e_con
-  double seat_stiffness = 1.667e6;     ///< N/m: bridge against its seat in the holder
-  double seat_damping = 0.1;           ///< damping ratio of the seat
-  double half_length = 12e-3;          ///< m: bridge centre to break
-  double seat_half_length = 4e-3;      ///< m: bridge centre to each edge of its seat
-  double inertia = 6.0e-7;             ///< kg m2, about the tilt axis
-  double tilt_gap = 0.0;               ///< m: break B opens this much wider than break A (tilted bridge)
+  int poles = 3;                            ///< number of equal double-break bridges
+  double gap = 2.50e-3;                     ///< x_c, m: travel to first touch
+  double mass = 7.76e-3;                    ///< m_c, kg
+  double preload = 3.07;                    ///< F_c0, N: overtravel spring, open
+  double rate = 3000;                       ///< k_c, N/m
+  double contact_stiffness = 2.86e6;        ///< k_con, N/m, both breaks together
+  double contact_restitution = 0.51133007;  ///< e_con, rebound of a drop test (sim/contact_damping.h)
+  double contact_exponent = 1;              ///< n: 1, 1.5 (Hertz) or 2
+  double contact_depth = 10e-6;             ///< d_0, m: with n > 1, where F = k d_0
+  double contact_speed = 0.5;               ///< m/s: with n > 1, of the drop test
+  double seat_stiffness = 1.667e6;          ///< N/m: bridge against its seat in the holder
+  double seat_damping = 0.10192631;         ///< damping ratio of the seat
+  double half_length = 12e-3;               ///< m: bridge centre to break
+  double seat_half_length = 4e-3;           ///< m: bridge centre to each edge of its seat
+  double inertia = 6.0e-7;                  ///< kg m2, about the tilt axis
+  double tilt_gap = 0.0;                    ///< m: break B opens this much wider than break A (tilted bridge)
+  double pitch = 0.0;                       ///< m: from pole to pole along the lever of the core's tilt
   double gap_spread = 0.0;  ///< m: each pole opens this much wider than the one before; the first is measured
 };
 
@@ -72,6 +83,10 @@ struct Base {
   double core_mass = 0;        ///< M_s, kg: static core on its buffer; 0 = it is part of M_h
   double core_hertz = 250;     ///< f_s: mode of M_s on the buffer, housing held
   double core_damping = 0.05;  ///< z_s
+  int flex_modes = 0;          ///< bending modes of the housing, a free beam along the poles
+  double flex_hertz = 820;     ///< f_1; the higher ones at 2.757 and 5.404 times that
+  double flex_mass = 0.15;     ///< kg, modal, of each
+  double flex_damping = 0.01;  ///< z of each
 };
 
 struct Specimen {

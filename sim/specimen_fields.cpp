@@ -33,7 +33,17 @@ namespace {
   X(core, return_rate, "return_rate_N_per_m", 1, 0, 1e7, "k_r, return spring")                               \
   X(core, friction, "friction_N", 1, 0, 1e3, "F_f, Coulomb friction of the holder")                          \
   X(core, stop_stiffness, "stop_stiffness_N_per_m", 1, 1e3, 1e12, "k_core, pole faces pressed together")     \
-  X(core, stop_restitution, "stop_restitution", 1, 0, 1, "e_core, sets the damping of the stop")             \
+  X(core, stop_restitution, "stop_restitution", 1, 1e-3, 1, "e_core, rebound of a drop test of the stop")    \
+  X(core, stop_exponent, "stop_exponent", 1, 1, 2,                                                           \
+    "n: 1 spring and damper; 1.5 Hertz, 2: Hunt and Crossley's damping")                                     \
+  X(core, stop_depth, "stop_depth_um", 1e-6, 0.1, 1000,                                                      \
+    "d_0, with n above 1: depth at which F = k_core d_0")                                                    \
+  X(core, stop_speed, "stop_speed_m_per_s", 1, 0.01, 20, "with n above 1: speed of the drop test of e_core") \
+  X(core, tilt_inertia, "tilt_inertia_g_mm2", 1e-9, 0, 1e9,                                                  \
+    "I, core and holder against tilt; 0: guided without play")                                               \
+  X(core, tilt_hertz, "tilt_mode_Hz", 1, 1, 1e5, "f_t, mode of the tilt")                                    \
+  X(core, tilt_damping, "tilt_damping", 1, 0, 2, "z_t, damping ratio of that mode")                          \
+  X(core, pole_arm, "pole_arm_mm", 1e-3, 0.5, 500, "pole faces and stops from the tilt axis")                \
   X(bridges, poles, "poles", 1, 1, 8, "n, equal double-break bridges")                                       \
   X(bridges, gap, "gap_mm", 1e-3, 0.05, 50, "x_c, travel to first touch")                                    \
   X(bridges, mass, "mass_g", 1e-3, 0.01, 2000, "m_c, one bridge")                                            \
@@ -41,7 +51,14 @@ namespace {
   X(bridges, rate, "rate_N_per_m", 1, 1, 1e7, "k_c, overtravel spring of one bridge")                        \
   X(bridges, contact_stiffness, "contact_stiffness_N_per_m", 1, 1e2, 1e12,                                   \
     "k_con, both breaks of one bridge")                                                                      \
-  X(bridges, contact_restitution, "contact_restitution", 1, 0, 1, "e_con, sets the damping of the contacts") \
+  X(bridges, contact_restitution, "contact_restitution", 1, 1e-3, 1,                                         \
+    "e_con, rebound of a drop test of the contacts")                                                         \
+  X(bridges, contact_exponent, "contact_exponent", 1, 1, 2,                                                  \
+    "n: 1 spring and damper; 1.5 Hertz, 2: Hunt and Crossley's damping")                                     \
+  X(bridges, contact_depth, "contact_depth_um", 1e-6, 0.1, 1000,                                             \
+    "d_0, with n above 1: depth at which F = k_con d_0")                                                     \
+  X(bridges, contact_speed, "contact_speed_m_per_s", 1, 0.01, 20,                                            \
+    "with n above 1: speed of the drop test of e_con")                                                       \
   X(bridges, seat_stiffness, "seat_stiffness_N_per_m", 1, 1e2, 1e12,                                         \
     "bridge against its seat in the holder")                                                                 \
   X(bridges, seat_damping, "seat_damping", 1, 0, 2, "z_stop, damping ratio of the seat")                     \
@@ -50,6 +67,7 @@ namespace {
     "bridge centre to each edge of its seat")                                                                \
   X(bridges, inertia, "inertia_g_mm2", 1e-9, 0.1, 1e7, "J, one bridge about its tilt axis")                  \
   X(bridges, tilt_gap, "tilt_gap_mm", 1e-3, -5, 5, "break B opens this much wider than break A")             \
+  X(bridges, pitch, "pitch_mm", 1e-3, 0, 200, "from pole to pole along the lever of the core's tilt")        \
   X(bridges, gap_spread, "gap_spread_mm", 1e-3, -5, 5,                                                       \
     "each pole opens this much wider than the one before")                                                   \
   X(base, mass, "mass_g", 1e-3, 1, 1e6, "M_h, static core and fixed contacts")                               \
@@ -59,6 +77,10 @@ namespace {
     "M_s, static core on buffer springs; 0 = part of the base")                                              \
   X(base, core_hertz, "core_mode_Hz", 1, 0.1, 1e5, "f_s, mode of the static core on its buffer")             \
   X(base, core_damping, "core_damping", 1, 0, 2, "z_s, damping ratio of that mode")                          \
+  X(base, flex_modes, "flex_modes", 1, 0, 3, "bending modes of the housing, a free beam along the poles")    \
+  X(base, flex_hertz, "flex_mode_Hz", 1, 1, 1e5, "f_1; the higher ones at 2.757 and 5.404 times that")       \
+  X(base, flex_mass, "flex_mass_g", 1e-3, 1, 1e6, "modal mass of each of them")                              \
+  X(base, flex_damping, "flex_damping", 1, 0, 2, "damping ratio of each of them")                            \
   X(shape, centre_width, "centre_width_mm", 1e-3, 2, 200, "centre leg of the core")                          \
   X(shape, outer_width, "outer_width_mm", 1e-3, 1, 100, "each outer leg")                                    \
   X(shape, window_width, "window_width_mm", 1e-3, 1, 200, "between centre and outer leg")                    \

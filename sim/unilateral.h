@@ -13,19 +13,30 @@
 
 namespace powbench::sim {
 
-/// Damping ratio whose free oscillation returns with restitution e: zeta = -ln e / sqrt(pi^2 + ln^2 e). e = 0
-/// gives 1.
-inline double damping_ratio(double restitution) {
-  if (restitution <= 0) return 1;
-  const double log_e = std::log(restitution);
-  return -log_e / std::sqrt(pi * pi + log_e * log_e);
+/// Rebound over approach velocity of a mass on such a contact, with zeta = c / (2 sqrt(k m)):
+/// e = exp(-2 zeta acos(zeta) / sqrt(1 - zeta^2)); beyond zeta = 1, where it is exp(-2), with acosh and zeta^2 - 1.
+inline double rebound_ratio(double zeta) {
+  const double side = 1 - zeta * zeta;
+  if (std::fabs(side) < 1e-8) return std::exp(-2.0 - 4.0 / 3.0 * (zeta - 1));
+  const double angle = side > 0 ? std::acos(zeta) : std::acosh(zeta);
+  return std::exp(-2 * zeta * angle / std::sqrt(std::fabs(side)));
 }
 
-/// Rebound over approach velocity of a mass on such a contact, which may not pull:
-/// e = exp(-tan b (pi - 2 b)), b = asin zeta. Larger than the e that zeta came from.
-inline double rebound_ratio(double zeta) {
-  const double b = std::asin(zeta);
-  return std::exp(-std::tan(b) * (pi - 2 * b));
+/// The damping ratio of a rebound 0 < e <= 1: the inverse of `rebound_ratio`, by Newton. -ln e is a concave function of
+/// zeta with slope pi at 0, so that each step stays below the root.
+inline double rebound_damping_ratio(double rebound) {
+  const double wanted = -std::log(rebound);
+  if (wanted <= 0) return 0;
+  double zeta = wanted / pi;
+  for (int i = 0; i < 60; ++i) {
+    const double side = 1 - zeta * zeta, here = -std::log(rebound_ratio(zeta));
+    const double g = here / (2 * zeta);
+    const double slope = std::fabs(side) < 1e-6 ? 4.0 / 3 : 2 * g + 2 * zeta * (zeta * g - 1) / side;
+    const double step = (wanted - here) / slope;
+    zeta += step;
+    if (std::fabs(step) <= 1e-15 * zeta) break;
+  }
+  return zeta;
 }
 
 struct Unilateral {

@@ -32,6 +32,11 @@ void check_gaps(const Specimen& s, std::vector<SpecimenError>& errors) {
     }
 }
 
+/// Between 1, 1.5 and 2 there is no law.
+void check_exponent(const char* key, double n, std::vector<SpecimenError>& errors) {
+  if (n >= 1 && n <= 2 && n != 1 && n != 1.5 && n != 2) errors.push_back({key, text(n), "1, 1.5 and 2"});
+}
+
 }  // namespace
 
 std::vector<SpecimenError> validate(const Specimen& s) {
@@ -45,6 +50,8 @@ std::vector<SpecimenError> validate(const Specimen& s) {
                       text(f.low) + " .. " + text(f.high)});
   }
   check_gaps(s, errors);
+  check_exponent("core.stop_exponent", s.core.stop_exponent, errors);
+  check_exponent("bridges.contact_exponent", s.bridges.contact_exponent, errors);
   if (errors.empty())
     for (const auto& e : shape_errors(s.shape)) errors.push_back({e.key, e.value, e.range});
   return errors;

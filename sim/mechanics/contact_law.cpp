@@ -30,4 +30,14 @@ double hunt_crossley_restitution(double lambda_v) {
   return 0.5 * (low + high);
 }
 
+double hunt_crossley_approach(double restitution) {
+  double low = 0, high = 1;
+  while (hunt_crossley_restitution(high) > restitution) high *= 2;
+  for (int i = 0; i < 200 && high - low > 1e-16 * high; ++i) {
+    const double middle = 0.5 * (low + high);
+    (hunt_crossley_restitution(middle) > restitution ? low : high) = middle;
+  }
+  return 0.5 * (low + high);
+}
+
 }  // namespace powbench::sim

@@ -87,6 +87,8 @@ double contact_time(const ContactLaw&, double mass, double speed);
 /// ln((1 + lambda v) / (1 - lambda e v)) = lambda v (1 + e). Does not depend on k, n or the mass; the common
 /// 1 - 2/3 lambda v is its start only (0.600 instead of 0.712 at 0.6).
 double hunt_crossley_restitution(double lambda_v);
+/// lambda v of a restitution 0 < e <= 1: the inverse, to rounding.
+double hunt_crossley_approach(double restitution);
 
 /// Natural length in s (dt = sqrt(d) ds) of an impact that has now the depth d and the rate v.
 template <class Real>

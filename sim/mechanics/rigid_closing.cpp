@@ -5,16 +5,40 @@
 #include <stdexcept>
 
 #include "core/units.h"
+#include "sim/contact_damping.h"
 #include "sim/specimen_potential.h"
-#include "sim/unilateral.h"
 #include "sim/validate.h"
 
 namespace powbench::sim {
 namespace {
 
-ContactLaw half(double stiffness, double ratio, double mass) {
-  const double c = 2 * ratio * std::sqrt(stiffness * mass);
-  return {stiffness / 2, 1, DampingForm::linear, c / 2, 0};
+/// One of two equal ends that share a contact of the specimen; `viscous` is its c where n = 1.
+ContactLaw half(double stiffness, double n, double viscous, double depth, double rebound, double speed) {
+  if (n == 1) return {stiffness / 2, 1, DampingForm::linear, viscous / 2, 0};
+  const double lambda = hunt_crossley_approach(rebound) / speed;
+  return {stiffness / 2 * std::pow(depth, 1 - n), n, DampingForm::hunt_crossley, lambda, 0};
+}
+
+/// Displacement of a free beam's bending mode k = 1, 2, 3 at a share of its length: +-1 at its ends.
+double beam_shape(int k, double share) {
+  constexpr double root[] = {4.730040744862704, 7.853204624095838, 10.995607838001671};
+  const double b = root[k - 1], z = b * share;
+  const double ratio = (std::cosh(b) - std::cos(b)) / (std::sinh(b) - std::sin(b));
+  return 0.5 * (std::cosh(z) + std::cos(z) - ratio * (std::sinh(z) + std::sin(z)));
+}
+
+/// The housing bends along the row of poles, which stand at the middles of equal shares of its length.
+void add_bending(const Specimen& s, RigidParts& p) {
+  constexpr double of_first[] = {1, 2.756538, 5.403918};
+  for (int k = 1; k <= s.base.flex_modes; ++k) {
+    BaseMode m;
+    m.mass = s.base.flex_mass;
+    m.hertz = s.base.flex_hertz * of_first[k - 1];
+    m.damping = s.base.flex_damping;
+    for (int pole = 0; pole < s.bridges.poles; ++pole)
+      m.shape[pole][0] = m.shape[pole][1] = beam_shape(k, (pole + 0.5) / s.bridges.poles);
+    p.modes.push_back(m);
+  }
 }
 
 PlantEvent plant_event(const RigidEvent& e) {
@@ -111,12 +135,15 @@ void set_base(const Base& b, RigidParts& p) {
 RigidParts rigid_parts(const Specimen& s) {
   require_valid(s);
   RigidParts p;
-  const double stop_depth = s.core.return_preload / s.core.stop_stiffness;
+  const double stop_depth = stop_rest_depth(s);
   const double seat_depth = s.bridges.preload / s.bridges.seat_stiffness;
   p.core_mass = s.core.mass;
-  p.core_inertia = s.core.mass * 1e-4;
-  p.tilt_rate = p.core_inertia * 1e6;
-  p.tilt_damping = 0;
+  const bool tilts = s.core.tilt_inertia > 0;  // else nothing excites it: all bridges in the middle
+  p.core_inertia = tilts ? s.core.tilt_inertia : s.core.mass * 1e-4;
+  const double omega = tilts ? 2 * pi * s.core.tilt_hertz : 1e3;
+  p.tilt_rate = p.core_inertia * omega * omega;
+  p.tilt_damping = tilts ? 2 * s.core.tilt_damping * p.core_inertia * omega : 0;
+  p.pole_arm = s.core.pole_arm;
   // the specimen counts lengths from the pressed position of rest, the parts from the untouched one
   p.travel = s.core.travel - stop_depth;
   p.return_preload = s.core.return_preload + s.core.return_rate * stop_depth;
@@ -124,13 +151,18 @@ RigidParts rigid_parts(const Specimen& s) {
   p.core_damping = 0;
   p.core_friction = s.core.friction;
   set_base(s.base, p);
-  p.pole = p.stop = half(s.core.stop_stiffness, damping_ratio(s.core.stop_restitution), s.core.mass);
+  add_bending(s, p);
   const auto& b = s.bridges;
-  p.pad = half(b.contact_stiffness, damping_ratio(b.contact_restitution), b.mass);
-  p.seat = half(b.seat_stiffness, b.seat_damping, b.mass);
+  const auto& c = s.core;
+  p.pole = p.stop = half(c.stop_stiffness, c.stop_exponent, stop_damping(s), c.stop_depth, c.stop_restitution,
+                         c.stop_speed);
+  p.pad = half(b.contact_stiffness, b.contact_exponent, pad_damping(s), b.contact_depth,
+               b.contact_restitution, b.contact_speed);
+  p.seat = half(b.seat_stiffness, 1, seat_damping(s), 1, 1, 1);
   for (int pole = 0; pole < b.poles; ++pole) {
     RigidBridge r;
     r.mass = b.mass;
+    if (tilts) r.position = (pole - 0.5 * (b.poles - 1)) * b.pitch;
     r.inertia = b.inertia;
     r.pad_arm = b.half_length;
     r.seat_arm = b.seat_half_length;
@@ -168,10 +200,9 @@ Trajectory run_closing(const MagneticPotential& potential, bool pressed_gap, con
   o.tolerance = relative_tolerance;
   o.end = duration;
   o.ledger = ledger;
-  o.energy_bound = 1;
   o.off = conditions.hold_time < duration ? conditions.hold_time : 1e300;
   o.sample = sample_dt;
-  const double rest = -specimen.core.return_preload / specimen.core.stop_stiffness;
+  const double rest = -stop_rest_depth(specimen);
   o.each = Sampler{specimen, drive, rest, result.samples};
   const auto run = run_rigid(parts, drive, o);
   if (!run.completed) throw std::runtime_error(run.dump);

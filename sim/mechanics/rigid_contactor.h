@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <memory>
@@ -143,7 +144,9 @@ class RigidContactor {
   double energy_residual(const Real* y) const;
   /// To be called once at the start: what the ledger compares with.
   void mark_energy(const Real* y) { start_energy_ = energies(y).stored(); }
-  bool has_ledger() const { return ledger_ >= 0; }
+  /// W by which friction drives the core: 0, or its mode is wrong.
+  Real friction_gain(const Real* y) const { return std::max(lanes_.friction * y[lanes_.dof], Real(0)); }
+  double least_energy() const { return least_energy_; }  ///< J, F_r0 times the travel
 
   std::vector<RigidEvent>& events() { return events_; }
   const std::vector<RigidEvent>& events() const { return events_; }

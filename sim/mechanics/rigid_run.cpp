@@ -107,7 +107,7 @@ class Closing {
     run_.reached = std::min(solver_.end(), options_.end);
     run_.events = contactor_.events();
     std::erase_if(run_.events, [&](const RigidEvent& e) { return e.time > run_.reached; });
-    run_.stages = closing_stages(run_.events, contactor_.bridges(), run_.reached);
+    run_.stages = closing_stages(run_.events, contactor_.bridges(), std::min(options_.off, run_.reached));
     run_.energies = contactor_.energies(solver_.end_state());
     run_.evaluations = solver_.evaluations() + stiff_.evaluations();
     run_.steps = solver_.steps() + run_.stiff_steps;
@@ -137,8 +137,12 @@ class Closing {
   void judge(bool moved) {
     const double residual = options_.ledger ? contactor_.energy_residual(solver_.end_state()) : 0.0;
     run_.energy_residual = std::max(run_.energy_residual, residual);
-    if (moved && residual <= bound_) return;
-    const char* why = !moved ? "the step became too small" : "the energy ledger does not close";
+    given_ += contactor_.friction_gain(solver_.end_state()) * (solver_.end() - solver_.begin());
+    const bool drives = given_ > bound_ * contactor_.least_energy();
+    if (moved && !drives && residual <= bound_) return;
+    const char* why = !moved   ? "the step became too small"
+                      : drives ? "friction gives energy"
+                               : "the energy ledger does not close";
     run_.completed = false;
     run_.dump = describe(contactor_, solver_.end_state(), solver_.end(), residual, why);
   }
@@ -172,6 +176,7 @@ class Closing {
   alignas(64) double y_[Solver::capacity] = {};
   double next_sample_;
   double bound_;
+  double given_ = 0;  ///< J, by friction
   long samples_ = 0;
   int patience_ = 0;
   bool on_ = true;

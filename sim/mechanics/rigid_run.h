@@ -24,7 +24,7 @@ struct RigidOptions {
   bool ledger = true;
   bool stiff_fallback = true;  ///< settled phases that are stiff go to the Rosenbrock method
   double energy_bound =
-      0;               ///< largest allowed residual of the ledger; 0: a hundred tolerances, at least 1e-6
+      0;  ///< largest allowed residual of the ledger, and of what friction gives; 0: a hundred tolerances, at least 1e-6
   double off = 1e300;  ///< s, the coil's switch is told to open: it does at the next zero of the current
   double sample = 0;   ///< s between samples, 0: none
   /// Called at k * sample, k = 1, 2, ..., with the contactor and its states.
@@ -45,7 +45,7 @@ struct RigidRun {
 };
 
 /// Closes from static equilibrium. Throws std::invalid_argument for impossible parts or options. A run whose ledger
-/// passes its bound, or whose step becomes too small, ends with a dump instead of a result.
+/// passes its bound, whose friction drives, or whose step becomes too small ends with a dump instead of a result.
 RigidRun run_rigid(const RigidParts&, const CoilDrive&, const RigidOptions&);
 
 }  // namespace powbench::sim

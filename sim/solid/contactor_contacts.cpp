@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "sim/unilateral.h"
+#include "sim/contact_damping.h"
 
 namespace powbench::sim {
 namespace {
@@ -11,10 +11,6 @@ namespace {
 struct Layer {
   double stiffness = 0, damping = 0;  ///< N/m, N s/m
 };
-
-Layer layer(double stiffness, double ratio, double mass) {
-  return {stiffness, 2 * ratio * std::sqrt(stiffness * mass)};
-}
 
 /// m2: of the faces of a and b that meet when b has gone up by `gap`, mean of both ways; measured with a layer of
 /// 1 Pa/m that is pressed by a micrometre.
@@ -70,9 +66,8 @@ SolidPlane rest_under(const CellBatches& cells, int part, const Layer& sum, doub
 
 ContactorContacts contactor_contacts(const ContactorMesh& c, const CellBatches& cells, const Specimen& s) {
   const Bridges& b = s.bridges;
-  const Layer pad = layer(b.contact_stiffness, damping_ratio(b.contact_restitution), b.mass),
-              seat = layer(b.seat_stiffness, b.seat_damping, b.mass),
-              stop = layer(s.core.stop_stiffness, damping_ratio(s.core.stop_restitution), s.core.mass);
+  const Layer pad{b.contact_stiffness, pad_damping(s)}, seat{b.seat_stiffness, seat_damping(s)},
+      stop{s.core.stop_stiffness, stop_damping(s)};
   ContactorContacts all;
   all.options.edges = false;  // all faces that meet are level
   for (const int bridge : c.bridges) add_pair(all.options, cells, c.base, bridge, b.gap, pad);

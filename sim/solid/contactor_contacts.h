@@ -18,9 +18,9 @@ struct ContactorContacts {
 };
 
 /// Linear layers F = k l + c dl/dt >= 0 whose sums over the faces that meet are
-///   pads   k = contact_stiffness, c = 2 zeta(contact_restitution) sqrt(k m_bridge)
+///   pads   k = contact_stiffness, c = pad_damping(specimen)
 ///   seats  k = seat_stiffness,    c = 2 seat_damping sqrt(k m_bridge)
-///   stop, rest  k = stop_stiffness, c = 2 zeta(stop_restitution) sqrt(k m_core)
+///   stop, rest  k = stop_stiffness, c = stop_damping(specimen)
 /// as in the lumped model. The rest lies so that everything is in balance with the mover `seat_depth` below its place in
 /// the mesh.
 ContactorContacts contactor_contacts(const ContactorMesh&, const CellBatches&, const Specimen&);

@@ -1,6 +1,8 @@
 #pragma once
 
 #include <array>
+#include <atomic>
+#include <cstdint>
 #include <functional>
 #include <memory>
 #include <span>
@@ -30,6 +32,16 @@ struct Rung {
   bool costly = false;  ///< seconds a closing
 
   std::string name() const { return fields + "+" + mechanics; }
+};
+
+/// A rigid closing whose energies are looked at: the first and one in forty after it run once more with the ledger, which
+/// throws std::runtime_error where it does not balance within a hundred tolerances. That run is not used otherwise, so an
+/// audit changes no bit. (The plant carries its ledger in every run, `modal` and `explicit` too.)
+struct Audited {
+  using Run = std::function<Trajectory(const Case&, double duration, double tolerance, double sample_dt)>;
+  Run run, with_ledger;
+  std::shared_ptr<std::atomic<std::uint64_t>> calls = std::make_shared<std::atomic<std::uint64_t>>(0);
+  Trajectory operator()(const Case&, double duration, double tolerance, double sample_dt) const;
 };
 
 /// `circuit+plant`: the lumped circuit and the plant of the simulated rig. `circuit+rigid`: the same circuit and the

@@ -7,6 +7,7 @@
 #include <stdexcept>
 
 #include "core/units.h"
+#include "sim/contact_damping.h"
 #include "sim/mechanics/rigid_closing.h"
 #include "sim/remanence.h"
 #include "sim/solid/modal_closing.h"
@@ -141,7 +142,6 @@ Trajectory run_explicit(const FieldRung& field, const Case& c, double duration, 
   SolidClosingOptions o;
   o.cell = cell_mm * 1e-3;
   o.end = std::min(duration, explicit_duration);
-  o.solid.energy_bound = 0.5;  // the residual is handed on with the result
   o.pressed_gap = field.pressed_gap;
   return trajectory(solid_closing(c.specimen, c.conditions, *field.potential(c), o), c, duration, sample_dt);
 }
@@ -180,7 +180,9 @@ std::shared_ptr<const MagneticPotential> corrected_potential(std::shared_ptr<con
 }
 
 std::string unknown_to(std::string_view mechanics, const Case& c) {
-  if (mechanics != "modal" && mechanics != "explicit") return "";
+  if (mechanics == "rigid") return "";
+  if (std::string beyond = rigid_only(c.specimen); !beyond.empty()) return beyond;
+  if (mechanics == "plant") return "";
   const std::string rung = "the rung " + std::string(mechanics);
   const std::string instead = "; take plant or rigid";
   if (!plain(c.bench.mains) || c.bench.coil_switch.kind != CoilSwitch::Kind::ideal)
@@ -204,11 +206,15 @@ Rung scene_rung(const FieldRung& field, std::string_view mechanics) {
   }
   if (mechanics == "rigid") {
     if (field.name == "circuit") return closing_rungs()[1];
-    Rung r{field.name, "rigid", field.meaning + ", rigid parts",
-           [field](const Case& c, double duration, double tolerance, double sample_dt) {
-             return simulate_rigid_with(*field.potential(c), c.specimen, c.conditions, duration, sample_dt,
-                                        tolerance, false, c.bench);
-           }};
+    const auto with = [field](bool ledger) {
+      return [field, ledger](const Case& c, double duration, double tolerance, double sample_dt) {
+        return simulate_rigid_with(*field.potential(c), c.specimen, c.conditions, duration, sample_dt,
+                                   tolerance, ledger, c.bench);
+      };
+    };
+    Rung r{field.name, "rigid", field.meaning + ", rigid parts", nullptr};
+    // a field solved anew costs seconds: once is enough
+    r.run = field.costly ? Audited::Run(with(false)) : Audited{with(false), with(true)};
     r.costly = field.costly;
     if (field.costly) r.settings = {1e-3, 1e-4, 1e-5};
     return r;

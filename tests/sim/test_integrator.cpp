@@ -201,15 +201,14 @@ TEST_CASE("spring and Coulomb friction: half-cycles of pi, amplitude two less ea
 }
 
 TEST_CASE("impact on a contact that may not pull: rebound ratio against the closed form") {
-  for (const double restitution : {0.03, 0.25, 0.45, 0.8, 1.0}) {
-    const double zeta = damping_ratio(restitution);
+  for (const double zeta : {0.745, 0.404, 0.246, 0.0709, 0.0}) {
     WallHit hit;
     hit.mass = 9.6e-3;
     hit.wall = Unilateral::with_ratio(6e6, zeta, hit.mass);
     EventIntegrator<WallHit> integrator(hit, 1e-11, 1e-3);
     integrator.restart(0, {-1e-4, 0.5}, 1e-6);
     const auto s = run(integrator, 1e-3);
-    CAPTURE(restitution, zeta);
+    CAPTURE(zeta);
     CHECK(hit.flips == 2);
     CHECK(hit.touched == Approx(2e-4).epsilon(1e-10));
     CHECK(-s[1] / 0.5 == Approx(rebound_ratio(zeta)).epsilon(1e-8));

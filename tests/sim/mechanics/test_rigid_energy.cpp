@@ -1,9 +1,11 @@
 // The energy ledger of the rigid rung, with a given pull and with a coil, and what happens when it does not close.
 
+#include <array>
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <cstdio>
 
+#include "sim/mechanics/rigid_closing.h"
 #include "tests/sim/mechanics/gap_inductance.h"
 
 using namespace powbench::sim;
@@ -100,4 +102,64 @@ TEST_CASE("core friction sticks without creep and slides with its exact loss", "
   CHECK(run.energies.friction > 0.5 * 4.9e-3);
   CHECK(run.stages.size() >= 5);
   CHECK(run.energy_residual < 1e-6);
+}
+
+TEST_CASE("a coil that is switched off ends the closing: what opens later is no bounce of it",
+          "[mechanics]") {
+  powbench::Conditions c;
+  c.closing_angle = 1;
+  c.hold_time = 0.06;
+  const auto held = simulate_rigid({}, c, 0.1, 0);
+  c.hold_time = 1;
+  const auto closed = simulate_rigid({}, c, 0.1, 0);
+  REQUIRE(held.truth.opened);
+  const auto begin = [](const Trajectory& t) {
+    for (const auto& s : t.stages)
+      if (s.stage == ClosingStage::closed) return s.begin;
+    return -1.0;
+  };
+  CHECK(begin(held) > 0);
+  CHECK(begin(held) == begin(closed));
+  CHECK(begin(held) < c.hold_time);
+}
+
+TEST_CASE("contact laws, bending, tilt and buffer of a specimen file close and balance their energy",
+          "[mechanics]") {
+  powbench::Conditions c;
+  c.closing_angle = 1;
+  const auto touch_of = [&](const Specimen& s) {
+    const auto t = simulate_rigid(s, c, 0.06, 0, 1e-8);  // with the ledger: throws where it does not balance
+    REQUIRE(t.truth.touch);
+    REQUIRE(t.truth.core_seat);
+    CHECK(t.energy_residual < 1e-6);
+    return std::array{*t.truth.touch, *t.truth.settled};
+  };
+  const auto plain = touch_of({});
+  Specimen hertz;
+  hertz.bridges.contact_exponent = hertz.core.stop_exponent = 1.5;
+  Specimen bending;
+  bending.base.flex_modes = 3;
+  Specimen tilting;
+  tilting.core.tilt_inertia = 3e-5;
+  tilting.bridges.pitch = 14e-3;
+  tilting.bridges.gap_spread = 20e-6;
+  Specimen level = tilting;
+  level.core.tilt_inertia = 0;
+  Specimen all = hertz;
+  all.base = bending.base;
+  all.base.core_mass = 0.15;
+  all.core.tilt_inertia = 3e-5;
+  all.bridges.pitch = 14e-3;
+  CHECK(touch_of(hertz)[1] != plain[1]);
+  CHECK(touch_of(bending)[1] != plain[1]);
+  CHECK(touch_of(tilting)[1] != touch_of(level)[1]);
+  CHECK(touch_of(all)[0] > 0.005);
+  // the plant knows none of them, and says so with the key
+  for (const auto& [s, key] :
+       {std::pair{hertz, "bridges.contact_exponent"}, std::pair{bending, "base.flex_modes"},
+        std::pair{tilting, "core.tilt_inertia_g_mm2"}})
+    CHECK_THROWS_WITH(simulate(s, c, 0.06, 0), Catch::Contains(key) && Catch::Contains("take rigid"));
+  hertz.bridges.contact_exponent = 1.3;
+  CHECK_THROWS_WITH(simulate_rigid(hertz, c, 0.06, 0),
+                    Catch::Contains("contact_exponent = 1.3, allowed 1, 1.5 and 2"));
 }
