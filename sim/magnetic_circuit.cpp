@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include "sim/specimen_steel.h"
+
 namespace powbench::sim {
 
 MagneticCircuit::MagneticCircuit(const Magnet& magnet, double travel)
@@ -18,6 +20,7 @@ MagneticCircuit::MagneticCircuit(const Magnet& magnet, double travel)
       exponent_(magnet.bh_exponent),
       even_power_(-1),
       has_ring_(false) {
+  if (!magnet.steel.empty()) steel_ = std::make_shared<const Steel>(steel_of(magnet));
   const double half = (exponent_ - 1) / 2;
   if (half == std::floor(half) && half >= 1 && half <= 50) even_power_ = static_cast<int>(2 * half);
   if (share_ > 0) {
@@ -34,7 +37,8 @@ double MagneticCircuit::energy(double phi, double phi2, double separation) const
   const double b = phi / area_;
   const double phi1 = phi - phi2;
   const double iron =
-      area_ * iron_length_ * b * b * (0.5 * linear_ + saturation_ * power(b) / (exponent_ + 1));
+      steel_ ? area_ * iron_length_ * steel_->energy(b)
+             : area_ * iron_length_ * b * b * (0.5 * linear_ + saturation_ * power(b) / (exponent_ + 1));
   return iron + 0.5 * r * (phi * phi + inverse_bare_ * phi1 * phi1 + inverse_shaded_ * phi2 * phi2);
 }
 

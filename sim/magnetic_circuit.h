@@ -1,8 +1,10 @@
 #pragma once
 
 #include <cmath>
+#include <memory>
 
 #include "core/units.h"
+#include "sim/fields/steel.h"
 #include "sim/specimen.h"
 
 /// Lumped magnetic circuit with one saturable iron path and two parallel outer pole parts, one inside the
@@ -38,6 +40,7 @@ struct Field {
 
 class MagneticCircuit {
  public:
+  /// Throws std::invalid_argument as `steel_of` does.
   explicit MagneticCircuit(const Magnet& magnet, double travel);
 
   /// False where the ring changes nothing: no shaded share, or a ring that settles within 50 ns at the open
@@ -74,6 +77,7 @@ class MagneticCircuit {
   double exponent_;
   int even_power_;  ///< exponent - 1 where that is an even whole number, else -1
   bool has_ring_;
+  std::shared_ptr<const Steel> steel_;  ///< in place of the law; null: the law
 };
 
 inline double MagneticCircuit::power(double b) const {
@@ -97,11 +101,20 @@ inline Field MagneticCircuit::field(double phi, double phi2, double separation) 
   const double r_bend =
       widening * widening / (mu0 * area_) * (gap_bend - 2 * fringe_ * widening * gap_slope * gap_slope);
   const double b = phi / area_;
-  const double steep = saturation_ * power(b);
   const double phi1 = phi - phi2;
+  double iron, iron_slope;  // A, m/H
+  if (steel_) {
+    const auto point = steel_->at(std::fabs(b));
+    iron = iron_length_ * std::copysign(point.h, b);
+    iron_slope = point.dh_db;
+  } else {
+    const double steep = saturation_ * power(b);
+    iron = iron_length_ * (linear_ + steep) * b;
+    iron_slope = linear_ + exponent_ * steep;
+  }
   Field f;
-  f.mmf = iron_length_ * (linear_ + steep) * b + r * (phi + inverse_bare_ * phi1);
-  f.mmf_phi = iron_length_ / area_ * (linear_ + exponent_ * steep) + r * (1 + inverse_bare_);
+  f.mmf = iron + r * (phi + inverse_bare_ * phi1);
+  f.mmf_phi = iron_length_ / area_ * iron_slope + r * (1 + inverse_bare_);
   f.mmf_phi2 = -r * inverse_bare_;
   f.mmf_separation = r_slope * (phi + inverse_bare_ * phi1);
   const double unlike = inverse_shaded_ * phi2 - inverse_bare_ * phi1;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "core/units.h"
 #include "sim/fields/magnet_shape.h"
@@ -29,9 +30,11 @@ struct Magnet {
   double bh_linear = 100.0;          ///< H(B) = bh_linear B + bh_power B^bh_exponent, A/m and T
   double bh_power = 8.0;
   double bh_exponent = 11.0;
-  double coercive_field = 0;   ///< H_c, A/m; 0: the iron forgets
-  double coercive_span = 0.1;  ///< B_c, T: change of B in which the coercive field turns over
-  double remanence = 0;        ///< -1 .. 1: left by the last switch-off, of the largest there is
+  std::string steel;                     ///< a measured curve in place of that law, by its name; "": the law
+  std::vector<double> steel_b, steel_h;  ///< T, A/m: its rows; empty: a built-in steel of that name
+  double coercive_field = 0;             ///< H_c, A/m; 0: the iron forgets
+  double coercive_span = 0.1;            ///< B_c, T: change of B in which the coercive field turns over
+  double remanence = 0;                  ///< -1 .. 1: left by the last switch-off, of the largest there is
 };
 
 /// Moving core with its bracket (the "holder"), return spring and stop on the static core.

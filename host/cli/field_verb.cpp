@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
+#include "host/cli/named_steel.h"
 #include "host/cli/percent.h"
 #include "host/cli/verbs.h"
 #include "host/config/specimen_file.h"
@@ -25,7 +26,7 @@ namespace fs = std::filesystem;
 sim::MagnetDesign design_of(const sim::Specimen& s, const std::string& steel) {
   try {
     auto design = sim::magnet_design(s);
-    if (!steel.empty()) design.steel = sim::builtin_steel(steel);
+    if (!steel.empty()) design.steel = named_steel(steel).steel;
     return design;
   } catch (const std::invalid_argument& error) {
     throw BadInput({error.what()});

@@ -42,6 +42,19 @@ Try:  powbench events shot.csv             contacts at once, without a store; --
       powbench import shot.csv --db lab.db  then events, export, report from there
 )";
 
+constexpr const char* steel_footer = R"(
+A B-H sheet has one header line and one row a line, the commutation curve from zero upwards:
+  H (A/m), B (T)
+  42, 0.21
+  88, 0.66
+H in A/m, kA/m, A/cm or Oe; B in T, mT, G or kG; J (T) in the place of B is the polarisation B - mu0 H.
+Other columns are passed over, the order of rows does not matter. Noise is smoothed and its size printed; numbers that no
+steel has in these units are refused with the units that would fit.
+
+Use it:  [magnet] steel = "sheet.csv"     in the specimen file: every rung, circuit and fields, takes it
+         powbench field SPECIMEN --steel sheet.csv
+)";
+
 void add_result_options(CLI::App* app, ResultArgs& args) {
   app->add_option("--db", args.database, "store to read")->capture_default_str();
   app->add_option("--campaign", args.campaign, "campaign id; the newest if left out");
@@ -217,7 +230,8 @@ void add_study_verbs(CLI::App& app) {
       ->capture_default_str();
   field->add_option("--accuracy", field_args->accuracy, "relative error of current and pull")
       ->capture_default_str();
-  field->add_option("--steel", field_args->steel, "built-in steel in place of the specimen's law");
+  field->add_option("--steel", field_args->steel,
+                    "built-in steel or B-H sheet (CSV) in place of the specimen's");
   field->add_flag("--ring", field_args->ring, "the shading ring as a third variable");
   field->add_option("--mesh", field_args->mesh_file,
                     "plane mesh of gmsh (MSH 4.1) in place of the specimen's shape: one state at --current");
@@ -227,6 +241,15 @@ void add_study_verbs(CLI::App& app) {
   field->add_flag("--symmetric", field_args->symmetric, "the mesh is one half of the device");
   field->add_flag("--ends", field_args->ends, "with the ends of stack and coil, from three dimensions");
   field->add_flag("--json", field_args->json, "JSON to stdout");
+  auto steel_args = std::make_shared<SteelArgs>();
+  CLI::App* steel =
+      verb(app, "steel", "A steel's B-H curve: checked, smoothed, with a picture; alone: the list",
+           steel_args, show_steel);
+  steel->footer(steel_footer);
+  steel->add_option("steel", steel_args->steel,
+                    "B-H sheet (CSV) or built-in steel; all built-in ones if left out");
+  steel->add_option("-o,--output", steel_args->picture, "picture (SVG); the steel's name if left out");
+  steel->add_flag("--json", steel_args->json, "JSON to stdout");
   auto args = std::make_shared<DemoArgs>();
   CLI::App* all =
       verb(app, "demo", "The whole path on the simulated rig: run, simulate, compare, report", args, demo);

@@ -164,7 +164,7 @@ struct FieldArgs {
   std::string specimen_file;  ///< "" = the reference contactor
   std::string folder = "field";
   std::string accuracy = "0.5%";
-  std::string steel;      ///< built-in steel; "" = the specimen's law
+  std::string steel;      ///< built-in steel or a B-H sheet; "" = the specimen's
   bool ring = false;      ///< the shading ring as a third variable
   std::string mesh_file;  ///< a plane mesh (MSH 4.1) in place of the specimen's shape; "" = none
   std::string mesh_unit = "mm";
@@ -174,6 +174,13 @@ struct FieldArgs {
   bool json = false;
 };
 Exit show_field(const FieldArgs&);
+
+struct SteelArgs {
+  std::string steel;    ///< built-in name or a B-H sheet; "" = list what is built in
+  std::string picture;  ///< SVG; "" = the steel's name in the working folder
+  bool json = false;
+};
+Exit show_steel(const SteelArgs&);
 
 struct DemoArgs {
   std::string folder = "powbench-demo";

@@ -1,7 +1,11 @@
 #include "host/config/specimen_file.h"
 
+#include <stdexcept>
+
 #include "host/config/file_reader.h"
+#include "host/config/steel_file.h"
 #include "sim/specimen_fields.h"
+#include "sim/specimen_steel.h"
 #include "sim/validate.h"
 
 namespace powbench::host {
@@ -21,6 +25,23 @@ std::string meaning_of(std::string_view section) {
   return std::string(section);
 }
 
+bool is_law_key(std::string_view key) {
+  return key.starts_with("bh_");
+}
+
+/// The measured steel of a magnet. Its rows are written only where there are any: a file names a sheet, a stored specimen holds
+/// what was in it.
+void add_steel(FileKind& kind, sim::Magnet& m, bool reading) {
+  kind.text(
+      "steel", m.steel,
+      "a measured steel in place of the law H = a B + b B^n: a B-H sheet (CSV, its place as seen from this "
+      "file) or a built-in one; `powbench steel` lists them");
+  if (!reading && m.steel_b.empty()) return;
+  kind.sweep("steel_B_T", m.steel_b, {0, 100}, "flux densities of the steel's rows, in place of a sheet",
+             Need::defaulted);
+  kind.sweep("steel_H_A_per_m", m.steel_h, {0, 1e8}, "field strengths of the steel's rows", Need::defaulted);
+}
+
 /// The simulator's own table of specimen fields, as a file. A shape that is not known is left out of what is written.
 FileKind kind_of(sim::Specimen& s, bool reading = false) {
   FileKind kind("specimen", "one contactor, as the simulator sees it");
@@ -28,7 +49,11 @@ FileKind kind_of(sim::Specimen& s, bool reading = false) {
   for (const auto& f : sim::specimen_fields()) {
     const std::string section(f.section);
     if (section == "shape" && !s.shaped && !reading) break;  // the last section
-    if (kind.sections().back().name != section) kind.section(section, meaning_of(section));
+    if (kind.sections().back().name != section) {
+      kind.section(section, meaning_of(section));
+      if (section == "magnet") add_steel(kind, s.magnet, reading);
+    }
+    if (is_law_key(f.key) && !s.magnet.steel.empty() && !reading) continue;
     const bool drawn = section == "shape";
     kind.number(std::string(f.key),
                 {[&s, &f] { return f.get(s); },
@@ -42,10 +67,40 @@ FileKind kind_of(sim::Specimen& s, bool reading = false) {
   return kind;
 }
 
-sim::Specimen read_with(FileReader reader) {
+/// Reads the sheet that the magnet names, or looks its steel up; every mistake is one of `reader`.
+void load_steel(FileReader& reader, sim::Magnet& m, const std::filesystem::path& folder) {
+  if (!reader.good("magnet", "steel")) {
+    for (const char* key : {"steel_B_T", "steel_H_A_per_m"})
+      if (reader.good("magnet", key))
+        reader.fail("magnet", key, "belongs to a steel: give its name as `steel`");
+    return;
+  }
+  for (const auto& f : sim::specimen_fields())
+    if (is_law_key(f.key) && reader.good("magnet", f.key))
+      reader.fail("magnet", f.key, "is the law that `steel` stands in for: leave out one of both");
+  if (reader.bad("magnet", "steel_B_T") || reader.bad("magnet", "steel_H_A_per_m")) return;
+  try {
+    if (m.steel_b.empty() && m.steel_h.empty() && names_steel_file(m.steel)) {
+      const auto sheet = read_steel(folder / m.steel);
+      m.steel = sheet.name;
+      for (const auto& row : sheet.fitted.rows) {
+        m.steel_b.push_back(row.b);
+        m.steel_h.push_back(row.h);
+      }
+    }
+    static_cast<void>(sim::steel_of(m));
+  } catch (const BadInput& error) {
+    for (const auto& line : error.errors()) reader.fail("magnet", "steel", line);
+  } catch (const std::invalid_argument& error) {
+    reader.fail("magnet", "steel", error.what());
+  }
+}
+
+sim::Specimen read_with(FileReader reader, const std::filesystem::path& folder) {
   sim::Specimen s;
   s.shaped = false;
   reader.read(kind_of(s, true));
+  load_steel(reader, s.magnet, folder);
   bool lengths_known = !reader.bad("core", "travel_mm");
   for (const char* key : {"gap_mm", "tilt_gap_mm", "gap_spread_mm"})
     lengths_known = lengths_known && !reader.bad("bridges", key);
@@ -63,11 +118,12 @@ sim::Specimen read_with(FileReader reader) {
 }  // namespace
 
 sim::Specimen read_specimen(const std::filesystem::path& path) {
-  return read_with(FileReader::open(path));
+  return read_with(FileReader::open(path), path.parent_path());
 }
 
 sim::Specimen parse_specimen(std::string text, std::string file) {
-  return read_with(FileReader(std::move(file), std::move(text)));
+  const auto folder = std::filesystem::path(file).parent_path();
+  return read_with(FileReader(std::move(file), std::move(text)), folder);
 }
 
 std::string specimen_template() {

@@ -5,7 +5,7 @@
 #include <string_view>
 #include <vector>
 
-#include "host/import/csv_table.h"
+#include "host/config/csv_table.h"
 
 /// COMTRADE, the exchange format of fault recorders and relays (IEEE C37.111 of 1991, 1999 and 2013, IEC 60255-24).
 

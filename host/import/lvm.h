@@ -4,7 +4,7 @@
 #include <string>
 #include <string_view>
 
-#include "host/import/csv_table.h"
+#include "host/config/csv_table.h"
 
 /// LVM, the text file of LabVIEW's measurements, with or without its headers.
 

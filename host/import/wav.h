@@ -4,7 +4,7 @@
 #include <string>
 #include <string_view>
 
-#include "host/import/csv_table.h"
+#include "host/config/csv_table.h"
 
 /// WAV, as sound cards and mains recorders write it (RIFF: PCM of 8 to 32 bits, IEEE float of 32 or 64).
 

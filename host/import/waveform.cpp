@@ -12,11 +12,11 @@
 #include <iterator>
 
 #include "host/config/bad_input.h"
+#include "host/config/csv_table.h"
 #include "host/import/clock.h"
 #include "host/import/column.h"
 #include "host/import/comtrade.h"
 #include "host/import/counts.h"
-#include "host/import/csv_table.h"
 #include "host/import/lvm.h"
 #include "host/import/wav.h"
 

@@ -33,6 +33,7 @@ MagneticResponse BlendedPotential::at(const MagneticState& state) const {
   r.current_gap = mix(&MagneticResponse::current_gap) + s1 * (b.current - a.current);
   r.ring_gap = mix(&MagneticResponse::ring_gap) + s1 * (b.ring_current - a.ring_current);
   r.pull_gap = mix(&MagneticResponse::pull_gap) + 2 * s1 * (b.pull - a.pull) + s2 * (b.energy - a.energy);
+  r.beyond = a.beyond || b.beyond;
   return r;
 }
 

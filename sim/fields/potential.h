@@ -30,6 +30,7 @@ struct MagneticResponse {
   double current_gap = 0;   ///< A/m, d2W/dpsi dgap = dF/dpsi
   double ring_gap = 0;      ///< A/m, d2W/dphi_s dgap
   double pull_gap = 0;      ///< N/m, d2W/dgap2
+  bool beyond = false;      ///< extrapolated: the state lies outside of what the rung was made from
 };
 
 /// A rung. Pure: equal states give equal bits, from any thread.

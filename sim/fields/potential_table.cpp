@@ -108,6 +108,7 @@ TablePotential::TablePotential(PotentialTable table) : table_(std::move(table)) 
   if (has_ring()) ring_ = Axis(table_.ring);
   fit_cells();
   check_stiffness();
+  fit_reaches();
 }
 
 /// Hermite data at the corners of each cell, turned into powers of the unit cell's coordinates, one axis after another.
@@ -152,7 +153,7 @@ void TablePotential::fit_cells() {
       }
 }
 
-MagneticResponse TablePotential::inside2(double psi, double gap, double* third) const {
+MagneticResponse TablePotential::inside2(double psi, double gap) const {
   const int p = psi_.cell(psi), g = gap_.cell(gap);
   const double hp = 1 / (psi_.node[index(p) + 1] - psi_.node[index(p)]);
   const double hg = 1 / (gap_.node[index(g) + 1] - gap_.node[index(g)]);
@@ -169,11 +170,10 @@ MagneticResponse TablePotential::inside2(double psi, double gap, double* third) 
   r.current = d.f * hp;
   r.current_gap = d.d * hp * hg;
   r.current_psi = dd.f * hp * hp;
-  if (third) *third = d.dd * hp * hg * hg;
   return r;
 }
 
-MagneticResponse TablePotential::inside3(double psi, double ring, double gap, double* cross_gap) const {
+MagneticResponse TablePotential::inside3(double psi, double ring, double gap) const {
   const int p = psi_.cell(psi), q = ring_.cell(ring), g = gap_.cell(gap);
   const double hp = 1 / (psi_.node[index(p) + 1] - psi_.node[index(p)]);
   const double hr = 1 / (ring_.node[index(q) + 1] - ring_.node[index(q)]);
@@ -207,87 +207,35 @@ MagneticResponse TablePotential::inside3(double psi, double ring, double gap, do
   r.current_gap = wp.d * hp * hg;
   r.ring_gap = wr.d * hr * hg;
   r.pull_gap = w.dd * hg * hg;
-  if (cross_gap) *cross_gap = wpr.d * hp * hr * hg;
   return r;
 }
 
 /// Inverse inductances of air at a gap with two derivatives by the gap: coil, or coil and ring.
-void TablePotential::air_at(double gap, double* gamma, double* slope, double* bend) const {
-  const std::size_t count = has_ring() ? 2 : 1;
-  const auto g = index(gap_.cell(gap));
-  const double h = gap_.node[g + 1] - gap_.node[g];
-  const double s = (gap - gap_.node[g]) / h;
-  for (std::size_t k = 0; k < count; ++k) {
-    const double* const a = table_.air.data() + 2 * (g * count + k);
-    const double* const b = a + 2 * count;
-    const auto c = cubic(a[0], a[1] * h, b[0], b[1] * h);
-    const Value v = value_at(Quad{c[0], c[1], c[2], c[3]}, s);
-    gamma[k] = v.f;
-    slope[k] = v.d / h;
-    bend[k] = v.dd / (h * h);
-  }
-}
-
-MagneticResponse TablePotential::beyond2(double psi, double over, double gap) const {
-  double third = 0, gamma = 0, slope = 0, bend = 0;
-  auto r = inside2(psi, gap, &third);
-  air_at(gap, &gamma, &slope, &bend);
-  const double half = 0.5 * over * over;
-  r.energy += r.current * over + gamma * half;
-  r.pull += r.current_gap * over + slope * half;
-  r.pull_gap += third * over + bend * half;
-  r.current += gamma * over;
-  r.current_gap += slope * over;
-  r.current_psi = gamma;
-  return r;
-}
-
-/// W = W_e + gradient_e . over + W_psi,ring over over + air over^2 / 2 with everything at the edge: C1 also where both
-/// fluxes leave the table. Second derivatives by the gap leave out the third ones of the edge.
-MagneticResponse TablePotential::beyond3(double psi, double ring, double over_psi, double over_ring,
-                                         double gap) const {
-  double gamma[2] = {}, slope[2] = {}, bend[2] = {}, cross_gap = 0;
-  const auto e = inside3(psi, ring, gap, &cross_gap);
-  air_at(gap, gamma, slope, bend);
-  const double pp = 0.5 * over_psi * over_psi, pr = over_psi * over_ring, rr = 0.5 * over_ring * over_ring;
-  MagneticResponse r = e;
-  r.energy +=
-      e.current * over_psi + e.ring_current * over_ring + gamma[0] * pp + e.current_ring * pr + gamma[1] * rr;
-  r.pull +=
-      e.current_gap * over_psi + e.ring_gap * over_ring + slope[0] * pp + cross_gap * pr + slope[1] * rr;
-  r.pull_gap += bend[0] * pp + bend[1] * rr;
-  r.current += gamma[0] * over_psi + e.current_ring * over_ring;
-  r.ring_current += e.current_ring * over_psi + gamma[1] * over_ring;
-  r.current_gap += slope[0] * over_psi + cross_gap * over_ring;
-  r.ring_gap += cross_gap * over_psi + slope[1] * over_ring;
-  if (over_psi != 0) r.current_psi = gamma[0];
-  if (over_ring != 0) r.ring_ring = gamma[1];
-  return r;
-}
-
 MagneticResponse TablePotential::at(const MagneticState& state) const {
-  const double sign = state.psi < 0 ? -1 : 1;
-  const double psi = sign * state.psi, ring = sign * state.ring;
-  if (!(std::isfinite(psi) && std::isfinite(state.gap)) || (has_ring() && !std::isfinite(ring))) {
+  // without flux in the coil the ring's sign decides, so that both polarities are one evaluation
+  const double sign = state.psi < 0 || (state.psi == 0 && has_ring() && state.ring < 0) ? -1 : 1;
+  const double psi = sign * state.psi, ring = has_ring() ? sign * state.ring : 0;
+  if (!std::isfinite(psi) || !std::isfinite(state.gap) || !std::isfinite(ring)) {
     const double nan = psi + ring + state.gap;
     return {nan, nan, nan, nan, nan, nan, nan, nan, nan, nan};
   }
-  const double gap = std::clamp(state.gap, 0.0, gap_.node.back());
-  const double inner = std::min(psi, psi_.node.back());
+  const double gap = std::max(state.gap, 0.0);
   MagneticResponse r;
-  if (!has_ring()) {
-    r = psi <= inner ? inside2(psi, gap, nullptr) : beyond2(inner, psi - inner, gap);
+  if (psi > psi_.node.back() || gap > gap_.node.back() ||
+      (has_ring() && (ring < ring_.node.front() || ring > ring_.node.back()))) {
+    r = outside(psi, ring, gap);
+    r.beyond = true;
   } else {
-    const double inner_ring = std::clamp(ring, ring_.node.front(), ring_.node.back());
-    r = psi <= inner && ring == inner_ring ? inside3(psi, ring, gap, nullptr)
-                                           : beyond3(inner, inner_ring, psi - inner, ring - inner_ring, gap);
+    r = has_ring() ? inside3(psi, ring, gap) : inside2(psi, gap);
   }
-  if (const double out = state.gap - gap; out != 0) {  // straight on
-    r.energy += r.pull * out;
-    r.current += r.current_gap * out;
-    r.ring_current += r.ring_gap * out;
+  if (const double pressed = state.gap - gap; pressed != 0) {  // straight on
+    r.energy += r.pull * pressed;
+    r.current += r.current_gap * pressed;
+    r.ring_current += r.ring_gap * pressed;
     r.pull_gap = 0;
   }
+  const bool dead = psi == 0 && ring == 0;  // no flux, no current: to the last bit, whatever the nodes say
+  if (dead) r.current = r.ring_current = r.current_gap = r.ring_gap = 0;
   r.current *= sign;
   r.ring_current *= sign;
   r.current_gap *= sign;

@@ -60,8 +60,14 @@ class TablePotential final : public MagneticPotential {
 
   bool has_ring() const override { return !table_.ring.empty(); }
 
-  /// Beyond the last node of psi, or of the ring flux, W goes on with the inductance of air, C1; beyond the last gap,
-  /// and below gap 0, linearly in the gap. NaN in, NaN out.
+  /// Beyond the last node of psi, of the ring flux or of the gap W goes on twice continuously differentiable, with
+  /// o = |psi| - |psi_e|, x = gap - gap_e, and the answer is flagged `beyond`:
+  ///
+  ///   d2W/dpsi2 = g + (S_e - g) / (1 + o / p)^2     the saturation law: from the edge's S_e to the inverse inductance of air, g
+  ///   F         = F_e (3 u^2 - 2 u^3) + F_e' d (u^2 - u^3),   u = 1 / (1 + x / d);    F_e u^2 where F_e' = -2 F_e / d
+  ///
+  /// with the lengths p and d of the whole table, so that W stays one potential. Below gap 0 (faces pressed together) W goes on
+  /// linearly. W(-psi, -ring, gap) = W(psi, ring, gap) to the last bit. NaN in, NaN out.
   MagneticResponse at(const MagneticState&) const override;
 
   const PotentialTable& table() const { return table_; }
@@ -81,16 +87,25 @@ class TablePotential final : public MagneticPotential {
   };
   void fit_cells();
   void check_stiffness();
-  MagneticResponse inside2(double psi, double gap, double* third) const;
-  MagneticResponse inside3(double psi, double ring, double gap, double* cross_gap) const;
-  MagneticResponse beyond2(double psi, double over, double gap) const;
-  MagneticResponse beyond3(double psi, double ring, double over_psi, double over_ring, double gap) const;
-  void air_at(double gap, double* gamma, double* slope, double* bend) const;
+  MagneticResponse inside2(double psi, double gap) const;
+  MagneticResponse inside3(double psi, double ring, double gap) const;
+
+  /// Derivatives of W by psi, ring and gap, each of order 0 .. 2.
+  struct Jet {
+    double w[3][3][3] = {};
+  };
+  Jet jet(double psi, double ring, double gap) const;
+  MagneticResponse outside(double psi, double ring, double gap) const;
+  void fit_reaches();
+  void fit_flux_reach();
+  void fit_gap_reach();
+  void air_at(double gap, std::size_t winding, double (&gamma)[3]) const;
 
   PotentialTable table_;
   Axis psi_, ring_, gap_;
   std::vector<double> cell_;  ///< coefficients: 16 (gap power slow, psi power fast) or 64 a cell
   double least_stiffness_ = 0;
+  double flux_reach_ = 0, ring_reach_ = 0, gap_reach_ = 0;  ///< p, the same for the ring, d
 };
 
 }  // namespace powbench::sim

@@ -86,10 +86,14 @@ std::vector<double> knot_slopes(const std::vector<BhRow>& rows, const std::vecto
   return slope;
 }
 
-/// Above the table: B = B_e + mu0 (H - H_e) + M (1 - exp(-(H - H_e)/h0)), with the slope of the table's end.
+/// Above the table, with x = H - H_e and the susceptibility k of the table's end: the law of Froehlich and Kennelly,
+///   B = B_e + mu0 x + k x / (1 + x / h0),   dB/dH = mu0 + k / (1 + x / h0)^2,
+/// whose magnetisation nears saturation as 1/H. h0 is such that the law meets the susceptibility of an earlier row, too.
 void append_tail(std::vector<Steel::Knot>& knots) {
-  constexpr int pieces = 40;
-  constexpr double reach = 16;  // in h0: exp(-16) of the susceptibility is left
+  constexpr int pieces = 60;
+  constexpr double reach = 60;    // in h0: 3e-4 of the susceptibility is left
+  constexpr double far = 0.5;     // of H_e: so far below is the earlier row
+  constexpr double fallen = 1.2;  // by this factor k falls from there, at least
   const auto e = knots.back();
   const double susceptibility = 1 / e.slope - mu0;
   if (susceptibility <= 1e-6 * mu0) {
@@ -99,16 +103,17 @@ void append_tail(std::vector<Steel::Knot>& knots) {
   double h0 = e.h;
   for (auto k = knots.rbegin(); k != knots.rend(); ++k) {
     const double before = 1 / k->slope - mu0;
-    if (e.h - k->h < 0.2 * e.h || before <= 1.1 * susceptibility) continue;
-    h0 = std::clamp((e.h - k->h) / std::log(before / susceptibility), 0.25 * e.h, 2 * e.h);
+    if (e.h - k->h < far * e.h || before <= fallen * susceptibility) continue;
+    const double root = std::sqrt(before / susceptibility);
+    h0 = (e.h - k->h) * root / (root - 1);
     break;
   }
+  h0 = std::clamp(h0, 0.5 * e.h, 4 * e.h);
   for (int k = 1; k <= pieces; ++k) {
-    const double share = static_cast<double>(k) / pieces;
-    const double h = reach * share * share * h0;
-    const double fade = k == pieces ? 0 : std::exp(-h / h0);
-    knots.push_back(
-        {e.b + mu0 * h + susceptibility * h0 * (1 - fade), e.h + h, 1 / (mu0 + susceptibility * fade), 0});
+    const double x = std::pow(reach + 1, static_cast<double>(k) / pieces) - 1;
+    const double fade = k == pieces ? 0 : 1 / ((1 + x) * (1 + x));
+    knots.push_back({e.b + mu0 * x * h0 + susceptibility * h0 * x / (1 + x), e.h + x * h0,
+                     1 / (mu0 + susceptibility * fade), 0});
   }
 }
 

@@ -29,9 +29,9 @@ struct SteelPoint {
 
 class Steel {
  public:
-  /// Monotone cubic through the rows (the origin is added where it is missing). Above the last row the susceptibility
-  /// dies off exponentially at the rate of the last rows, until the slope is 1/mu0. Throws std::invalid_argument that
-  /// names the row: fewer than 3 rows, B or H not increasing, a slope above 1/mu0, or a slope that falls by more than
+  /// Monotone cubic through the rows (the origin is added where it is missing). Above the last row
+  /// B = B_e + mu0 x + k x / (1 + x / h0) with x = H - H_e, the law of Froehlich and Kennelly at the rate of the last rows,
+  /// until the slope is 1/mu0. Throws std::invalid_argument that names the row: fewer than 3 rows, B or H not increasing, a slope above 1/mu0, or a slope that falls by more than
   /// 40 % after it has risen (noise).
   static Steel table(std::string name, std::vector<BhRow> rows);
 
@@ -78,12 +78,13 @@ class Steel {
   double last_slope_ = 0;
 };
 
-/// The built-in steels. Names: `reference` (nu = 100 + 10 exp(1.8 B^2) A m/Vs), `team13` and `team20` (the curves of the
-/// TEAM workshop problems), `lamination` (coil-contactor sheet: above 1.5 T the least values that EN 10106 guarantees
-/// for M800-50A, below them a smooth law with a peak relative permeability of about 5000), `power` (the specimen's
-/// default law 100 B + 8 B^11). Throws std::invalid_argument that lists the names for another one.
+/// A built-in steel; `builtin_steel_source` says of each where its numbers come from. Throws std::invalid_argument that lists
+/// the names for another one.
 Steel builtin_steel(std::string_view name);
 
 std::vector<std::string> builtin_steel_names();
+
+/// What was measured and by whom, or the law; one line for people.
+std::string builtin_steel_source(std::string_view name);
 
 }  // namespace powbench::sim

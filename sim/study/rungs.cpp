@@ -13,6 +13,7 @@
 #include "sim/solid/modal_closing.h"
 #include "sim/solid/solid_closing.h"
 #include "sim/specimen_potential.h"
+#include "sim/specimen_steel.h"
 
 namespace powbench::sim {
 namespace {
@@ -51,6 +52,7 @@ class CorrectedPotential final : public MagneticPotential {
     r.current_psi += a.current_psi - b.current_psi;
     r.current_gap += a.current_gap - b.current_gap;
     r.pull_gap += a.pull_gap - b.pull_gap;
+    r.beyond = r.beyond || a.beyond || b.beyond;
     return r;
   }
 
@@ -151,7 +153,7 @@ Trajectory run_explicit(const FieldRung& field, const Case& c, double duration, 
 MagnetDesign magnet_design(const Specimen& s) {
   MagnetDesign d;
   d.shape = s.shape;
-  d.steel = Steel::power_law(s.magnet.bh_linear, s.magnet.bh_power, s.magnet.bh_exponent);
+  d.steel = steel_of(s.magnet);
   d.turns = s.coil.turns;
   d.residual_gap = s.magnet.residual_gap;
   return d;

@@ -1,4 +1,4 @@
-#include "host/import/csv_table.h"
+#include "host/config/csv_table.h"
 
 #include <algorithm>
 #include <cctype>
