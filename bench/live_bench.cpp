@@ -1,19 +1,25 @@
 #include <fmt/format.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <atomic>
 #include <boost/asio/ip/tcp.hpp>
 #include <boost/beast/core.hpp>
 #include <boost/beast/http.hpp>
+#include <boost/beast/websocket.hpp>
 #include <chrono>
 #include <cstdlib>
+#include <ctime>
 #include <filesystem>
 #include <fstream>
+#include <mutex>
 #include <nlohmann/json.hpp>
 #include <thread>
 
 #include "host/serve/api.h"
 #include "host/serve/bench.h"
+#include "host/serve/frame.h"
 #include "host/serve/http.h"
 
 /// The live bench over loopback: from the click to the picture's data, the stop while a plan runs and while reports are made, size of
@@ -86,6 +92,78 @@ void wait_for_shot(Client& client, int more_than) {
   }
 }
 
+/// Processor time of this whole program, s.
+double cpu_seconds() {
+  timespec t{};
+  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
+  return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
+}
+
+struct Streamed {
+  double per_second = 0, core_percent = 0;
+};
+/// Records of 6 channels x 20 000 points, packed and sent as fast as the server lets them go for `seconds`, to a client in another
+/// process, so that the processor time is the server's alone.
+Streamed stream_records(double seconds) {
+  Record record;
+  record.sample_rate = 100e3;
+  for (std::size_t c = 0; c < 6; ++c) {
+    ChannelRecord channel;
+    channel.channel = static_cast<Channel>(c);
+    for (int i = 0; i < 20'000; ++i) channel.raw.push_back(static_cast<std::int16_t>(i * (c + 1)));
+    record.channels.push_back(std::move(channel));
+  }
+  std::mutex mutex;
+  std::shared_ptr<const std::string> newest;
+  HttpServer server("127.0.0.1", 0,
+                    {[](const Request&) { return Reply{}; }, [](const Request&) { return false; },
+                     [](const Request&) { return Reply{}; }, [] { return std::string("{}"); },
+                     [&] {
+                       const std::scoped_lock lock(mutex);
+                       return newest;
+                     }});
+  int counted[2];
+  if (pipe(counted) != 0) return {};
+  const pid_t child = fork();
+  if (child == 0) {
+    asio::io_context io;
+    beast::websocket::stream<asio::ip::tcp::socket> socket(io);
+    socket.next_layer().connect({asio::ip::make_address("127.0.0.1"), server.port()});
+    socket.read_message_max(0);
+    int frames = 0;
+    try {
+      socket.handshake("x", "/api/scope");
+      for (;;) {
+        beast::flat_buffer buffer;
+        socket.read(buffer);
+        if (buffer.size() > 240'000) ++frames;
+      }
+    } catch (const std::exception&) {
+    }
+    const auto written = write(counted[1], &frames, sizeof frames);
+    _exit(written == sizeof frames ? 0 : 1);
+  }
+  std::thread thread([&] { server.serve(false); });
+  const double cpu = cpu_seconds();
+  const auto begun = SteadyClock::now();
+  for (std::int64_t shot = 1; ms_since(begun) < 1e3 * seconds; ++shot) {
+    auto frame = std::make_shared<const std::string>(record_frame(record, shot, "SIMULATED RIG"));
+    {
+      const std::scoped_lock lock(mutex);
+      newest = std::move(frame);
+    }
+    server.recorded();
+    std::this_thread::sleep_for(std::chrono::milliseconds(40));
+  }
+  const double wall = ms_since(begun) / 1e3, used = cpu_seconds() - cpu;
+  server.stop();
+  thread.join();
+  int frames = 0;
+  if (read(counted[0], &frames, sizeof frames) != sizeof frames) frames = 0;
+  waitpid(child, nullptr, 0);
+  return {frames / wall, 100 * used / wall};
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -95,6 +173,7 @@ int main(int argc, char** argv) {
     if (std::string(argv[i]) == "--json") json_file = argv[i + 1];
     if (std::string(argv[i]) == "--shots") many = std::stoi(argv[i + 1]);
   }
+  const Streamed streamed = stream_records(5);  // first: it forks, and there are no other threads yet
   std::string folder = (std::filesystem::temp_directory_path() / "powbench-live-XXXXXX").string();
   if (mkdtemp(folder.data()) == nullptr) return 1;
   const Scene scene = make_scene(parse_plan("angles_deg = [0, 30, 60, 90]\nrepeats = 5\n", "plan"));
@@ -105,7 +184,8 @@ int main(int argc, char** argv) {
   std::unique_ptr<Api> api;
   HttpServer server("127.0.0.1", 0,
                     {[&](const Request& r) { return api->answer(r); }, Api::is_stop,
-                     [&](const Request& r) { return api->listen(r); }, [&] { return bench->state(); }});
+                     [&](const Request& r) { return api->listen(r); }, [&] { return bench->state(); },
+                     [&] { return bench->frame(); }});
   api = std::make_unique<Api>(*bench, Access::made({fmt::format("127.0.0.1:{}", server.port())}));
   told = &server;
   std::thread thread([&] { server.serve(false); });
@@ -113,7 +193,8 @@ int main(int argc, char** argv) {
   Client client(server.port(), token);
 
   std::size_t page = 0;
-  for (const char* part : {"/", "/page.js", "/page.css", "/chart.js"})
+  for (const char* part : {"/", "/base.js", "/page.js", "/test.js", "/parameters.js", "/documents.js",
+                           "/rig.js", "/page.css", "/chart.js"})
     page += client.ask(http::verb::get, part).size();
 
   std::vector<double> to_shot, to_picture;
@@ -181,15 +262,24 @@ int main(int argc, char** argv) {
   fmt::print("\npage, all parts, uncompressed: {:.0f} kB (goal 400 compressed)\n",
              static_cast<double>(page) / 1e3);
   fmt::print("resident memory: {:.0f} MB before, {:.0f} MB after {} more shots\n", before, after, many);
+  fmt::print(
+      "records of 6 x 20000 points to a page: {:.1f} a second (goal 20), {:.0f} % of one core (goal 50)\n",
+      streamed.per_second, streamed.core_percent);
   fmt::print("list of all campaigns then: {:.1f} ms\n", listed);
   if (!json_file.empty()) {
     const auto j = [](const Spread& s) {
       return Json{{"median", s.median}, {"p95", s.p95}, {"worst", s.worst}};
     };
-    std::ofstream(json_file) << Json{{"fire_to_shot_ms", j(shot)}, {"fire_to_picture_ms", j(picture)},
-                                     {"stop_ms", j(stop)},         {"stop_loaded_ms", j(busy)},
-                                     {"page_bytes", page},         {"resident_before_mb", before},
-                                     {"resident_after_mb", after}, {"shots", many},
+    std::ofstream(json_file) << Json{{"fire_to_shot_ms", j(shot)},
+                                     {"fire_to_picture_ms", j(picture)},
+                                     {"stop_ms", j(stop)},
+                                     {"stop_loaded_ms", j(busy)},
+                                     {"page_bytes", page},
+                                     {"resident_before_mb", before},
+                                     {"resident_after_mb", after},
+                                     {"shots", many},
+                                     {"records_per_s", streamed.per_second},
+                                     {"records_core_percent", streamed.core_percent},
                                      {"list_ms", listed}}
                                     .dump(2)
                              << "\n";

@@ -214,6 +214,38 @@ std::string IioLink::read(Device d, const char* attribute) {
   return impl_->text(n, value, std::string("reading ") + attribute);
 }
 
+std::string IioLink::read_if_there(Device d, const char* attribute) {
+  return iio_device_find_attr(impl_->device(d), attribute) ? read(d, attribute) : std::string();
+}
+
+std::vector<std::pair<std::string, std::string>> IioLink::read_all() {
+  std::vector<std::pair<std::string, std::string>> all;
+  char value[longest_value];
+  const auto keep = [&](const std::string& name, ssize_t n) {
+    // what can only be written answers with an error of its own; a line that is broken answers nothing any more
+    if (n < 0 && n != -EACCES && n != -EPERM && n != -EINVAL && n != -ENOSYS)
+      broken(static_cast<int>(-n), "reading " + name);
+    if (n > 0) all.emplace_back(name, std::string(value, strnlen(value, static_cast<std::size_t>(n))));
+  };
+  for (const iio_device* d : {impl_->daq, impl_->control, impl_->plant}) {
+    if (!d) continue;
+    const std::string device = iio_device_get_name(d);
+    for (unsigned i = 0; i < iio_device_get_attrs_count(d); ++i) {
+      const char* name = iio_device_get_attr(d, i);
+      keep(device + "/" + name, iio_device_attr_read(d, name, value, sizeof value));
+    }
+    for (unsigned c = 0; c < iio_device_get_channels_count(d); ++c) {
+      const iio_channel* channel = iio_device_get_channel(d, c);
+      for (unsigned i = 0; i < iio_channel_get_attrs_count(channel); ++i) {
+        const char* name = iio_channel_get_attr(channel, i);
+        keep(device + "/" + iio_channel_get_id(channel) + "/" + name,
+             iio_channel_attr_read(channel, name, value, sizeof value));
+      }
+    }
+  }
+  return all;
+}
+
 void IioLink::write(Device d, const char* attribute, const std::string& value) {
   const ssize_t n = iio_device_attr_write(impl_->device(d), attribute, value.c_str());
   impl_->written(n, value, std::string("writing ") + attribute);

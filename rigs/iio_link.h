@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "core/channels.h"
@@ -48,6 +49,10 @@ class IioLink {
   /// What the rig says of the phase of its mains now.
   std::string phase();
   std::string read(Device, const char* attribute);
+  /// "" where this rig has no such attribute.
+  std::string read_if_there(Device, const char* attribute);
+  /// Every attribute that can be read, in the order of the rig: "contactor-daq/voltage0/scale" and its value.
+  std::vector<std::pair<std::string, std::string>> read_all();
   void write(Device, const char* attribute, const std::string& value);
   void write_angle(const std::string& value);
   /// An attribute of an input channel.

@@ -1,8 +1,10 @@
 #include "rigs/rig_watch.h"
 
+#include <charconv>
 #include <utility>
 
 #include "rigs/iio_link.h"
+#include "rigs/phase_words.h"
 
 namespace powbench::rigs {
 
@@ -37,11 +39,33 @@ RigStatus RigWatch::status() {
     RigStatus s;
     s.state = link.read(control, "state");
     s.fault = link.read(control, "fault");
-    s.phase = link.phase();
     s.owner = link.read(control, "lease");
     s.last_error = link.read(control, "last_error");
+    s.hertz = link.read_if_there(IioLink::Device::daq, "mains_frequency");
+    s.phase_u = link.read_if_there(control, "phase_u_millideg");
+    s.phase_faults = link.read_if_there(control, "phase_faults");
+    s.phase = phase_words(s.phase_faults, s.phase_u);
+    s.tolerance = link.read_if_there(control, "angle_tolerance_millideg");
     return s;
   });
+}
+
+std::vector<std::pair<Channel, double>> RigWatch::latest() {
+  return impl_->ask([](IioLink& link) {
+    std::vector<std::pair<Channel, double>> all;
+    for (std::size_t c = 0; c < channel_count; ++c) {
+      const auto channel = static_cast<Channel>(c);
+      const std::string text = link.read_channel(channel, "raw");
+      double value = 0;
+      const auto [stop, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+      if (error == std::errc{}) all.emplace_back(channel, value);
+    }
+    return all;
+  });
+}
+
+std::vector<std::pair<std::string, std::string>> RigWatch::attributes() {
+  return impl_->ask([](IioLink& link) { return link.read_all(); });
 }
 
 std::string RigWatch::state() {

@@ -3,7 +3,10 @@
 #include <chrono>
 #include <memory>
 #include <string>
+#include <utility>
+#include <vector>
 
+#include "core/channels.h"
 #include "rigs/rig.h"
 
 namespace powbench::rigs {
@@ -15,6 +18,9 @@ struct RigStatus {
   std::string phase;       ///< of the mains
   std::string owner;       ///< who has the lease, or "free"
   std::string last_error;  ///< why the rig last refused or tripped
+  /// The phase tracker in numbers; "" = an older rig: Hz; standard uncertainty of the phase now and 20 ms ahead, 0.001 deg ("4 6");
+  /// what is wrong with the mains ("144 cross_check disturbed"); tolerance of the closing angle, 0.001 deg.
+  std::string hertz, phase_u, phase_faults, tolerance;
 
   /// The coil is on, or could be without another command of its owner.
   bool live() const { return state == "armed" || state == "firing"; }
@@ -35,6 +41,9 @@ class RigWatch {
   RigInfo info();
   RigStatus status();
   std::string state();
+  /// Newest conversion of each channel of the channel table, counts; a channel that is not there is left out.
+  std::vector<std::pair<Channel, double>> latest();
+  std::vector<std::pair<std::string, std::string>> attributes();
   /// Coil off, whoever owns the rig. The rig has taken the command; state() tells what came of it.
   void stop();
 

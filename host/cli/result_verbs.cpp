@@ -8,7 +8,7 @@
 
 #include "dsp/core_seat.h"
 #include "dsp/extract.h"
-#include "host/cli/pdf.h"
+#include "host/gather/pdf.h"
 #include "host/cli/show.h"
 #include "host/cli/verbs.h"
 #include "host/export/csv.h"

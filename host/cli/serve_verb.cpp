@@ -57,19 +57,26 @@ Exit serve_bench(const LiveArgs& args) {
   const Scene scene = args.plan.empty() ? make_scene(parse_plan(first_plan, "plan")) : load_scene(args.plan);
 
   std::atomic<HttpServer*> told = nullptr;
-  auto bench = std::make_unique<Bench>(args.rig, scene, args.database, [&] {
-    if (HttpServer* server = told) server->changed();
-  });
+  auto bench = std::make_unique<Bench>(
+      args.rig, scene, args.database,
+      [&] {
+        if (HttpServer* server = told) server->changed();
+      },
+      [&] {
+        if (HttpServer* server = told) server->recorded();
+      });
   std::unique_ptr<Api> api;
   HttpServer server(address.ip, address.port,
                     {[&](const Request& r) { return api->answer(r); }, Api::is_stop,
-                     [&](const Request& r) { return api->listen(r); }, [&] { return bench->state(); }});
+                     [&](const Request& r) { return api->listen(r); }, [&] { return bench->state(); },
+                     [&] { return bench->frame(); }});
   const std::string ip = address.ip.find(':') == std::string::npos ? address.ip : "[" + address.ip + "]";
   const std::string place = fmt::format("{}:{}", ip, server.port());
   std::vector<std::string> hosts{place};
   if (loopback(address.ip)) hosts.push_back(fmt::format("localhost:{}", server.port()));
   api = std::make_unique<Api>(
-      *bench, args.token_file.empty() ? Access::made(hosts) : Access::from_file(args.token_file, hosts));
+      *bench, args.token_file.empty() ? Access::made(hosts) : Access::from_file(args.token_file, hosts),
+      args.plan);
   told = &server;
   fmt::print(stderr, "live bench on http://{}/, store {}; stop with Ctrl-C\n", place, args.database);
   if (!api->access().page_token().empty())

@@ -159,6 +159,18 @@ std::string FileKind::template_text() const {
   return out;
 }
 
+std::vector<KeyLine> FileKind::lines() const {
+  std::vector<KeyLine> out;
+  for (const auto& section : sections_)
+    for (const auto& field : fields_)
+      if (field.section == section.name)
+        out.push_back({section.name, section.meaning, field.key, std::string(field.unit().text),
+                       field.allowed, field.meaning, value_text(field), field.need == Need::required,
+                       std::holds_alternative<std::string*>(field.target) ||
+                           std::holds_alternative<Choice>(field.target)});
+  return out;
+}
+
 std::string FileKind::resolved_text() const {
   std::string out;
   for (const auto& section : sections_) {

@@ -8,6 +8,7 @@
 #include <variant>
 #include <vector>
 
+#include "host/config/key_line.h"
 #include "host/config/unit.h"
 
 /// A kind of configuration file, declared once: every key with its unit (in the name), range, meaning and target.
@@ -111,6 +112,9 @@ class FileKind {
 
   /// A file of this kind for people: every key, its meaning and range, defaults commented out, required keys filled in.
   std::string template_text() const;
+
+  /// Every key with the targets' values, in the order of declaration.
+  std::vector<KeyLine> lines() const;
 
   /// The targets' values as a file: every key once, in the order of declaration. Equal values give equal bytes.
   std::string resolved_text() const;

@@ -180,6 +180,11 @@ std::string plan_template() {
   return kind_of(p).template_text();
 }
 
+std::vector<KeyLine> keys_of(const Plan& plan) {
+  Plan p = plan;
+  return kind_of(p).lines();
+}
+
 std::string resolved_text(const Plan& plan) {
   Plan p = plan;
   return kind_of(p).resolved_text();

@@ -12,6 +12,7 @@
 #include "core/quantities.h"
 #include "core/units.h"
 #include "host/config/bad_input.h"
+#include "host/config/key_line.h"
 #include "host/config/test_record.h"
 #include "sim/specimen.h"
 
@@ -67,6 +68,9 @@ Plan parse_plan(std::string text, std::string file);
 
 /// Commented file with every key.
 std::string plan_template();
+
+/// Every key with its value.
+std::vector<KeyLine> keys_of(const Plan&);
 
 /// Canonical text: equal plans give equal bytes. Hash and store this. parse_plan reads it back.
 std::string resolved_text(const Plan&);

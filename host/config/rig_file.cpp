@@ -235,6 +235,11 @@ std::string rig_template() {
   return kind_of(r).template_text();
 }
 
+std::vector<KeyLine> keys_of(const RigFile& rig) {
+  RigFile r = rig;
+  return kind_of(r).lines();
+}
+
 std::string resolved_text(const RigFile& rig) {
   RigFile r = rig;
   return kind_of(r).resolved_text();

@@ -2,8 +2,10 @@
 
 #include <filesystem>
 #include <string>
+#include <vector>
 
 #include "host/config/bad_input.h"
+#include "host/config/key_line.h"
 #include "rigs/sim_rig_config.h"
 #include "sim/specimen.h"
 
@@ -26,6 +28,9 @@ RigFile parse_rig(std::string text, std::string file);
 
 /// Commented file with every key.
 std::string rig_template();
+
+/// Every key with its value.
+std::vector<KeyLine> keys_of(const RigFile&);
 
 /// Canonical text: equal rigs give equal bytes. parse_rig reads it back.
 std::string resolved_text(const RigFile&);

@@ -131,6 +131,11 @@ std::string specimen_template() {
   return kind_of(s).template_text();
 }
 
+std::vector<KeyLine> keys_of(const sim::Specimen& specimen) {
+  sim::Specimen s = specimen;
+  return kind_of(s).lines();
+}
+
 std::string resolved_text(const sim::Specimen& specimen) {
   sim::Specimen s = specimen;
   return kind_of(s).resolved_text();

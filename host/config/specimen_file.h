@@ -2,8 +2,10 @@
 
 #include <filesystem>
 #include <string>
+#include <vector>
 
 #include "host/config/bad_input.h"
+#include "host/config/key_line.h"
 #include "sim/specimen.h"
 
 /// The specimen file: one contactor. Owner: its designer. Keys carry their unit; ranges are those of sim/validate.
@@ -16,6 +18,9 @@ sim::Specimen parse_specimen(std::string text, std::string file);
 
 /// Commented file of the reference contactor.
 std::string specimen_template();
+
+/// Every key with its value.
+std::vector<KeyLine> keys_of(const sim::Specimen&);
 
 /// Canonical text: equal specimens give equal bytes. Hash and store this.
 std::string resolved_text(const sim::Specimen&);

@@ -242,6 +242,17 @@ ReportInput gather_shot(const Store& store, std::int64_t id) {
   return input;
 }
 
+namespace {
+
+std::optional<DeviceShape> shape_of(const sim::Specimen& s) {
+  if (!s.shaped) return std::nullopt;
+  return DeviceShape{s.shape.centre_width,  s.shape.outer_width, s.shape.window_width,  s.shape.fixed_window,
+                     s.shape.moving_window, s.shape.yoke,        s.shape.stack,         s.shape.coil_width,
+                     s.core.travel,         s.bridges.gap,       s.bridges.half_length, s.bridges.poles};
+}
+
+}  // namespace
+
 ReportInput gather_report(const Store& store, const CampaignInfo& c, const std::string& database) {
   const Plan plan = stored_plan(c);
   const sim::Specimen specimen = stored_specimen(c);
@@ -250,6 +261,7 @@ ReportInput gather_report(const Store& store, const CampaignInfo& c, const std::
   ReportInput input;
   input.campaign = c.name;
   input.specimen = specimen.name;
+  input.device = shape_of(specimen);
   input.planned = expand(plan, specimen.name).size();
   input.origin = c.origin;
   input.decision = plan.decision;

@@ -36,6 +36,19 @@ std::string conditions_text(const ReportInput& input) {
                      text(hertz, measured_hertz, "Hz", "mains frequency"), ambient);
 }
 
+/// 2030-12-31T10:20:30Z as people read it; the day once where both are of one day.
+std::string time_span(const std::string& from, const std::string& to) {
+  constexpr std::size_t day = 10, second = 19;
+  const auto clock = [&](const std::string& t) {
+    return t.size() > second ? t.substr(day + 1, second - day - 1) : "";
+  };
+  if (from.size() <= second) return from;
+  const std::string begin = from.substr(0, day) + " " + clock(from);
+  if (to.size() <= second || to == from) return begin + " UTC";
+  return begin + " to " + (to.substr(0, day) == from.substr(0, day) ? "" : to.substr(0, day) + " ") +
+         clock(to) + " UTC";
+}
+
 }  // namespace
 
 std::string_view badge_class(Outcome o) {
@@ -57,8 +70,8 @@ Markup header_section(const ReportInput& input) {
       fmt::format("Specimen {}", input.specimen.empty() ? no_value : std::string_view(input.specimen));
   const std::string conditions = conditions_text(input);
   if (!conditions.empty()) line += fmt::format("  \xC2\xB7  {}", conditions);
-  if (!input.provenance.started.empty()) line += fmt::format("  \xC2\xB7  {}", input.provenance.started);
-  if (!input.provenance.finished.empty()) line += fmt::format(" to {}", input.provenance.finished);
+  const std::string span = time_span(input.provenance.started, input.provenance.finished);
+  if (!span.empty()) line += "  \xC2\xB7  " + span;
   out.element("p", line, {{"class", "subtitle"}});
   out.open("p", {{"class", "origin"}}).element("b", name(input.origin));
   out.text(fmt::format(" {}", meaning(input.origin))).close();

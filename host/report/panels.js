@@ -4,7 +4,7 @@ function closingPanels(root) {
   const style = getComputedStyle(document.documentElement);
   const colour = (name) => style.getPropertyValue(name).trim();
   const colours = { measured: colour('--measured'), simulated: colour('--simulated'), raw: colour('--soft'), 'stripped off': colour('--cited') };
-  let graphs = [], whole = [0, 1], shown = null;
+  let graphs = [], whole = [0, 1], shown = null, cursor = null, looked = () => {};
 
   function values(series) {
     const bytes = Uint8Array.from(atob(series.data), (c) => c.charCodeAt(0));
@@ -28,6 +28,14 @@ function closingPanels(root) {
     }
     canvas.setLineDash([]);
     canvas.globalAlpha = 1;
+    if (cursor === null) return;
+    const x = graph.toDomXCoord(cursor);
+    if (x < area.x || x > area.x + area.w) return;
+    canvas.strokeStyle = colour('--ink');
+    canvas.beginPath();
+    canvas.moveTo(x, area.y);
+    canvas.lineTo(x, area.y + area.h);
+    canvas.stroke();
   }
 
   /// Draws `closing`; `range`: [from, to] in ms, null for the whole; `stripped`: with raw films and what was stripped off.
@@ -60,6 +68,7 @@ function closingPanels(root) {
           y: { axisLabelWidth: 54, valueFormatter: (v) => v.toPrecision(5) + ' ' + channel.unit }
         },
         xLabelHeight: 16, yLabelWidth: 16, strokeWidth: 1.2, connectSeparatedPoints: false, animatedZooms: false,
+        highlightCallback: (event, x) => looked(x),
         underlayCallback: (canvas, area, graph) => marks(canvas, area, graph, index === 0)
       }));
     });
@@ -78,5 +87,19 @@ function closingPanels(root) {
     whole: () => show(whole), bounce: () => shown && show(shown.bounce), 'in': () => change(0.5, 0), out: () => change(2, 0),
     left: () => change(1, -0.25), right: () => change(1, 0.25)
   };
-  return { draw, range, actions };
+  /** The value of a channel at `t`, ms, measured where there is a measured one; null: not known. */
+  function at(name, t) {
+    const channel = shown && shown.channels.find((c) => c.name === name);
+    const series = channel && (channel.series.find((s) => s.label === 'measured') || channel.series[0]);
+    const i = shown ? Math.round((t - shown.t0) / shown.dt) : -1;
+    if (!series || i < 0 || i >= shown.n) return null;
+    if (!series.values) series.values = values(series);
+    return Number.isNaN(series.values[i]) ? null : series.values[i];
+  }
+  /** A line at `t` through all panels. */
+  function mark(t) {
+    cursor = t;
+    graphs.forEach((g) => g.updateOptions({}, false));
+  }
+  return { draw, range, actions, at, mark, whole: () => whole, whenLooked: (act) => { looked = act; } };
 }

@@ -66,6 +66,16 @@ struct Provenance {
   std::vector<std::pair<std::string, std::string>> more;  ///< anything else: name, value
 };
 
+/// What a picture of the device needs, m.
+struct DeviceShape {
+  double centre = 0, outer = 0, window = 0;  ///< widths: centre leg, each outer leg, between them
+  double fixed_window = 0,
+         moving_window = 0;              ///< heights of the window in each half; moving 0: flat armature
+  double yoke = 0, stack = 0, coil = 0;  ///< height of the yokes, depth, width of the winding in one window
+  double travel = 0, gap = 0, half_length = 0;  ///< of the core, to first touch, bridge centre to break
+  int poles = 0;
+};
+
 struct ReportInput {
   std::string campaign;     ///< name
   std::string specimen;     ///< name
@@ -86,6 +96,7 @@ struct ReportInput {
   std::string annotated;                   ///< when the last was made, ISO 8601
   std::optional<VibrationView> vibration;  ///< of the core on the films; absent without a film
   std::string extraction_parameters;       ///< one `name=value` a line
+  std::optional<DeviceShape> device;       ///< where the specimen file has a shape
 };
 
 /// Shots by outcome.

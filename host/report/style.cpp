@@ -48,6 +48,8 @@ td.left { text-align: left; width: 36%; }
 .nowrap { white-space: nowrap; }
 .unit { color: var(--soft); text-align: left; }
 td.key { color: var(--measured); font-weight: 600; white-space: nowrap; }
+.events td:not(.left) { white-space: nowrap; }
+.events td.left { width: auto; }
 td.sim { color: var(--simulated); }
 td.pub { color: var(--cited); }
 tr.bad td, tr.bad th { background: var(--alarm); }
@@ -62,12 +64,14 @@ tr.bad td, tr.bad th { background: var(--alarm); }
 .code { font-family: ui-monospace, SFMono-Regular, Menlo, Consolas, "DejaVu Sans Mono", monospace; font-size: 12px; }
 .shots td:first-child { text-align: right; }
 .shots th:last-child { text-align: left; }
-.shots td.left { width: 26%; color: var(--soft); }
+.shots td.left { width: 30%; color: var(--soft); }
 figure { margin: 0 0 18px; }
 figure h3 { margin: 0 0 2px; }
 figcaption { color: var(--soft); font-size: 13px; }
 .closer-panel { width: 100%; height: 140px; margin-bottom: 2px; }
 .closer-panel.last { height: 172px; }
+#device-view { width: 100%; height: 340px; touch-action: none; }
+#device-time { width: 40%; min-width: 160px; }
 .closer-panel .dygraph-legend { width: auto; background: none; font-size: 12px; right: 8px; left: auto !important; }
 .closer-panel .dygraph-axis-label, .closer-panel .dygraph-label { color: var(--soft); font-size: 12px; font-weight: 400; }
 .controls { display: flex; flex-wrap: wrap; gap: 6px 10px; align-items: center; font-size: 14px; }

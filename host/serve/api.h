@@ -4,6 +4,7 @@
 
 #include "host/serve/access.h"
 #include "host/serve/bench.h"
+#include "host/serve/documents.h"
 #include "host/serve/message.h"
 
 namespace powbench::host {
@@ -12,7 +13,9 @@ namespace powbench::host {
 /// name of a file.
 class Api {
  public:
-  Api(Bench& bench, Access access) : bench_(bench), access_(std::move(access)) {}
+  /// `plan_file`: that the bench was started with, "" = none; saving a plan writes there and nowhere else.
+  Api(Bench& bench, Access access, std::string plan_file = {})
+      : bench_(bench), access_(std::move(access)), plan_file_(std::move(plan_file)) {}
 
   /// Never throws: what goes wrong is a reply with {"error": sentence} or {"errors": [sentences]}. From any thread.
   Reply answer(const Request&) const;
@@ -25,6 +28,8 @@ class Api {
  private:
   Bench& bench_;
   Access access_;
+  const std::string plan_file_;
+  mutable CampaignFacts facts_;
 };
 
 /// OpenAPI 3.0 of all calls, from the table that answers them.

@@ -5,6 +5,8 @@
 #include <memory>
 #include <stdexcept>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "host/gather/scene.h"
 
@@ -27,9 +29,10 @@ struct StopAnswer {
 class Bench {
  public:
   /// Opens rig and store; throws RigError, StoreError. `scene`: the plan that single closings take their conditions from.
-  /// `changed` is called, from any thread, whenever state() has changed.
-  Bench(const std::string& rig_uri, const Scene& scene, const std::string& database,
-        std::function<void()> changed);
+  /// `changed` is called, from any thread, whenever state() has changed, `recorded` when frame() has.
+  Bench(
+      const std::string& rig_uri, const Scene& scene, const std::string& database,
+      std::function<void()> changed, std::function<void()> recorded = [] {});
   ~Bench();
   Bench(const Bench&) = delete;
   Bench& operator=(const Bench&) = delete;
@@ -38,16 +41,27 @@ class Bench {
   std::string state() const;
   Scene scene() const;
   const std::string& database() const;
+  /// The newest record, as record_frame() packs it; nothing before the first one.
+  std::shared_ptr<const std::string> frame() const;
+  /// Every attribute of the rig. Throws RigError.
+  std::vector<std::pair<std::string, std::string>> attributes() const;
+  /// Of a simulated rig the file it was started with.
+  const RigFile& rig_file() const;
+  const std::string& rig_uri() const;
 
   // each throws NotNow while another job is on or a stop is under way
 
   /// One closing at `angle`, rad, stored in this plan's campaign of single closings.
   void fire(double angle);
+  /// One closing whose contacts touch at `touch_angle` of the mains, rad, after the simulator. Throws NotNow where there is none.
+  void fire_at_touch(double touch_angle);
+  /// The scene is that of single closings from now on.
+  void adopt(const Scene&);
   /// Every shot of the scene; the scene is that of single closings from now on.
   void run(const Scene&);
 
   /// Between two shots: wait, or go on. Throws NotNow when no plan runs.
-  void hold(bool);
+  void pause(bool);
   /// The shot in flight is the last one. Throws NotNow when no plan runs.
   void end();
   /// Coil off now, job over. Returns when the rig has confirmed it or has not for 2 s. Never throws.

@@ -1,12 +1,22 @@
 #include "host/serve/documents.h"
 
+#include <fmt/format.h>
+
 #include <cmath>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
 #include <nlohmann/json.hpp>
 
+#include "core/phase.h"
 #include "core/quantities.h"
+#include "host/compare/pair.h"
 #include "host/export/csv.h"
+#include "host/export/events_json.h"
 #include "host/gather/gather.h"
+#include "host/gather/pdf.h"
 #include "host/report/closing_json.h"
+#include "host/serve/frame.h"
 
 namespace powbench::host {
 namespace {
@@ -40,12 +50,25 @@ std::optional<StoredShot> beside(const Store& store, const StoredShot& shot) {
 
 }  // namespace
 
-std::string campaigns_document(const Store& store) {
+CampaignFacts::Facts CampaignFacts::of(const CampaignInfo& c) {
+  const std::string key = c.plan_hash + c.specimen_hash;
+  const std::scoped_lock lock(mutex_);
+  const auto known = known_.find(key);
+  if (known != known_.end() && !key.empty()) return known->second;
+  Facts facts{stored_specimen(c).name, stored_plan(c).angles};
+  return known_[key] = facts;
+}
+
+std::string campaigns_document(const Store& store, CampaignFacts& facts) {
   Json list = Json::array();
   for (const CampaignInfo& c : store.campaigns()) {
     std::size_t measured_shots = 0, outside = 0;
+    Json outcomes = Json::object(), angles = Json::array();
+    const CampaignFacts::Facts known = facts.of(c);
+    for (const double a : known.angles) angles.push_back(number(degrees(a)));
     for (const auto& [outcome, count] : store.outcomes(c.id, ShotKind::measured)) {
       measured_shots += count;
+      outcomes[std::string(name(outcome))] = count;
       if (outcome == Outcome::fail) outside = count;
     }
     list.insert(list.begin(), Json{{"id", c.id},
@@ -53,17 +76,20 @@ std::string campaigns_document(const Store& store) {
                                    {"created", c.created},
                                    {"origin", name(c.origin)},
                                    {"rig", c.rig_identity},
-                                   {"specimen", stored_specimen(c).name},
+                                   {"specimen", known.specimen},
+                                   {"angles_deg", angles},
                                    {"shots", measured_shots},
+                                   {"outcomes", outcomes},
                                    {"outside_limits", outside},
                                    {"finished", c.finished}});
   }
   return text(list);
 }
 
-std::string shots_document(const Store& store, const CampaignInfo& campaign) {
+std::string shots_document(const Store& store, const CampaignInfo& campaign, std::int64_t after) {
   Json list = Json::array();
   for (const StoredShot& s : store.shots(campaign.id)) {
+    if (s.id <= after) continue;
     const auto events = store.load_events(s.id);
     list.push_back({{"id", s.id},
                     {"kind", name(s.kind)},
@@ -80,6 +106,36 @@ std::string shots_document(const Store& store, const CampaignInfo& campaign) {
                {"shots", list}});
 }
 
+std::string shots_table(const Store& store, const CampaignInfo& campaign) {
+  std::string out = fmt::format("# {}, campaign {}, SI units\nshot,kind,angle_deg,started,outcome",
+                                name(campaign.origin), campaign.id);
+  for (const Quantity& q : quantity_table) out += fmt::format(",{}_{},u_{}", q.symbol, q.unit, q.symbol);
+  out += "\n";
+  const auto cell = [](double x) { return std::isfinite(x) ? fmt::format("{:.9g}", x) : std::string(); };
+  for (const StoredShot& s : store.shots(campaign.id)) {
+    const auto events = store.load_events(s.id);
+    out += fmt::format("{},{},{},{},{}", s.id, name(s.kind), cell(s.angle_deg), s.started, name(s.outcome));
+    for (const Quantity& q : quantity_table) {
+      const Measured m = events ? q.of(*events) : Measured{};
+      out += "," + cell(m.value) + "," + cell(m.u);
+    }
+    out += "\n";
+  }
+  return out;
+}
+
+namespace {
+
+/// Where the mains stood when the contacts touched: the angle of switch-on and 2 pi f t later. u from those of both.
+Measured touch_angle(const Events& e, double hertz) {
+  const Measured a = e.coil.closing_angle, t = find_quantity("t_ct1")->of(e);
+  const double omega = 2 * pi * hertz;
+  if (!std::isfinite(a.value) || !std::isfinite(t.value)) return {};
+  return {wrap_turn(a.value + omega * t.value), std::hypot(a.u, omega * t.u)};
+}
+
+}  // namespace
+
 std::string shot_document(const Store& store, const StoredShot& shot) {
   const CampaignInfo campaign = store.campaign(shot.campaign);
   const auto events = store.load_events(shot.id);
@@ -95,20 +151,22 @@ std::string shot_document(const Store& store, const StoredShot& shot) {
                     {"u", number(m.u)},
                     {"simulated", number(p.value)}});
   }
-  return text({{"id", shot.id},
-               {"campaign", shot.campaign},
-               {"kind", name(shot.kind)},
-               {"origin", name(shot.kind == ShotKind::simulated ? Origin::simulation : campaign.origin)},
-               {"angle_deg", number(shot.angle_deg)},
-               {"reached_rad", measured_json(events ? events->coil.closing_angle : Measured{})},
-               {"supply_volts", number(shot.conditions.supply_volts)},
-               {"mains_hertz", number(shot.conditions.mains_hertz)},
-               {"hold_time_s", number(shot.conditions.hold_time)},
-               {"started", shot.started},
-               {"outcome", name(shot.outcome)},
-               {"reason", shot.reason},
-               {"has_record", !shot.record_hash.empty()},
-               {"quantities", rows}});
+  return text(
+      {{"id", shot.id},
+       {"campaign", shot.campaign},
+       {"kind", name(shot.kind)},
+       {"origin", name(shot.kind == ShotKind::simulated ? Origin::simulation : campaign.origin)},
+       {"angle_deg", number(shot.angle_deg)},
+       {"reached_rad", measured_json(events ? events->coil.closing_angle : Measured{})},
+       {"touch_rad", measured_json(events ? touch_angle(*events, shot.conditions.mains_hertz) : Measured{})},
+       {"supply_volts", number(shot.conditions.supply_volts)},
+       {"mains_hertz", number(shot.conditions.mains_hertz)},
+       {"hold_time_s", number(shot.conditions.hold_time)},
+       {"started", shot.started},
+       {"outcome", name(shot.outcome)},
+       {"reason", shot.reason},
+       {"has_record", !shot.record_hash.empty()},
+       {"quantities", rows}});
 }
 
 std::string closing_document(const Store& store, const StoredShot& shot) {
@@ -116,8 +174,77 @@ std::string closing_document(const Store& store, const StoredShot& shot) {
   return all.empty() ? "[]" : all;
 }
 
+namespace {
+
+std::string origin_of(const Store& store, const StoredShot& shot) {
+  return std::string(
+      name(shot.kind == ShotKind::simulated ? Origin::simulation : store.campaign(shot.campaign).origin));
+}
+
+}  // namespace
+
 std::string waveforms_document(const Store& store, const StoredShot& shot) {
-  return to_csv(store.load_record(shot.id));
+  Record record = store.load_record(shot.id);
+  record.conditions = shot.conditions;
+  return fmt::format("# {}, campaign {}, {} shot {}\n{}", origin_of(store, shot), shot.campaign,
+                     name(shot.kind), shot.id, to_csv(record));
+}
+
+std::string events_document(const Store& store, const StoredShot& shot) {
+  const auto events = store.load_events(shot.id);
+  if (!events) return "null";
+  Json out = {{"origin", origin_of(store, shot)},
+              {"campaign", shot.campaign},
+              {"shot", shot.id},
+              {"kind", name(shot.kind)}};
+  out["events"] = Json::parse(to_events_json(*events, store.load_record(shot.id)));
+  return text(out);
+}
+
+std::string frame_document(const Store& store, const StoredShot& shot) {
+  return record_frame(store.load_record(shot.id), shot.id, origin_of(store, shot));
+}
+
+std::string pair_document(const Store& store, const CampaignInfo& first, const CampaignInfo& second) {
+  Json rows = Json::array();
+  for (const PairRow& r : compare_pair(compare_stored(store, first), compare_stored(store, second)))
+    rows.push_back({{"quantity", r.quantity},
+                    {"unit", r.unit},
+                    {"closing_angle_deg", number(degrees(r.closing_angle))},
+                    {"n", {r.n[0], r.n[1]}},
+                    {"first", measured_json(r.first)},
+                    {"second", measured_json(r.second)},
+                    {"difference", number(r.difference)},
+                    {"U", number(r.U)},
+                    {"over_U", number(r.over_U())},
+                    {"agreement", agreement(r.over_U())}});
+  const auto who = [](const CampaignInfo& c) {
+    return Json{{"id", c.id}, {"name", c.name}, {"origin", name(c.origin)}, {"created", c.created}};
+  };
+  return text({{"first", who(first)}, {"second", who(second)}, {"rows", rows}});
+}
+
+std::string junit_document(const Store& store, const CampaignInfo& campaign) {
+  return render_junit(gather_report(store, campaign, "the live bench"));
+}
+
+std::string report_pdf(const Store& store, const CampaignInfo& campaign) {
+  static std::mutex printer;
+  const std::scoped_lock one(printer);
+  namespace fs = std::filesystem;
+  std::string folder = (fs::temp_directory_path() / "powbench-pdf-XXXXXX").string();
+  if (mkdtemp(folder.data()) == nullptr) throw StoreError(folder + ": cannot be made");
+  struct Away {
+    ~Away() {
+      std::error_code ignored;
+      fs::remove_all(folder, ignored);
+    }
+    fs::path folder;
+  } const away{folder};
+  std::ofstream(away.folder / "report.html", std::ios::binary) << report_document(store, campaign);
+  print_pdf(away.folder / "report.html", away.folder / "report.pdf");
+  std::ifstream in(away.folder / "report.pdf", std::ios::binary);
+  return {std::istreambuf_iterator<char>(in), {}};
 }
 
 std::string report_document(const Store& store, const CampaignInfo& campaign) {

@@ -33,23 +33,13 @@ std::string text(beast::string_view v) {
   return {v.data(), v.size()};
 }
 
-/// The value of `name` in the query of a target; empty: absent.
-std::string of_query(const std::string& query, const std::string& name) {
-  for (std::size_t at = 0; at < query.size();) {
-    const auto end = std::min(query.find('&', at), query.size());
-    const std::string part = query.substr(at, end - at);
-    if (part.starts_with(name + "=")) return part.substr(name.size() + 1);
-    at = end + 1;
-  }
-  return {};
-}
-
 Request request_of(const HttpRequest& in) {
   Request r;
   r.method = text(in.method_string());
   const std::string target = text(in.target());
   const auto mark = target.find('?');
   r.path = target.substr(0, mark);
+  if (mark != std::string::npos) r.query = target.substr(mark + 1);
   r.body = in.body();
   r.host = text(in[http::field::host]);
   r.origin = text(in[http::field::origin]);
@@ -57,7 +47,15 @@ Request request_of(const HttpRequest& in) {
   const std::string authorization = text(in[http::field::authorization]);
   if (authorization.starts_with("Bearer ")) r.token = authorization.substr(7);
   // a browser's WebSocket and a link to a report carry no header of ours
-  if (r.token.empty() && mark != std::string::npos) r.token = of_query(target.substr(mark + 1), "token");
+  if (r.token.empty()) r.token = of_query(r.query, "token");
+  return r;
+}
+
+/// `why`: without quotes.
+Reply refusal(int status, const std::string& why) {
+  Reply r;
+  r.status = status;
+  r.body = "{\"error\":\"" + why + "\"}";
   return r;
 }
 
@@ -69,6 +67,8 @@ HttpReply reply_of(const Reply& from, const HttpRequest& to) {
   out.set("Referrer-Policy", "no-referrer");
   out.set("Cross-Origin-Resource-Policy", "same-origin");
   out.set(http::field::cache_control, "no-store");
+  if (!from.file.empty())
+    out.set(http::field::content_disposition, "attachment; filename=\"" + from.file + "\"");
   out.keep_alive(to.keep_alive());
   out.body() = from.body;
   out.prepare_payload();
@@ -76,6 +76,16 @@ HttpReply reply_of(const Reply& from, const HttpRequest& to) {
 }
 
 }  // namespace
+
+std::string of_query(const std::string& query, const std::string& name) {
+  for (std::size_t at = 0; at < query.size();) {
+    const auto end = std::min(query.find('&', at), query.size());
+    const std::string part = query.substr(at, end - at);
+    if (part.starts_with(name + "=")) return part.substr(name.size() + 1);
+    at = end + 1;
+  }
+  return {};
+}
 
 struct HttpServer::Impl {
   class Client;
@@ -97,23 +107,24 @@ struct HttpServer::Impl {
   }
 
   void accept();
-  void send_state();
+  void send_news();
   void close_all();
 
   const Handlers handlers;
   asio::io_context io{1};
   tcp::acceptor acceptor;
   asio::steady_timer pause;  ///< runs: a state was sent less than `least_pause` ago
-  bool pausing = false, stale = false;
+  bool pausing = false, state_stale = false, record_stale = false;
   std::set<std::shared_ptr<Client>> clients;
   std::set<std::shared_ptr<Listener>> listeners;
   asio::thread_pool workers{2}, stopper{1};
 };
 
-/// A WebSocket that gets states; one at a time, the newest that there is. What it says is thrown away.
+/// A WebSocket that gets states, or records; one at a time, the newest that there is. What it says is thrown away.
 class HttpServer::Impl::Listener : public std::enable_shared_from_this<Listener> {
  public:
-  Listener(Impl& server, tcp::socket socket) : server_(server), socket_(std::move(socket)) {
+  Listener(Impl& server, tcp::socket socket, bool records)
+      : server_(server), socket_(std::move(socket)), records_(records) {
     socket_.read_message_max(1024);
     socket_.set_option(websocket::stream_base::timeout::suggested(beast::role_type::server));
   }
@@ -131,11 +142,13 @@ class HttpServer::Impl::Listener : public std::enable_shared_from_this<Listener>
   void send() {
     waiting_ = true;
     if (writing_ || !open_) return;
-    writing_ = true;
     waiting_ = false;
-    text_ = server_.handlers.state();
-    socket_.text(true);
-    socket_.async_write(asio::buffer(text_), [self = shared_from_this()](error_code e, std::size_t) {
+    message_ =
+        records_ ? server_.handlers.record() : std::make_shared<const std::string>(server_.handlers.state());
+    if (!message_) return;  // no record yet
+    writing_ = true;
+    socket_.binary(records_);
+    socket_.async_write(asio::buffer(*message_), [self = shared_from_this()](error_code e, std::size_t) {
       self->writing_ = false;
       if (e) return self->drop();
       if (self->waiting_) self->send();
@@ -143,6 +156,7 @@ class HttpServer::Impl::Listener : public std::enable_shared_from_this<Listener>
   }
 
   void close() { beast::get_lowest_layer(socket_).close(); }
+  bool of_records() const { return records_; }
 
  private:
   void read() {
@@ -160,7 +174,8 @@ class HttpServer::Impl::Listener : public std::enable_shared_from_this<Listener>
   Impl& server_;
   websocket::stream<beast::tcp_stream> socket_;
   beast::flat_buffer buffer_;
-  std::string text_;
+  const bool records_;
+  std::shared_ptr<const std::string> message_;
   bool open_ = false, writing_ = false, waiting_ = false;
 };
 
@@ -182,10 +197,10 @@ class HttpServer::Impl::Client : public std::enable_shared_from_this<Client> {
     stream_.expires_after(idle_time);
     http::async_read(stream_, buffer_, *parser_, [self = shared_from_this()](error_code e, std::size_t) {
       if (e == http::error::body_limit || e == http::error::header_limit)
-        return self->write({413, "application/json", R"({"error":"the request is too large"})", ""}, true);
+        return self->write(refusal(413, "the request is too large"), true);
       if (e && e.category() == http::make_error_code(http::error::bad_method).category() &&
           e != http::error::end_of_stream && e != http::error::partial_message)
-        return self->write({400, "application/json", R"({"error":"this is no HTTP request"})", ""}, true);
+        return self->write(refusal(400, "this is no HTTP request"), true);
       if (e) return self->drop();
       self->act();
     });
@@ -194,12 +209,13 @@ class HttpServer::Impl::Client : public std::enable_shared_from_this<Client> {
   void act() {
     const Request request = request_of(parser_->get());
     if (websocket::is_upgrade(parser_->get())) {
-      const Reply may = request.path == "/api/live"
+      const bool records = request.path == "/api/scope";
+      const Reply may = records || request.path == "/api/live"
                             ? server_.handlers.listen(request)
-                            : Reply{404, "application/json", R"({"error":"states are at /api/live"})", ""};
+                            : refusal(404, "states are at /api/live, records at /api/scope");
       if (may.status != 200) return write(may, true);
       stream_.expires_never();
-      const auto listener = std::make_shared<Listener>(server_, stream_.release_socket());
+      const auto listener = std::make_shared<Listener>(server_, stream_.release_socket(), records);
       server_.clients.erase(shared_from_this());
       return listener->begin(parser_->get());
     }
@@ -246,20 +262,19 @@ void HttpServer::Impl::accept() {
   });
 }
 
-void HttpServer::Impl::send_state() {
-  if (pausing) {
-    stale = true;
-    return;
-  }
-  stale = false;
+/// What has changed, to those who want it; then a pause.
+void HttpServer::Impl::send_news() {
+  if (pausing || !(state_stale || record_stale)) return;
   const auto all = listeners;  // a listener may leave meanwhile
-  for (const auto& l : all) l->send();
+  for (const auto& l : all)
+    if (l->of_records() ? record_stale : state_stale) l->send();
+  state_stale = record_stale = false;
   pausing = true;
   pause.expires_after(least_pause);
   pause.async_wait([this](error_code e) {
     if (e) return;
     pausing = false;
-    if (stale) send_state();
+    send_news();
   });
 }
 
@@ -283,7 +298,16 @@ std::uint16_t HttpServer::port() const {
 }
 
 void HttpServer::changed() {
-  asio::post(impl_->io, [this] { impl_->send_state(); });
+  asio::post(impl_->io, [this] {
+    impl_->state_stale = true;
+    impl_->send_news();
+  });
+}
+void HttpServer::recorded() {
+  asio::post(impl_->io, [this] {
+    impl_->record_stale = true;
+    impl_->send_news();
+  });
 }
 
 void HttpServer::serve(bool until_interrupted) {

@@ -9,7 +9,7 @@
 
 namespace powbench::host {
 
-/// HTTP/1.1 and one kind of WebSocket, which only sends: the newest state, whenever it has changed. One thread for the sockets, one
+/// HTTP/1.1 and two kinds of WebSocket, which only send: the newest state, and the newest record, whenever it has changed. One thread for the sockets, one
 /// for stops, two for everything else.
 class HttpServer {
  public:
@@ -18,6 +18,9 @@ class HttpServer {
     std::function<bool(const Request&)> is_stop;  ///< answered by a thread of its own
     std::function<Reply(const Request&)> listen;  ///< status 200: the client may have the state
     std::function<std::string()> state;
+    std::function<std::shared_ptr<const std::string>()> record = [] {
+      return nullptr;
+    };  ///< newest; nothing: none yet
   };
   static constexpr std::size_t most_clients = 2000, largest_body = 262'144;
 
@@ -30,6 +33,8 @@ class HttpServer {
   std::uint16_t port() const;
   /// The state has changed. From any thread.
   void changed();
+  /// There is a newer record. From any thread.
+  void recorded();
   /// Serves until stop() from another thread, or SIGINT / SIGTERM; afterwards no handler runs any more.
   void serve(bool until_interrupted);
   void stop();

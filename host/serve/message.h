@@ -7,16 +7,21 @@ namespace powbench::host {
 /// One HTTP request, whatever brought it.
 struct Request {
   std::string method;
-  std::string path;  ///< without query
+  std::string path;   ///< without query
+  std::string query;  ///< behind the question mark
   std::string body;
   std::string host, origin, content_type;  ///< header fields, empty where absent
   std::string token;                       ///< of `Authorization: Bearer`
 };
 
+/// The value of `name` in a query, as it stands there; "" = absent.
+std::string of_query(const std::string& query, const std::string& name);
+
 struct Reply {
   int status = 200;
   std::string type = "application/json";
   std::string body;
+  std::string file;    ///< name under which a browser saves the body; "" = it shows it
   std::string policy;  ///< Content-Security-Policy; "" = that of the page
 };
 

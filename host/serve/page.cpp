@@ -19,7 +19,8 @@ std::optional<Reply> page_file(const std::string& path, const std::string& token
     if (const auto at = page.find(hole); at != std::string::npos) page.replace(at, hole.size(), token);
     return reply("text/html; charset=utf-8", page);
   }
-  if (path == "/page.js") return reply(script, std::string(page_script));
+  for (const auto& [name, text] : page_scripts)
+    if (path == name) return reply(script, std::string(text));
   if (path == "/page.css") return reply(style, std::string(chart_assets().style) + std::string(page_style));
   if (path == "/chart.js")
     return reply(script, std::string(chart_assets().library) + "\n" + std::string(chart_assets().links) +

@@ -16,18 +16,33 @@ host::Request mutant(Random& random, const std::string& token) {
                                               "/api/bench",
                                               "/api/fire",
                                               "/api/stop",
-                                              "/api/plan",
+                                              "/api/files/plan",
                                               "/api/plan/run",
-                                              "/api/plan/check",
-                                              "/api/plan/hold",
+                                              "/api/files/plan/check",
+                                              "/api/plan/pause",
                                               "/api/shots/1",
                                               "/api/shots/1/closing",
                                               "/api/campaigns/1/shots",
                                               "/api/campaigns/1/annotations",
-                                              "/api/live"};
-  static const std::vector<std::string> bodies{R"({"angle_deg": 90})", R"({"text": "angles_deg = [0]"})",
-                                               R"({"on": true})",      R"({"key": "remarks", "text": "x"})",
-                                               "[[[[[[[[[[[[[[",       ""};
+                                              "/api/live",
+                                              "/api/scope",
+                                              "/api/files/plan/set",
+                                              "/api/files/plan/save",
+                                              "/api/files/specimen/check",
+                                              "/api/files/specimen/save",
+                                              "/api/files/rig/check",
+                                              "/api/files/rig/save",
+                                              "/api/compare",
+                                              "/api/campaigns/1/shots.csv",
+                                              "/api/shots/1/record"};
+  static const std::vector<std::string> bodies{
+      R"({"angle_deg": 90})",
+      R"({"text": "angles_deg = [0]"})",
+      R"({"on": true})",
+      R"({"key": "remarks", "text": "x"})",
+      R"({"text": "", "section": "bridges", "key": "gap_mm", "value": "1"})",
+      "[[[[[[[[[[[[[[",
+      ""};
   const auto pick = [&](const std::vector<std::string>& from) {
     return from[static_cast<std::size_t>(random.uniform() * static_cast<double>(from.size()))];
   };
@@ -49,6 +64,7 @@ host::Request mutant(Random& random, const std::string& token) {
   r.method = random.uniform() < 0.5 ? "POST" : "GET";
   r.path = damage(pick(paths));
   r.body = damage(pick(bodies));
+  r.query = random.uniform() < 0.5 ? "" : damage("first=1&second=2&after=3");
   r.host = random.uniform() < 0.95 ? here : damage(here);
   r.content_type = random.uniform() < 0.95 ? "application/json" : "text/plain";
   r.origin = random.uniform() < 0.9 ? "" : damage("http://" + here);

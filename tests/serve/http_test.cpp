@@ -37,7 +37,12 @@ struct Server {
                   reply.status = r.token == "good" ? 200 : 401;
                   return reply;
                 },
-                [this] { return "state " + std::to_string(number.load()); }}),
+                [this] { return "state " + std::to_string(number.load()); },
+                [this] {
+                  const int n = records;
+                  return n == 0 ? nullptr
+                                : std::make_shared<const std::string>("record " + std::to_string(n));
+                }}),
         thread([this] { server.serve(false); }) {}
   ~Server() {
     released = true;
@@ -77,7 +82,7 @@ struct Server {
   }
 
   std::atomic<bool> released = false;
-  std::atomic<int> slow = 0, number = 0;
+  std::atomic<int> slow = 0, number = 0, records = 0;
   asio::io_context io;
   HttpServer server;
   std::thread thread;
@@ -197,4 +202,42 @@ TEST_CASE("WebSocket: the newest state, and only to those who may", "[serve]") {
     socket.read(buffer, e);
     return static_cast<bool>(e);
   });
+}
+
+TEST_CASE("WebSocket: the newest record, in binary, and states go elsewhere", "[serve]") {
+  Server s;
+  namespace websocket = beast::websocket;
+  {
+    websocket::stream<tcp::socket> socket(s.connect());
+    beast::error_code e;
+    socket.handshake("x", "/api/scope", e);
+    CHECK(e);
+  }
+  websocket::stream<tcp::socket> scope(s.connect()), state(s.connect());
+  scope.handshake("x", "/api/scope?token=good");  // no record yet: nothing comes
+  state.handshake("x", "/api/live?token=good");
+  const auto next = [](websocket::stream<tcp::socket>& socket) {
+    beast::flat_buffer buffer;
+    socket.read(buffer);
+    return beast::buffers_to_string(buffer.data());
+  };
+  CHECK(next(state) == "state 0");
+  s.number = 7;
+  s.server.changed();
+  CHECK(next(state) == "state 7");
+  for (int i = 1; i <= 500; ++i) {
+    s.records = i;
+    s.server.recorded();
+  }
+  int messages = 1;
+  while (next(scope) != "record 500") ++messages;
+  CHECK(scope.got_binary());
+  CHECK(messages < 250);
+  s.number = 8;
+  s.server.changed();
+  CHECK(next(state) == "state 8");  // no record came in between
+  // who comes later gets the newest one at once
+  websocket::stream<tcp::socket> late(s.connect());
+  late.handshake("x", "/api/scope?token=good");
+  CHECK(next(late) == "record 500");
 }

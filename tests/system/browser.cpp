@@ -11,7 +11,7 @@
 #include <boost/beast/websocket.hpp>
 #include <csignal>
 
-#include "host/cli/pdf.h"
+#include "host/gather/pdf.h"
 #include "tests/waiting.h"
 
 namespace powbench::test {
@@ -124,6 +124,11 @@ void Tab::key(const std::string& name) {
 void Tab::size(int width, int height) {
   call("Emulation.setDeviceMetricsOverride",
        {{"width", width}, {"height", height}, {"deviceScaleFactor", 1}, {"mobile", width < 600}});
+}
+
+void Tab::dark(bool on) {
+  const json scheme = {{"name", "prefers-color-scheme"}, {"value", on ? "dark" : "light"}};
+  call("Emulation.setEmulatedMedia", {{"features", {scheme}}});
 }
 
 void Tab::picture(const std::string& file) {

@@ -24,6 +24,7 @@ class Tab {
   /// A key pressed and let go: "Escape", "Tab", "Enter", "ArrowRight" or one character.
   void key(const std::string& name);
   void size(int width, int height);
+  void dark(bool);
   /// PNG of what is seen.
   void picture(const std::string& file);
   /// Errors of the console and refusals of the page's policy so far.

@@ -1,7 +1,7 @@
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
 
-#include "host/cli/pdf.h"
+#include "host/gather/pdf.h"
 #include "tests/system/program.h"
 
 /// The report in a real browser: what its script makes of it, at the width of a desk and of a phone, and on paper. Without a browser
@@ -59,31 +59,39 @@ TEST_CASE("the report in a browser: a closer look, buttons, the phone, paper", "
   const std::string page = folder.file("demo/report.html");
 
   SECTION("panels are drawn and move together") {
-    const Seen seen =
-        look(folder, page,
-             "const found={};const box=document.getElementById('closer');found.hidden=box.hidden;"
-             "found.panels=box.querySelectorAll('.closer-panel canvas').length;"
-             "found.closings=document.getElementById('closer-shot').options.length;"
-             "const labels=()=>[...box.querySelectorAll('.closer-panel.last "
-             ".dygraph-axis-label-x')].map(e=>+e.textContent);"
-             "const press=w=>{box.querySelector('button[data-do='+w+']').click();const l=labels();"
-             "return l[l.length-1]-l[0];};"
-             "found.whole=press('whole');found.bounce=press('bounce');found.closer=press('in');found.again="
-             "press('out');"
-             "const tick=document.getElementById('closer-stripped');tick.checked=true;"
-             "tick.dispatchEvent(new "
-             "Event('change'));found.legend=box.querySelector('.dygraph-legend').textContent;"
-             "const s=document.getElementById('closer-shot');s.selectedIndex=1;s.dispatchEvent(new "
-             "Event('change'));"
-             "found.after=box.querySelectorAll('.closer-panel').length;"
-             "found.fonts=getComputedStyle(document.body).fontFamily;"
-             "found.list=[...document.querySelectorAll('button,select,input,[role=img]')].filter(e=>e."
-             "offsetParent!==null&&!(e."
-             "textContent||"
-             "e.getAttribute('aria-label')||(e.labels&&e.labels.length))).map(e=>e.tagName+' '+e.id+' "
-             "'+e.getAttribute('class'));" +
-                 tell,
-             "1200,900");
+    const Seen seen = look(
+        folder, page,
+        "const found={};const box=document.getElementById('closer');found.hidden=box.hidden;"
+        "found.panels=box.querySelectorAll('.closer-panel canvas').length;"
+        "found.closings=document.getElementById('closer-shot').options.length;"
+        "const labels=()=>[...box.querySelectorAll('.closer-panel.last "
+        ".dygraph-axis-label-x')].map(e=>+e.textContent);"
+        "const press=w=>{box.querySelector('button[data-do='+w+']').click();const l=labels();"
+        "return l[l.length-1]-l[0];};"
+        "found.whole=press('whole');found.bounce=press('bounce');found.closer=press('in');found.again="
+        "press('out');"
+        "const tick=document.getElementById('closer-stripped');tick.checked=true;"
+        "tick.dispatchEvent(new "
+        "Event('change'));found.legend=box.querySelector('.dygraph-legend').textContent;"
+        "const s=document.getElementById('closer-shot');s.selectedIndex=1;s.dispatchEvent(new "
+        "Event('change'));"
+        "found.after=box.querySelectorAll('.closer-panel').length;"
+        "const time=document.getElementById('device-time'),said=()=>document.getElementById('device-says')."
+        "textContent;"
+        "const paint=()=>{const "
+        "c=document.getElementById('device-view'),d=c.getContext('2d').getImageData(0,0,c."
+        "width,c.height).data;let n=0,h=0;for(let "
+        "i=3;i<d.length;i+=4)if(d[i]){++n;h=(h*31+d[i-1]+i)|0}return[n,h]};"
+        "const at=t=>{time.value=t;time.dispatchEvent(new Event('input'));return{said:said(),paint:paint()}};"
+        "found.open=at(1);found.shut=at(28);"
+        "found.fonts=getComputedStyle(document.body).fontFamily;"
+        "found.list=[...document.querySelectorAll('button,select,input,[role=img]')].filter(e=>e."
+        "offsetParent!==null&&!(e."
+        "textContent||"
+        "e.getAttribute('aria-label')||(e.labels&&e.labels.length))).map(e=>e.tagName+' '+e.id+' "
+        "'+e.getAttribute('class'));" +
+            tell,
+        "1200,900");
     CAPTURE(seen.found.dump());
     CHECK(seen.console == "");
     CHECK(seen.found.at("hidden") == false);
@@ -95,6 +103,12 @@ TEST_CASE("the report in a browser: a closer look, buttons, the phone, paper", "
     CHECK(seen.found.at("again").get<double>() > seen.found.at("closer").get<double>());
     CHECK_THAT(seen.found.at("legend").get<std::string>(),
                Contains("raw") && Contains("stripped off") && Contains("measured"));
+    // the device stands open, then closed, where the laser and the contact voltage say so
+    CHECK_THAT(seen.found.at("open").at("said").get<std::string>(),
+               Contains("1.00 ms") && Contains("contacts open"));
+    CHECK_THAT(seen.found.at("shut").at("said").get<std::string>(), Contains("contacts closed"));
+    CHECK(seen.found.at("open").at("paint").at(0).get<int>() > 5000);
+    CHECK(seen.found.at("open").at("paint") != seen.found.at("shut").at("paint"));
     CHECK_THAT(seen.found.at("fonts").get<std::string>(), Contains("sans-serif"));
     CHECK(seen.found.at("list").size() == 0);
   }

@@ -1,4 +1,4 @@
-#include "host/cli/pdf.h"
+#include "host/gather/pdf.h"
 
 #include <fcntl.h>
 #include <spawn.h>

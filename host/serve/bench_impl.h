@@ -1,0 +1,85 @@
+#pragma once
+
+#include <atomic>
+#include <chrono>
+#include <condition_variable>
+#include <deque>
+#include <mutex>
+#include <optional>
+#include <thread>
+
+#include "host/serve/bench.h"
+#include "host/serve/looker.h"
+#include "host/serve/stoppable_rig.h"
+#include "host/serve/touch.h"
+#include "rigs/rig_watch.h"
+
+namespace powbench::host {
+
+/// The state of a bench and its threads: one that fires, the looker's, and whoever calls. Parts in bench.cpp (firing and stopping) and
+/// bench_state.cpp (what others see).
+struct Bench::Impl final : RunWatcher {
+  using Clock = std::chrono::steady_clock;
+
+  struct Job {
+    Scene scene;
+    std::vector<PlannedShot> shots;
+    std::int64_t campaign = 0;  ///< 0: a new one
+    bool single = false;
+    std::optional<TouchAim::Aim> aim;  ///< of a closing at touch
+    std::size_t done = 0, outside = 0;
+    Clock::time_point begun{};
+    std::string doing = "waiting";
+  };
+
+  Impl(const std::string& rig_uri, const Scene& first, const std::string& database_file,
+       std::function<void()> on_change, std::function<void()> on_record);
+  ~Impl() override;
+
+  void work();
+  std::string run_job(const Job&);
+  rigs::RigInfo rig_now() const;
+  void doing(const char*);
+  bool stopped() override { return stop_flag || end_asked; }
+  void between() override;
+  void stored(std::int64_t shot) override;
+
+  StopAnswer stop();
+  void begin(Job);
+  Job single(double angle) const;
+  TouchAim::Aim aim(double touch_angle);
+
+  void log_line(const std::string&);  ///< the lock is held
+  void say(const std::string&);
+  std::string state() const;
+
+  const std::string uri, database;
+  const std::function<void()> changed, recorded;
+  const RigFile sensors;
+  const rigs::Endpoint endpoint;
+
+  mutable std::mutex mutex;
+  std::condition_variable wake;
+  Scene scene;
+  rigs::RigInfo info;  ///< when the bench was started
+  std::optional<Job> job;
+  bool paused = false, ending = false;
+  std::int64_t single_campaign = 0, newest_campaign = 0, newest_shot = 0;
+  int singles = 0;  ///< single closings of this plan, so far
+  std::optional<StopAnswer> last_stop;
+  std::deque<std::string> log;
+  std::shared_ptr<const std::string> frame;  ///< of the newest record
+
+  std::mutex aim_mutex;
+  std::optional<TouchAim> touch;
+
+  std::atomic<bool> stop_flag = false, end_asked = false, inside = false;
+  std::unique_ptr<StoppableRig> rig;
+  std::atomic<int> stopping = 0;
+  std::mutex stop_mutex;  ///< one stop at a time; `mutex` is taken inside
+  std::unique_ptr<rigs::RigWatch> stop_line;
+  std::unique_ptr<Looker> looker;
+  std::thread worker;
+};
+
+}  // namespace powbench::host

@@ -1,0 +1,133 @@
+#include <fmt/chrono.h>
+#include <fmt/format.h>
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "core/origin.h"
+#include "core/version.h"
+#include "host/serve/bench_impl.h"
+
+namespace powbench::host {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr std::size_t longest_log = 200;
+
+/// A number of a rig's text; null for what is none.
+Json number_in(const std::string& text, double factor) {
+  try {
+    return std::stod(text) * factor;
+  } catch (const std::exception&) {
+    return nullptr;
+  }
+}
+
+Json status_json(const rigs::RigStatus& s) {
+  const auto gap = s.phase_u.find(' ');
+  const std::string now = s.phase_u.substr(0, gap),
+                    ahead = gap == std::string::npos ? "" : s.phase_u.substr(gap + 1);
+  return {{"state", s.state},
+          {"live", s.live()},
+          {"fault", s.fault},
+          {"phase", s.phase},
+          {"owner", s.owner},
+          {"last_error", s.last_error},
+          {"mains_hertz", number_in(s.hertz, 1)},
+          {"phase_u_deg", number_in(now, 1e-3)},
+          {"phase_u_ahead_deg", number_in(ahead, 1e-3)},
+          {"phase_faults", s.phase_faults},
+          {"angle_tolerance_deg", number_in(s.tolerance, 1e-3)}};
+}
+
+Json link_json(const Looker::Look& l) {
+  return {{"answers", l.status.has_value()}, {"error", l.error},       {"answer_ms", l.answer_ms},
+          {"median_ms", l.median_ms},        {"worst_ms", l.worst_ms}, {"looks", l.looks},
+          {"connections", l.connections},    {"lost", l.lost}};
+}
+
+Json rig_json(const rigs::RigInfo& info, const std::string& uri, const Looker::Look& look) {
+  Json channels = Json::array();
+  for (const auto& c : info.channels) {
+    Json counts;
+    for (const auto& [channel, value] : look.now)
+      if (powbench::info(channel).iio_id == c.id) counts = value;
+    channels.push_back(
+        {{"id", c.id}, {"label", c.label}, {"unit", c.unit}, {"per_count", c.scale}, {"counts", counts}});
+  }
+  return {{"uri", uri},
+          {"model", info.model},
+          {"serial", info.serial},
+          {"firmware", info.firmware},
+          {"boot_id", info.boot_id},
+          {"origin", name(origin_of_kind(info.kind))},
+          {"calibration", info.calibration},
+          {"calibration_expires", info.calibration_expires},
+          {"sample_rate_hz", info.sample_rate},
+          {"programmable_source", info.programmable_source},
+          {"channels", channels}};
+}
+
+}  // namespace
+
+void Bench::Impl::log_line(const std::string& text) {
+  const auto now = std::chrono::floor<std::chrono::seconds>(std::chrono::system_clock::now());
+  log.push_back(fmt::format("{:%H:%M:%S} {}", fmt::gmtime(std::chrono::system_clock::to_time_t(now)), text));
+  if (log.size() > longest_log) log.pop_front();
+}
+
+void Bench::Impl::say(const std::string& text) {
+  {
+    const std::scoped_lock lock(mutex);
+    log_line(text);
+  }
+  changed();
+}
+
+std::string Bench::Impl::state() const {
+  const Looker::Look look = looker->look();
+  const std::scoped_lock lock(mutex);
+  Json out = {{"version", program_version},
+              {"rig", rig_json(look.info ? *look.info : info, uri, look)},
+              {"link", link_json(look)},
+              {"status", look.status ? status_json(*look.status) : Json(nullptr)},
+              {"plan",
+               {{"name", scene.plan.name},
+                {"specimen", scene.specimen.name},
+                {"supply_volts", scene.plan.supply_volts},
+                {"mains_hertz", scene.plan.mains_hertz},
+                {"hold_time_ms", 1e3 * scene.plan.hold_time},
+                {"shots", scene.shots.size()}}},
+              {"job", nullptr},
+              {"newest_shot", newest_shot ? Json(newest_shot) : Json(nullptr)},
+              {"newest_campaign", newest_campaign ? Json(newest_campaign) : Json(nullptr)},
+              {"stop", nullptr},
+              {"log", log}};
+  if (job) {
+    const auto total = job->shots.size();
+    const double passed = std::chrono::duration<double>(Clock::now() - job->begun).count();
+    const double eta = job->done > 0 && job->done < total
+                           ? passed / static_cast<double>(job->done) * static_cast<double>(total - job->done)
+                           : estimated_seconds(job->scene.plan);
+    out["job"] = {{"kind", job->single ? "single" : "plan"},
+                  {"name", job->scene.plan.name},
+                  {"campaign", job->campaign ? Json(job->campaign) : Json(nullptr)},
+                  {"doing", paused ? "paused" : job->doing},
+                  {"paused", paused},
+                  {"ending", end_asked.load()},
+                  {"done", job->done},
+                  {"outside_limits", job->outside},
+                  {"shots", total},
+                  {"seconds_left", job->single ? Json(nullptr) : Json(eta)},
+                  {"aim", nullptr}};
+    if (job->aim)
+      out["job"]["aim"] = {{"closing_angle_deg", degrees(job->aim->closing_angle)},
+                           {"touch_s", job->aim->touch_time},
+                           {"gain", job->aim->gain}};
+  }
+  if (last_stop) out["stop"] = {{"off", last_stop->off}, {"text", last_stop->text}, {"ms", last_stop->ms}};
+  return out.dump(-1, ' ', false, Json::error_handler_t::replace);
+}
+
+}  // namespace powbench::host

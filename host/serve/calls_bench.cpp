@@ -1,0 +1,86 @@
+#include <nlohmann/json.hpp>
+
+#include "host/serve/calls.h"
+
+namespace powbench::host {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Reply started() {
+  return json_reply(R"({"started":true})", 202);
+}
+
+Reply get_bench(const Call& c) {
+  return json_reply(c.bench.state());
+}
+
+Reply post_stop(const Call& c) {
+  const StopAnswer a = c.bench.stop();
+  return json_reply(Json{{"off", a.off}, {"text", a.text}, {"ms", a.ms}}.dump(-1, ' ', false,
+                                                                              Json::error_handler_t::replace),
+                    a.off ? 200 : 504);
+}
+
+Reply post_fire(const Call& c) {
+  if (has(c.body, "touch_deg")) {
+    if (has(c.body, "angle_deg")) throw Problem{400, "'angle_deg' and 'touch_deg' exclude each other"};
+    c.bench.fire_at_touch(radians(number_of(c.body, "touch_deg", 0, 359.99)));
+  } else {
+    c.bench.fire(radians(number_of(c.body, "angle_deg", 0, 359.99)));
+  }
+  return started();
+}
+
+Reply post_run(const Call& c) {
+  c.bench.run(scene_of_body(c));
+  return started();
+}
+Reply post_pause(const Call& c) {
+  const bool on = flag_of(c.body, "on");
+  c.bench.pause(on);
+  return json_reply(Json{{"paused", on}}.dump());
+}
+Reply post_end(const Call& c) {
+  c.bench.end();
+  return json_reply(R"({"ending":true})");
+}
+
+Reply get_attributes(const Call& c) try {
+  Json list = Json::array();
+  for (const auto& [name, value] : c.bench.attributes()) list.push_back({{"name", name}, {"value", value}});
+  return json_reply(list.dump(-1, ' ', false, Json::error_handler_t::replace));
+} catch (const rigs::RigError& e) {
+  throw Problem{503, e.what()};
+}
+
+constexpr Route of_bench[] = {
+    {"GET", "/api/bench", Right::read, "Rig, link, job, newest shot, log.", "",
+     R"({"version": "", "rig": {}, "link": {}, "status": {}, "plan": {}, "job": {}, "newest_shot": 1, "newest_campaign": 1,
+         "stop": {"off": true, "text": "", "ms": 1}, "log": [""]})",
+     get_bench},
+    {"POST", "/api/stop", Right::none,
+     "Coil off and job over. `off` is true once the rig has confirmed it; 504 where it has not.", "",
+     R"({"off": true, "text": "", "ms": 1})", post_stop},
+    {"POST", "/api/fire", Right::fire,
+     "One closing under the plan's conditions: the coil switched on at `angle_deg` of the mains, or the "
+     "contacts touching at "
+     "`touch_deg` after the simulator.",
+     R"({"angle_deg": 90})", R"({"started": true})", post_fire},
+    {"POST", "/api/plan/run", Right::fire, "Fires a plan and stores every shot.",
+     R"({"text": "angles_deg = [0, 90]\nrepeats = 3"})", R"({"started": true})", post_run},
+    {"POST", "/api/plan/pause", Right::fire, "Waits between two shots, or goes on.", R"({"on": true})",
+     R"({"paused": true})", post_pause},
+    {"POST", "/api/plan/end", Right::fire, "The shot in flight is the last one.", "{}", R"({"ending": true})",
+     post_end},
+    {"GET", "/api/rig/attributes", Right::read, "Every attribute of the rig and its value.", "",
+     R"([{"name": "", "value": ""}])", get_attributes},
+};
+
+}  // namespace
+
+std::span<const Route> bench_calls() {
+  return of_bench;
+}
+
+}  // namespace powbench::host

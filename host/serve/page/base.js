@@ -1,0 +1,132 @@
+// @ts-check
+// What every page of the live bench uses: calls, numbers, elements.
+
+/** @typedef {{value: number|null, u: number|null}} Measured */
+/** @typedef {{symbol: string, unit: string, meaning: string, value: number|null, u: number|null, simulated: number|null}} QuantityRow */
+/** @typedef {{id: number, kind: string, angle_deg: number|null, reached_rad: Measured, outcome: string, reason: string, started: string,
+ *   quantities: {[symbol: string]: Measured}}} ListedShot */
+/** @typedef {{id: number, campaign: number, origin: string, kind: string, angle_deg: number|null, reached_rad: Measured,
+ *   touch_rad: Measured, started: string, outcome: string, reason: string, has_record: boolean, quantities: QuantityRow[]}} Shot */
+/** @typedef {{id: string, label: string, unit: string, per_count: number, counts: number|null}} ChannelLine */
+/** @typedef {{uri: string, model: string, serial: string, firmware: string, boot_id: string, origin: string, calibration: string,
+ *   calibration_expires: string, sample_rate_hz: number, programmable_source: boolean, channels: ChannelLine[]}} Rig */
+/** @typedef {{answers: boolean, error: string, answer_ms: number, median_ms: number, worst_ms: number, looks: number,
+ *   connections: number, lost: number}} Link */
+/** @typedef {{state: string, live: boolean, fault: string, phase: string, owner: string, last_error: string, mains_hertz: number|null,
+ *   phase_u_deg: number|null, phase_u_ahead_deg: number|null, phase_faults: string, angle_tolerance_deg: number|null}} Status */
+/** @typedef {{kind: string, name: string, campaign: number|null, doing: string, paused: boolean, ending: boolean, done: number,
+ *   outside_limits: number, shots: number, seconds_left: number|null,
+ *   aim: {closing_angle_deg: number, touch_s: number, gain: number}|null}} Job */
+/** @typedef {{version: string, rig: Rig, link: Link, status: Status|null, job: Job|null, newest_shot: number|null,
+ *   newest_campaign: number|null, stop: {off: boolean, text: string, ms: number}|null, log: string[],
+ *   plan: {name: string, specimen: string, supply_volts: number, mains_hertz: number, hold_time_ms: number, shots: number}}} State */
+
+/** @param {string} id @returns {HTMLElement} */
+export function $(id) {
+  const element = document.getElementById(id);
+  if (!element) throw new Error('no element ' + id);
+  return element;
+}
+/** @param {string} id */
+export const field = (id) => /** @type {HTMLInputElement} */ ($(id));
+
+let token = /** @type {HTMLMetaElement} */ (document.querySelector('meta[name="powbench-token"]')).content ||
+  sessionStorage.getItem('powbench-token') || '';
+/** @type {() => void} */
+let tokenGiven = () => {};
+/** @param {() => void} act */
+export const whenTokenGiven = (act) => { tokenGiven = act; };
+
+function askToken() {
+  const given = window.prompt('This bench wants a token:');
+  if (!given) return;
+  token = given.trim();
+  sessionStorage.setItem('powbench-token', token);
+  tokenGiven();
+}
+
+/** An address with the token, for what carries no header: links and WebSockets.
+ * @param {string} path */
+export const link = (path) => path + (token ? (path.includes('?') ? '&' : '?') + 'token=' + encodeURIComponent(token) : '');
+
+/** One HTTP call; throws the server's sentences.
+ * @param {string} method @param {string} path @param {object} [body] @returns {Promise<any>} */
+export async function call(method, path, body) {
+  /** @type {Record<string, string>} */
+  const headers = {};
+  if (token) headers.Authorization = 'Bearer ' + token;
+  if (body) headers['Content-Type'] = 'application/json';
+  const reply = await fetch(path, { method, headers, body: body ? JSON.stringify(body) : undefined });
+  const json = await reply.json();
+  if (reply.status === 401) askToken();
+  if (!reply.ok && path !== '/api/stop') throw json.errors || [json.error];
+  return json;
+}
+/** Bytes. @param {string} path */
+export async function bytes(path) {
+  const reply = await fetch(path, { headers: token ? { Authorization: 'Bearer ' + token } : {} });
+  if (!reply.ok) throw [(await reply.json()).error];
+  return reply.arrayBuffer();
+}
+/** What was thrown, as sentences. @param {unknown} errors @returns {string[]} */
+export const sentences = (errors) => (Array.isArray(errors) ? errors : [String(errors)]);
+
+/** @param {unknown} x @returns {x is number} */
+export const known = (x) => typeof x === 'number';
+/** A value to the digits that its U leaves. @param {number|null} value @param {number|null} U */
+export function rounded(value, U) {
+  if (!known(value)) return '–';
+  const digits = known(U) && U > 0 ? Math.max(0, Math.min(6, 1 - Math.floor(Math.log10(U)))) : 3;
+  return value.toFixed(digits) + (known(U) ? ' ± ' + U.toFixed(digits) : '');
+}
+/** @type {{[unit: string]: [string, number]}} */
+const readable = { s: ['ms', 1e3], m: ['mm', 1e3], A: ['A', 1], N: ['N', 1], 'm/s': ['m/s', 1] };
+/** The unit that people read, and its factor. @param {string} unit @returns {[string, number]} */
+export const unitOf = (unit) => readable[unit] || [unit, 1];
+/** @param {number|null} x @param {number} factor */
+export const scaled = (x, factor) => (known(x) ? x * factor : null);
+/** @param {Measured} m @param {number} factor */
+export const measured = (m, factor) => rounded(scaled(m.value, factor), scaled(m.u, 2 * factor));
+/** @param {number} s */
+export const duration = (s) => (s < 90 ? s.toFixed(0) + ' s' : s < 5400 ? (s / 60).toFixed(0) + ' min' : (s / 3600).toFixed(1) + ' h');
+
+/** @param {HTMLTableRowElement} row @param {(string | number | Node | [string|number|Node, string])[]} values */
+export function cells(row, values) {
+  for (const value of values) {
+    const [content, kind] = Array.isArray(value) ? value : [value, ''];
+    const cell = row.insertCell();
+    cell.className = kind;
+    cell.append(typeof content === 'number' ? String(content) : content);
+  }
+  return row;
+}
+/** @param {string} id */
+export const newRow = (id) => /** @type {HTMLTableSectionElement} */ ($(id)).insertRow();
+/** @param {string} id */
+export const clear = (id) => { $(id).textContent = ''; };
+/** @param {string} id @param {string[]} lines */
+export function list(id, lines) {
+  clear(id);
+  for (const one of lines) {
+    const item = document.createElement('li');
+    item.textContent = one;
+    $(id).append(item);
+  }
+}
+/** @param {string} path @param {string} text */
+export function anchor(path, text) {
+  const a = document.createElement('a');
+  a.href = link(path);
+  a.target = '_blank';
+  a.rel = 'noopener';
+  a.textContent = text;
+  return a;
+}
+/** @param {string} text @param {() => void} act */
+export function button(text, act) {
+  const b = document.createElement('button');
+  b.type = 'button';
+  b.textContent = text;
+  b.addEventListener('click', act);
+  return b;
+}

@@ -1,0 +1,122 @@
+// @ts-check
+// Documents: campaigns and their shots, reports and exports, two campaigns compared, additions to the test record.
+import { $, anchor, button, call, cells, clear, field, known, list, measured, newRow, rounded, scaled, sentences, unitOf } from './base.js';
+
+/** @typedef {import('./base.js').ListedShot} ListedShot */
+/** @typedef {import('./base.js').Measured} Measured */
+/** @typedef {{id: number, name: string, created: string, origin: string, rig: string, specimen: string, angles_deg: number[], shots: number,
+ *   outcomes: {[outcome: string]: number}, outside_limits: number, finished: boolean}} Campaign */
+/** @typedef {{quantity: string, unit: string, closing_angle_deg: number|null, n: number[], first: Measured, second: Measured,
+ *   difference: number|null, U: number|null, over_U: number|null, agreement: string}} PairRow */
+
+const mostShots = 2000;
+/** @type {Campaign[]} */
+let campaigns = [];
+/** @type {ListedShot[]} */
+let shots = [];
+let shownCampaign = 0;
+/** @type {(id: number) => void} */
+let look = () => {};
+/** @param {(id: number) => void} act */
+export const whenShot = (act) => { look = act; };
+
+const wantedAngle = () => (field('find-angle').value === '' ? null : Number(field('find-angle').value));
+/** @param {number|null} a @param {number} b */
+const near = (a, b) => known(a) && Math.abs(((a - b + 540) % 360) - 180) < 0.5;
+
+async function load() {
+  campaigns = await call('GET', '/api/campaigns');
+  for (const id of ['first', 'second']) {
+    const select = /** @type {HTMLSelectElement} */ (/** @type {unknown} */ ($(id))), before = select.value;
+    select.textContent = '';
+    for (const c of campaigns) select.add(new Option(c.id + ' ' + c.name + ', ' + c.created.slice(0, 10), String(c.id)));
+    if (before) select.value = before;
+    else if (id === 'first' && campaigns.length > 1) select.selectedIndex = 1;
+  }
+  showCampaigns();
+}
+function showCampaigns() {
+  const words = field('search').value.toLowerCase().split(/\s+/), outcome = field('find-outcome').value, angle = wantedAngle();
+  clear('campaigns');
+  let n = 0;
+  for (const c of campaigns) {
+    const all = [c.id, c.name, c.created, c.specimen, c.origin, c.rig].join(' ').toLowerCase();
+    if (!words.every((w) => all.includes(w)) || (outcome && !c.outcomes[outcome])) continue;
+    if (angle !== null && !c.angles_deg.some((a) => near(a, angle))) continue;
+    ++n;
+    const links = document.createElement('span');
+    links.append(anchor('/api/campaigns/' + c.id + '/report.html', 'report'), ' ', anchor('/api/campaigns/' + c.id + '/report.pdf', 'PDF'),
+      ' ', anchor('/api/campaigns/' + c.id + '/shots.csv', 'CSV'), ' ', anchor('/api/campaigns/' + c.id + '/junit.xml', 'JUnit'));
+    cells(newRow('campaigns'), [button(String(c.id), () => open(c.id)), c.name, c.created.slice(0, 16).replace('T', ' '), c.specimen, c.origin,
+      [c.shots, 'n'], [c.outside_limits, c.outside_limits ? 'n bad' : 'n'], links]);
+  }
+  $('found').textContent = campaigns.length === 0 ? 'No campaign yet: fire one closing on the page Test.' : n + ' of ' + campaigns.length + ' campaigns';
+}
+
+/** @param {number} id */
+async function open(id) {
+  const c = await call('GET', '/api/campaigns/' + id + '/shots');
+  shownCampaign = id;
+  shots = c.shots;
+  $('campaign').hidden = false;
+  $('campaign-title').textContent = 'Campaign ' + c.campaign + ', ' + c.name + ', ' + c.origin;
+  showShots();
+  notes();
+}
+function showShots() {
+  const outcome = field('find-outcome').value, angle = wantedAngle();
+  clear('shots');
+  const some = shots.filter((s) => (!outcome || s.outcome === outcome) && (angle === null || near(s.angle_deg, angle)));
+  for (const s of some.slice(0, mostShots)) {
+    const q = s.quantities, files = document.createElement('span');
+    files.append(anchor('/api/shots/' + s.id + '/waveforms.csv', 'CSV'), ' ', anchor('/api/shots/' + s.id + '/events.json', 'JSON'));
+    cells(newRow('shots'), [button(String(s.id), () => look(s.id)), s.kind, [known(s.angle_deg) ? s.angle_deg.toFixed(2) : '–', 'n'],
+      [measured(s.reached_rad, 180 / Math.PI), 'n'], [measured(q.t_ct1, 1e3), 'n'], [measured(q.t_ct_bon, 1e3), 'n'], [measured(q.t_ct2, 1e3), 'n'],
+      s.outcome + (s.reason ? ': ' + s.reason : ''), files]);
+  }
+  $('found-shots').textContent = some.length + ' of ' + shots.length + ' shots' + (some.length > mostShots ? ', the first ' + mostShots + ' are shown; CSV has all' : '');
+}
+async function notes() {
+  const all = await call('GET', '/api/campaigns/' + shownCampaign + '/annotations');
+  list('notes', all.map((/** @type {{created: string, key: string, text: string}} */ n) => n.created + ' ' + n.key + ': ' + n.text));
+}
+$('annotate').addEventListener('submit', async (e) => {
+  e.preventDefault();
+  try {
+    await call('POST', '/api/campaigns/' + shownCampaign + '/annotations', { key: field('note-key').value, text: field('note-text').value });
+    $('noted').textContent = 'added';
+    field('note-text').value = '';
+    notes();
+  } catch (errors) {
+    $('noted').textContent = sentences(errors).join(' ');
+  }
+});
+for (const id of ['search', 'find-outcome', 'find-angle'])
+  $(id).addEventListener('input', () => { showCampaigns(); showShots(); });
+
+$('compare').addEventListener('submit', async (e) => {
+  e.preventDefault();
+  clear('pair');
+  $('pair-table').hidden = true;
+  try {
+    const c = await call('GET', '/api/compare?first=' + field('first').value + '&second=' + field('second').value);
+    const rows = /** @type {PairRow[]} */ (c.rows), differ = rows.filter((r) => r.agreement === 'differs').length;
+    $('pair-title').textContent = 'Campaign ' + c.second.id + ' (' + c.second.origin + ') against ' + c.first.id + ' (' + c.first.origin + '): ' +
+      differ + ' of ' + rows.filter((r) => known(r.over_U)).length + ' comparisons differ by more than U';
+    for (const r of rows) {
+      const [unit, factor] = unitOf(r.unit), two = (/** @type {Measured} */ m) => measured(m, factor);
+      cells(newRow('pair'), [r.quantity, [known(r.closing_angle_deg) ? r.closing_angle_deg.toFixed(1) : '–', 'n'], [r.n.join(', '), 'n'], [two(r.first), 'n'], [two(r.second), 'n'],
+        [rounded(scaled(r.difference, factor), scaled(r.U, factor)), 'n'], unit, [known(r.over_U) ? r.over_U.toFixed(2) : '–', 'n'],
+        [r.agreement, r.agreement === 'differs' ? 'bad' : '']]);
+    }
+    $('pair-table').hidden = false;
+  } catch (errors) {
+    $('pair-title').textContent = sentences(errors).join(' ');
+  }
+});
+
+/** @param {boolean} on */
+export function opened(on) {
+  if (on) load();
+}
+export function show() {}

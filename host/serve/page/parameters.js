@@ -1,0 +1,153 @@
+// @ts-check
+// Parameters: plan, specimen and rig file as text and as a list of keys, with the checks of the files.
+import { $, call, cells, clear, duration, field, list, newRow, sentences } from './base.js';
+
+/** @typedef {{section: string, section_meaning: string, key: string, unit: string, allowed: string, meaning: string, value: string,
+ *   default: string, required: boolean}} Key */
+/** @typedef {{name: string, seconds: number, coil_on_s: number, coil_on_percent: number, shots: {number: number, repeat: number,
+ *   at_s: number, angle_deg: number, supply_volts: number, mains_hertz: number}[]}} Fired */
+
+const mostShots = 500;
+const texts = /** @type {{[kind: string]: {text: string, saved: string, template: string, file: string|null}}} */ ({});
+let kind = 'plan', checks = 0, timer = 0;
+/** @type {Key[]} */
+let keys = [];
+/** @type {() => void} */
+let ran = () => {};
+/** @param {() => void} act */
+export const whenRun = (act) => { ran = act; };
+
+const area = /** @type {HTMLTextAreaElement} */ (/** @type {unknown} */ ($('text')));
+
+async function load() {
+  const of = kind;
+  if (!texts[of]) {
+    const file = await call('GET', '/api/files/' + of);
+    texts[of] = { text: file.text, saved: file.text, template: file.template, file: file.file };
+  }
+  if (of === kind) put(texts[of].text);
+}
+/** @param {string} text */
+function put(text) {
+  area.value = texts[kind].text = text;
+  showFile();
+  check();
+}
+function showFile() {
+  const t = texts[kind];
+  $('file').textContent = t.file ? t.file + (t.text === t.saved ? '' : ', changed and not stored') :
+    'no ' + kind + ' file was named when the bench was started: Download keeps the text';
+  field('save').disabled = !t.file;
+  $('run').hidden = kind !== 'plan';
+  $('text-label').textContent = { plan: 'Plan: what is fired', specimen: 'Specimen: one contactor, as it is simulated', rig: 'Rig: the simulated bench' }[kind] || '';
+}
+
+/** @param {Fired} p */
+function showFired(p) {
+  $('planned').textContent = p.name + ': ' + p.shots.length + ' shots in about ' + duration(p.seconds) + ', coil on for ' +
+    p.coil_on_s.toFixed(1) + ' s, ' + p.coil_on_percent.toFixed(0) + ' % of the time. No mistakes found.';
+  clear('shots-planned');
+  for (const s of p.shots.slice(0, mostShots))
+    cells(newRow('shots-planned'), [s.number, s.repeat, [s.at_s.toFixed(1) + ' s', 'n'], [s.angle_deg.toFixed(2) + '°', 'n'], [s.supply_volts + ' V', 'n'], [s.mains_hertz + ' Hz', 'n']]);
+  $('fired').hidden = false;
+  $('more-planned').textContent = p.shots.length > mostShots ? 'and ' + (p.shots.length - mostShots) + ' more' : '';
+}
+
+/** Every mistake at once, or the keys and what would be fired. */
+async function check() {
+  const mine = ++checks;
+  let reply;
+  try {
+    reply = await call('POST', '/api/files/' + kind + '/check', { text: area.value });
+  } catch (errors) {
+    reply = { errors: sentences(errors) };
+  }
+  if (mine !== checks) return;
+  list('errors', reply.errors);
+  field('run').disabled = reply.errors.length > 0;
+  area.setAttribute('aria-invalid', String(reply.errors.length > 0));
+  $('fired').hidden = true;
+  $('planned').textContent = reply.errors.length ? reply.errors.length + (reply.errors.length === 1 ? ' mistake' : ' mistakes') : 'No mistakes found.';
+  if (reply.fired) showFired(reply.fired);
+  if (reply.keys) keys = reply.keys;
+  showKeys();
+}
+
+function showKeys() {
+  const words = field('key-search').value.toLowerCase().split(/\s+/), active = document.activeElement && document.activeElement.id;
+  clear('keys');
+  let section = '';
+  for (const k of keys) {
+    const all = [k.section, k.key, k.meaning, k.section_meaning].join(' ').toLowerCase();
+    if (!words.every((w) => all.includes(w)) || (field('key-changed').checked && k.value === k.default)) continue;
+    if (k.section !== section) {
+      const head = document.createElement('th');
+      head.colSpan = 4;
+      head.textContent = '[' + k.section + '] ' + k.section_meaning;
+      newRow('keys').append(head);
+      section = k.section;
+    }
+    const input = document.createElement('input');
+    input.id = 'key ' + k.section + ' ' + k.key;
+    input.value = k.value;
+    input.placeholder = k.default || 'none';
+    input.setAttribute('aria-label', (k.section ? k.section + '.' : '') + k.key);
+    input.addEventListener('change', () => set(k, input.value.trim()));
+    const row = cells(newRow('keys'), [k.key, input, k.unit, k.meaning + (k.allowed ? '; allowed ' + k.allowed : '')]);
+    row.classList.toggle('changed', k.value !== k.default);
+  }
+  const again = active ? document.getElementById(active) : null;
+  if (again && again.closest('#keys')) again.focus();
+}
+/** @param {Key} k @param {string} value */
+async function set(k, value) {
+  try {
+    put((await call('POST', '/api/files/' + kind + '/set', { text: area.value, section: k.section, key: k.key, value })).text);
+  } catch (errors) {
+    list('errors', sentences(errors));
+  }
+}
+
+area.addEventListener('input', () => {
+  if (texts[kind]) texts[kind].text = area.value;
+  showFile();
+  window.clearTimeout(timer);
+  timer = window.setTimeout(check, 250);
+});
+for (const one of ['plan', 'specimen', 'rig'])
+  $('file-' + one).addEventListener('change', () => { kind = one; $('noted-file').textContent = ''; load(); });
+$('template').addEventListener('click', () => put(texts[kind].template));
+$('reload').addEventListener('click', () => { delete texts[kind]; load(); });
+$('check').addEventListener('click', check);
+$('key-search').addEventListener('input', showKeys);
+$('key-changed').addEventListener('change', showKeys);
+$('download').addEventListener('click', () => {
+  const a = document.createElement('a');
+  a.href = URL.createObjectURL(new Blob([area.value], { type: 'text/plain' }));
+  a.download = texts[kind].file || 'lab.' + kind + '.toml';
+  a.click();
+  URL.revokeObjectURL(a.href);
+});
+/** @param {string} path @param {(reply: any) => void} done */
+async function send(path, done) {
+  try {
+    done(await call('POST', path, { text: area.value }));
+  } catch (errors) {
+    list('errors', sentences(errors));
+  }
+}
+$('save').addEventListener('click', () => send('/api/files/' + kind + '/save', (reply) => {
+  texts[kind].saved = texts[kind].text;
+  showFile();
+  $('noted-file').textContent = reply.file + ' stored: ' + reply.note;
+}));
+$('run').addEventListener('click', () => send('/api/plan/run', ran));
+
+/** @param {boolean} on */
+export function opened(on) {
+  if (on) load();
+}
+/** @param {import('./base.js').State} state */
+export function show(state) {
+  field('run').title = state.job ? 'a job is on' : '';
+}

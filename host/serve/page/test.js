@@ -1,0 +1,117 @@
+// @ts-check
+// Test: one closing, drawn at once; its quantities; the trend over its campaign.
+import { $, button, call, cells, clear, field, known, measured, newRow, rounded, scaled, sentences, unitOf } from './base.js';
+
+/** @typedef {import('./base.js').State} State */
+/** @typedef {import('./base.js').Shot} Shot */
+/** @typedef {import('./base.js').ListedShot} ListedShot */
+
+const longestTrend = 500;
+const panels = typeof Dygraph === 'undefined' ? null : closingPanels($('panels'));
+/** @type {any} */
+let closing = null;
+/** @type {any} */
+let trend = null;
+let shown = 0, newest = 0, stale = false, trendCampaign = 0, trendNewest = 0;
+/** @type {ListedShot[]} */
+let trendShots = [];
+/** @type {Promise<void>|null} */
+let drawing = null;
+
+for (const degrees of [0, 30, 60, 90, 120, 150])
+  $('quick').append(button(degrees + '°', () => { field('angle').value = String(degrees); $('angle').focus(); }), ' ');
+document.querySelectorAll('#closer button').forEach((b) => b.addEventListener('click', () => panels && panels.actions[/** @type {HTMLElement} */ (b).dataset.do || '']()));
+$('stripped').addEventListener('change', () => closing && panels && panels.draw(closing, panels.range(), field('stripped').checked));
+$('fire-form').addEventListener('submit', async (e) => {
+  e.preventDefault();
+  clear('refused');
+  const angle = Number(field('angle').value);
+  try {
+    await call('POST', '/api/fire', field('at').value === 'touch' ? { touch_deg: angle } : { angle_deg: angle });
+  } catch (errors) {
+    $('refused').textContent = sentences(errors).join(' ');
+  }
+});
+
+/** @param {Shot} shot */
+function showQuantities(shot) {
+  clear('quantities');
+  for (const q of shot.quantities) {
+    const [unit, factor] = unitOf(q.unit);
+    cells(newRow('quantities'), [q.symbol, q.meaning, [measured(q, factor), 'n'], [rounded(scaled(q.simulated, factor), null), 'n sim'], unit]);
+  }
+}
+
+/** Events in words first: where a person who has never seen a closing finds touch and bounce. @param {number} id */
+export async function showShot(id) {
+  const shot = /** @type {Shot} */ (await call('GET', '/api/shots/' + id));
+  const angle = known(shot.angle_deg) ? shot.angle_deg.toFixed(1) + '°' : 'an angle not known';
+  /** @param {string} s @param {number} factor */
+  const value = (s, factor) => {
+    const q = shot.quantities.find((one) => one.symbol === s);
+    return q ? measured(q, factor) : '–';
+  };
+  $('shot').hidden = false;
+  $('no-shot').hidden = true;
+  $('shot-title').textContent = 'Shot ' + shot.id + ' at ' + angle + ': touch ' + value('t_ct1', 1e3) + ' ms, bounce ' +
+    value('t_ct_bon', 1e3) + ' ms';
+  $('shot-reason').textContent = shot.origin + ', ' + shot.outcome + (shot.reason ? ': ' + shot.reason : '') + '; switched on at ' +
+    measured(shot.reached_rad, 180 / Math.PI) + '°, touched at ' + measured(shot.touch_rad, 180 / Math.PI) + '° of the mains; ' +
+    shot.started.replace('T', ' ').replace('Z', ' UTC');
+  $('shot-title').classList.toggle('bad', shot.outcome === 'FAIL');
+  showQuantities(shot);
+  closing = shot.has_record ? (await call('GET', '/api/shots/' + id + '/closing'))[0] || null : null;
+  if (panels && closing) panels.draw(closing, closing.bounce, field('stripped').checked);
+  else $('panels').textContent = shot.has_record ? 'This program was built without the charting library.' : 'This shot has no record.';
+  await showTrend(shot.campaign);
+}
+
+/** Only what is new is asked for, and what is shown is bounded: a campaign may have thousands of shots. @param {number} campaign */
+async function showTrend(campaign) {
+  if (!panels) return;
+  if (campaign !== trendCampaign) trendShots = [], trendNewest = 0, trendCampaign = campaign;
+  const fresh = /** @type {ListedShot[]} */ ((await call('GET', '/api/campaigns/' + campaign + '/shots?after=' + trendNewest)).shots);
+  for (const s of fresh) trendNewest = Math.max(trendNewest, s.id);
+  trendShots = trendShots.concat(fresh.filter((s) => s.kind === 'measured')).slice(-longestTrend);
+  drawTrend();
+}
+function drawTrend() {
+  const select = /** @type {HTMLSelectElement} */ ($('trend-of')), option = select.selectedOptions[0];
+  const symbol = select.value, [unit, factor] = unitOf(option.dataset.unit || 's');
+  const rows = trendShots.filter((s) => known(s.quantities[symbol].value)).map((s) => [s.id, [scaled(s.quantities[symbol].value, factor), scaled(s.quantities[symbol].u, 2 * factor) || 0]]);
+  if (trend) trend.destroy();
+  trend = null;
+  clear('trend');
+  $('trend-none').hidden = rows.length > 0;
+  $('trend').setAttribute('aria-label', option.text + ' over the number of the shot, ' + rows.length + ' shots');
+  const colour = getComputedStyle(document.documentElement).getPropertyValue('--measured').trim();
+  if (rows.length)
+    trend = new Dygraph($('trend'), rows, { labels: ['shot', option.text + ' / ' + unit], errorBars: true, sigma: 1, drawPoints: true,
+      pointSize: 3, strokeWidth: 0.4, colors: [colour], includeZero: false, xRangePad: 12, yRangePad: 8, axes: { y: { axisLabelWidth: 54 },
+        x: { axisLabelFormatter: (/** @type {number} */ v) => (Number.isInteger(v) ? String(v) : '') } } });
+}
+$('trend-of').addEventListener('change', drawTrend);
+
+/** @param {boolean} _ */
+export function opened(_) {}
+
+/** The newest shot, one at a time: what arrives while one is drawn is drawn next. @param {State} state @param {State|null} before */
+export function show(state, before) {
+  field('fire').disabled = !!state.job;
+  $('conditions').textContent = state.plan.supply_volts + ' V, ' + state.plan.mains_hertz + ' Hz, coil on for ' + state.plan.hold_time_ms +
+    ' ms, specimen ' + state.plan.specimen + ' (from the plan)';
+  const aim = state.job && state.job.aim;
+  if (aim) $('refused').textContent = 'To touch there the coil is switched on at ' + aim.closing_angle_deg.toFixed(1) + '°; touch is predicted ' + (1e3 * aim.touch_s).toFixed(2) + ' ms later.';
+  if (before && before.job && !state.job) stale = true;  // the simulation is there now
+  newest = state.newest_shot || 0;
+  drawNewest();
+}
+function drawNewest() {
+  if (drawing || !newest || (newest === shown && !stale)) return;
+  shown = newest;
+  stale = false;
+  drawing = showShot(shown).catch(() => {}).then(() => {
+    drawing = null;
+    drawNewest();
+  });
+}
