@@ -1,6 +1,8 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <filesystem>
+#include <fstream>
 #include <nlohmann/json.hpp>
 
 #include "core/phase.h"
@@ -8,9 +10,12 @@
 #include "host/cli/show.h"
 #include "host/cli/verbs.h"
 #include "host/compare/compare.h"
+#include "host/config/bad_input.h"
 #include "host/export/events_json.h"
 #include "host/gather/scene.h"
 #include "host/gather/vibration.h"
+#include "host/import/foreign_table.h"
+#include "host/import/suggest.h"
 #include "host/import/waveform.h"
 #include "host/store/hash.h"
 #include "host/store/json.h"
@@ -88,7 +93,50 @@ std::uint64_t identity(const Record& r) {
 
 }  // namespace
 
+namespace {
+
+/// The calibration file that the columns suggest; the table of reasons is talk, or JSON.
+Exit suggest(const ImportArgs& args) {
+  const CsvTable table = read_table(args.file);
+  const Suggested s = suggest_columns(table);
+  const std::string text = suggested_file(table, s, std::filesystem::path(args.file).filename().string());
+  for (const std::string& note : table.notes) fmt::print(stderr, "{}: {}\n", args.file, note);
+  nlohmann::ordered_json list = nlohmann::ordered_json::array();
+  for (const Suggestion& c : s.columns) {
+    const std::string channel = c.channel ? std::string(info(*c.channel).name) : "-";
+    fmt::print(stderr, "{:<24} {:<14} by {:<6} {}\n", table.header[c.column], channel,
+               c.channel ? name(c.ground) : "-", c.why);
+    list.push_back(
+        {{"column", table.header[c.column]},
+         {"channel", c.channel ? nlohmann::ordered_json(channel) : nlohmann::ordered_json(nullptr)},
+         {"ground", c.channel ? nlohmann::ordered_json(name(c.ground)) : nlohmann::ordered_json(nullptr)},
+         {"why", c.why}});
+  }
+  if (args.json) {
+    fmt::print("{}\n", nlohmann::ordered_json{{"columns", list}, {"file", text}}.dump(2));
+    return Exit::pass;
+  }
+  if (args.output.empty()) {
+    fmt::print("{}", text);
+    return Exit::pass;
+  }
+  std::error_code ignored;
+  if (std::filesystem::exists(args.output, ignored))
+    throw BadInput({args.output + ": is there already and is not overwritten; name another file"});
+  std::ofstream out(args.output, std::ios::binary);
+  out << text;
+  out.close();
+  if (!out)
+    throw BadInput({args.output + ": cannot be written; check the folder, its permissions and the disk"});
+  fmt::print(stderr, "{}: check it, fill in the gains, then: powbench import {} --calibration {}\n",
+             args.output, args.file, args.output);
+  return Exit::pass;
+}
+
+}  // namespace
+
 Exit import_waveform_file(const ImportArgs& args) {
+  if (args.suggest) return suggest(args);
   Imported in = read(args.file, args.calibration);
   const Scene scene = imported_scene(in);
   const RunOptions options = run_options(scene.plan);

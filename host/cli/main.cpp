@@ -38,6 +38,10 @@ Volts of a film, laser or current clamp need a calibration file, shot.toml besid
   corner_hertz = 0.5
 All its keys: powbench plan template calibration
 
+Files of oscilloscopes are read as they come; [columns] of the calibration file says which column is which channel, and
+--suggest writes it:
+  powbench import scope.csv --suggest -o scope.toml
+
 Try:  powbench events shot.csv             contacts at once, without a store; --json for programs
       powbench import shot.csv --db lab.db  then events, export, report from there
 )";
@@ -183,13 +187,21 @@ void add_result_verbs(CLI::App& app) {
   write->add_flag("--pdf", report->pdf, "print report.pdf too, with an installed Chromium");
   auto exported = std::make_shared<ExportArgs>();
   CLI::App* out =
-      verb(app, "export", "Write the waveforms of a stored shot for other programs", exported, export_shot);
-  out->add_option("shot", exported->shot, "shot id")->required();
+      verb(app, "export", "Write shots for other programs: waveforms of one, events of a campaign", exported,
+           export_shot);
+  out->add_option("shot", exported->shot, "shot id; left out for the events of a campaign (arrow, xlsx)");
   add_result_options(out, *exported);
   out->add_option("--to", exported->to, "format")
-      ->check(CLI::IsMember({"csv", "vtu", "gltf"}))
+      ->check(CLI::IsMember({"csv", "nc", "comtrade", "xlsx", "arrow", "vtu", "gltf"}))
       ->capture_default_str();
-  out->add_option("-o,--output", exported->file, "file; stdout if left out. vtu, gltf: folder");
+  out->add_option("-o,--output", exported->file, "file; stdout if left out (csv). vtu, gltf: folder");
+  out->footer(
+      "csv        waveforms as text, with a calibration file beside: powbench import reads both back\n"
+      "nc         waveforms as netCDF-4 (HDF5): xarray.open_dataset\n"
+      "comtrade   waveforms as x.cfg and x.dat, for relay test sets and fault recorders\n"
+      "xlsx       waveforms of a shot, or without a shot the events of a campaign\n"
+      "arrow      events of a campaign as Arrow IPC: pandas.read_feather, polars.read_ipc\n"
+      "vtu, gltf  motion and stress of the shot's closing, simulated once more");
   out->add_option("--cell-mm", exported->cell_mm, "vtu, gltf: largest cell of the bodies")
       ->capture_default_str();
   out->add_option("--scale-masses-ns", exported->scale_masses_ns,
@@ -199,9 +211,14 @@ void add_result_verbs(CLI::App& app) {
 
 void add_import_verb(CLI::App& app) {
   auto args = std::make_shared<ImportArgs>();
-  CLI::App* in =
-      verb(app, "import", "Store anyone's waveform (CSV, COMTRADE) as a shot", args, import_waveform_file);
-  in->add_option("file", args->file, "waveform file (CSV)")->required();
+  CLI::App* in = verb(app, "import", "Store anyone's waveform as a shot", args, import_waveform_file);
+  in->add_option("file", args->file,
+                 "waveform file: CSV of an oscilloscope or logger, .lvm, .tdms, .mat, .wvf or .hdr, COMTRADE "
+                 "(.cfg, .cff), .wav")
+      ->required();
+  in->add_flag("--suggest", args->suggest,
+               "store nothing: print the calibration file that the columns suggest, and why");
+  in->add_option("-o,--output", args->output, "with --suggest: file to write it to");
   in->add_option("--calibration", args->calibration,
                  "calibration file (TOML); FILE.toml beside FILE.csv if left out");
   in->add_option("--db", args->database, "store to write; made if missing")->capture_default_str();

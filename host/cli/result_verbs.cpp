@@ -11,12 +11,10 @@
 #include "host/gather/pdf.h"
 #include "host/cli/show.h"
 #include "host/cli/verbs.h"
-#include "host/export/csv.h"
 #include "host/export/events_json.h"
 #include "host/gather/gather.h"
 #include "host/gather/scene.h"
 #include "host/gather/vibration.h"
-#include "host/import/calibration.h"
 #include "host/store/json.h"
 
 namespace powbench::host {
@@ -303,28 +301,6 @@ Exit write_report(const ReportArgs& args) {
   fmt::print(stderr, "{}, {}: {}; {} and {}\n", campaign.name, name(campaign.origin), name(outcome),
              (folder / "report.html").string(), (folder / "junit.xml").string());
   return outcome == Outcome::fail || outcome == Outcome::not_observed ? Exit::outside_limits : Exit::pass;
-}
-
-Exit export_shot(const ExportArgs& args) {
-  if (args.to != "csv") return export_closing(args);
-  const Store store(args.database, Store::Mode::read_only);
-  Record record = store.load_record(args.shot);
-  const StoredShot shot = store.shot(args.shot);
-  record.conditions = shot.conditions;
-  const CampaignInfo campaign = store.campaign(shot.campaign);
-  const std::string text =
-      fmt::format("# {}, campaign {}, {} shot {}\n{}",
-                  shot.kind == ShotKind::measured ? name(campaign.origin) : "SIMULATION ONLY", campaign.id,
-                  name(shot.kind), shot.id, to_csv(record));
-  if (args.file.empty()) {
-    fmt::print("{}", text);
-    return Exit::pass;
-  }
-  const auto beside = calibration_path(args.file);
-  write_file(args.file, text);
-  write_file(beside, calibration_of(record));
-  fmt::print(stderr, "{} and {}: read back with powbench import\n", args.file, beside.string());
-  return Exit::pass;
 }
 
 }  // namespace powbench::host

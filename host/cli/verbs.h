@@ -127,6 +127,8 @@ Exit show_file_events(const EventsArgs&);
 
 struct ImportArgs {
   std::string file;
+  bool suggest = false;     ///< store nothing: write the calibration file that the columns suggest
+  std::string output;       ///< of that; "" = stdout
   std::string calibration;  ///< "" = the one beside it
   std::string database = "powbench.db";
   bool json = false;
@@ -140,7 +142,7 @@ struct ReportArgs : ResultArgs {
 Exit write_report(const ReportArgs&);
 
 struct ExportArgs : ResultArgs {
-  std::int64_t shot = 0;
+  std::int64_t shot = 0;  ///< 0: the events of the campaign
   std::string to = "csv";
   std::string file;                       ///< "" = stdout; for vtu and gltf a folder, "" = closing
   double cell_mm = 4;                     ///< of the bodies in vtu and gltf

@@ -15,6 +15,7 @@ struct CsvTable {
   std::vector<std::vector<double>> columns;  ///< (columns, rows); NaN where a cell holds no number
   std::vector<std::uint32_t> line;           ///< (rows) line of the file, 1-based
   std::vector<double> delay;                 ///< s, of each column; empty: none
+  std::vector<std::string> notes;            ///< what the file left open and how it was taken
   std::size_t over_range = 0;                ///< cells with an infinity or an instrument's over-range code
 
   std::size_t rows() const { return line.size(); }

@@ -1,12 +1,17 @@
 #include "host/import/calibration.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cctype>
 #include <cmath>
 
 #include "core/commanded_phase.h"
 #include "core/phase.h"
+#include "host/config/bad_input.h"
 #include "host/config/file_reader.h"
+#include "host/import/dcc.h"
+#include "host/import/foreign_table.h"
 
 namespace powbench::host {
 
@@ -22,6 +27,9 @@ void declare_channel(FileKind& kind, Channel c, ChannelCalibration& k) {
   kind.section(std::string(info(c).name), std::string(info(c).meaning));
   kind.number(gain_key(c), k.gain, {-1e9, 1e9},
               "of one volt, for a column in V; negative for a sensor that is upside down", Need::optional);
+  if (info(c).unit != "V")
+    kind.text("certificate", k.certificate,
+              "digital calibration certificate (DCC, XML) beside this file that gives the gain");
   kind.number("delay_us", k.delay, {-1e5, 1e5}, "by how much the channel is late");
   kind.number("step", k.step, {1e-300, 1e12},
               "of the converter, in the column's unit, when all numbers are multiples of it", Need::optional);
@@ -103,8 +111,37 @@ std::filesystem::path calibration_path(const std::filesystem::path& waveform) {
   return path.replace_extension(".toml");
 }
 
+namespace {
+
+void take_certificate(Calibration& k, Channel c, const std::filesystem::path& folder) {
+  ChannelCalibration& ch = k.channels[index(c)];
+  const std::string file = (folder / ch.certificate).string();
+  const Certificate certificate = parse_dcc(whole_file(file), file);
+  const CertifiedGain g = gain_of(certificate, info(c).unit, file);
+  if (!std::isnan(ch.gain) && std::abs(ch.gain - g.gain) > 1e-9 * std::abs(g.gain))
+    throw BadInput(
+        {fmt::format("{}: certificate {} states {:.9g} {}/V, [{}] {} another gain; allowed one of both", file,
+                     certificate.id, g.gain, info(c).unit, info(c).name, gain_key(c))});
+  ch.gain = g.gain;
+  if (k.id.find(certificate.id) == std::string::npos) k.id += (k.id.empty() ? "" : ", ") + certificate.id;
+  std::string note = fmt::format("{}: gain {:.6g} {}/V from certificate {}", info(c).name, g.gain,
+                                 info(c).unit, certificate.id);
+  if (std::isfinite(g.expanded) && std::isfinite(g.coverage))
+    note += fmt::format(", U = {:.3g} {}/V (k = {:g})", g.expanded, info(c).unit, g.coverage);
+  if (!certificate.performed.empty()) note += ", calibrated on " + certificate.performed;
+  k.notes.push_back(note);
+}
+
+}  // namespace
+
 Calibration read_calibration(const std::filesystem::path& path) {
-  return read_with(FileReader::open(path));
+  Calibration k = read_with(FileReader::open(path));
+  const bool named = !k.id.empty();
+  const std::string id = k.id;
+  for (const Channel c : all_channels())
+    if (!k.of(c).certificate.empty()) take_certificate(k, c, path.parent_path());
+  if (named) k.id = id;
+  return k;
 }
 
 Calibration parse_calibration(std::string text, std::string file) {

@@ -18,8 +18,9 @@ namespace powbench::host {
 struct ChannelCalibration {
   double gain =
       std::numeric_limits<double>::quiet_NaN();  ///< SI unit of the channel per volt; NaN = not given
-  double corner_hertz = 0.0;                     ///< low corner of the charge amplifier; 0 = DC
-  double delay = 0.0;                            ///< s
+  std::string certificate;    ///< file of a digital calibration certificate that gives the gain; "" = none
+  double corner_hertz = 0.0;  ///< low corner of the charge amplifier; 0 = DC
+  double delay = 0.0;         ///< s
   double step =
       std::numeric_limits<double>::quiet_NaN();  ///< unit of the column for one count; NaN = not known
   double crosstalk = 0.0;  ///< film channels: share of the other film's force that this one shows
@@ -39,6 +40,7 @@ struct Calibration {
   double closing_angle = std::numeric_limits<double>::quiet_NaN();  ///< rad, commanded
   std::array<ChannelCalibration, channel_count> channels{};
   ForeignColumns columns;
+  std::vector<std::string> notes;  ///< what was taken from certificates, a sentence each
 
   const ChannelCalibration& of(Channel c) const { return channels[index(c)]; }
 };
@@ -46,7 +48,8 @@ struct Calibration {
 /// `shot.csv` -> `shot.toml`.
 std::filesystem::path calibration_path(const std::filesystem::path& waveform);
 
-/// Throws BadInput with all mistakes.
+/// With the gains of the certificates that it names, which lie beside it (host/import/dcc.h): where [channel] certificate is given, the gain
+/// is the certificate's. Where `calibration` is not given, it is the identifier of the certificates. Throws BadInput with all mistakes.
 Calibration read_calibration(const std::filesystem::path&);
 Calibration parse_calibration(std::string text, std::string file);
 

@@ -76,7 +76,9 @@ std::string parse(const std::string& cell, Column& column) {
   if (found == known.end()) {
     const std::string meant = nearest(name, known);
     return label + "is not known; allowed " + known_columns() +
-           (meant.empty() ? "" : "; did you mean '" + meant + "'?");
+           (meant.empty() ? "; a calibration file with [columns] says what foreign ones are, `powbench "
+                            "import --suggest` writes it"
+                          : "; did you mean '" + meant + "'?");
   }
   const bool is_time = found == known.begin();
   if (!is_time) column.channel = static_cast<Channel>(found - known.begin() - 1);
@@ -99,7 +101,10 @@ std::string parse(const std::string& cell, Column& column) {
 }
 
 /// `name [unit]` apart; no unit where there are no brackets.
-std::pair<std::string, std::string> apart(const std::string& cell) {
+std::pair<std::string, std::string> apart(const std::string& given) {
+  std::string cell = given;  // `CH1(V)`, as instruments write it, is `CH1[V]`
+  if (cell.ends_with(')') && cell.find('[') == std::string::npos && cell.find('(') != std::string::npos)
+    cell[cell.rfind('(')] = '[', cell.back() = ']';
   const std::size_t open = cell.find('['), close = cell.rfind(']');
   std::string name(trimmed(std::string_view(cell).substr(0, open)));
   if (open == std::string::npos || close == std::string::npos || close < open) return {name, ""};

@@ -4,21 +4,15 @@
 
 #include <algorithm>
 #include <array>
-#include <cerrno>
 #include <cmath>
-#include <cstring>
 #include <ctime>
-#include <fstream>
-#include <iterator>
 
 #include "host/config/bad_input.h"
 #include "host/config/csv_table.h"
 #include "host/import/clock.h"
 #include "host/import/column.h"
-#include "host/import/comtrade.h"
 #include "host/import/counts.h"
-#include "host/import/lvm.h"
-#include "host/import/wav.h"
+#include "host/import/foreign_table.h"
 
 namespace powbench::host {
 
@@ -49,6 +43,8 @@ class Importer {
   Imported run(CsvTable table, const std::string& today) {
     table_ = std::move(table);
     columns_ = read_header(table_.header, file_, table_.header_line, std::isnan(k_.sample_rate), k_.columns);
+    for (const std::string& text : table_.notes) note(text);
+    for (const std::string& text : k_.notes) note(text);
     for (const Column& c : columns_)
       if (c.passed_over) note(fmt::format("column '{}': not asked for, passed over", c.title));
     check_calibrated();
@@ -322,7 +318,7 @@ std::string today_text() {
 
 Imported import_waveform(std::string_view text, const std::string& file, const Calibration& k,
                          const std::string& calibration_file, const std::string& today) {
-  return Importer(file, k, calibration_file).run(read_csv(text, file), today);
+  return Importer(file, k, calibration_file).run(parse_table(text, file), today);
 }
 
 Imported import_file(const std::filesystem::path& path,
@@ -333,15 +329,7 @@ Imported import_file(const std::filesystem::path& path,
   const std::filesystem::path beside = calibration.value_or(calibration_path(path));
   const bool given = calibration || std::filesystem::exists(beside, ignored);
   const Calibration k = given && beside != path ? read_calibration(beside) : Calibration{};
-  if (is_comtrade(path))
-    return Importer(name, k, beside.string()).run(to_table(read_comtrade(path)), today_text());
-  errno = 0;
-  std::ifstream in(path, std::ios::binary);
-  if (!in) throw BadInput({name + ": cannot be read: " + std::strerror(errno != 0 ? errno : ENOENT)});
-  const std::string text(std::istreambuf_iterator<char>(in), {});
-  if (is_wav(path)) return Importer(name, k, beside.string()).run(parse_wav(text, name), today_text());
-  if (is_lvm(path)) return Importer(name, k, beside.string()).run(parse_lvm(text, name), today_text());
-  return import_waveform(text, name, k, beside.string(), today_text());
+  return Importer(name, k, beside.string()).run(read_table(path), today_text());
 }
 
 }  // namespace powbench::host

@@ -66,7 +66,7 @@ TEST_CASE("mistakes on the command line", "[system]") {
       {{"events", folder.file("none.csv")}, "none.csv: cannot be read"},
       {{"show", "abc", "--db", db}, "shot = abc"},
       {{"plot", "1", "-o", folder.file("x.gif"), "--db", db}, "a picture is .svg or .html"},
-      {{"export", "1", "--to", "xlsx", "--db", db}, "xlsx not in {csv,vtu,gltf}"},
+      {{"export", "1", "--to", "ods", "--db", db}, "ods not in {csv,nc,comtrade,xlsx,arrow,vtu,gltf}"},
       {{"compare", "1", "9", "--db", db}, "no campaign 9"},
       {{"annotate", "cutsomer", "x", "--db", db}, "did you mean 'customer'?"},
       {{"annotate", "customer", "--db", db}, "customer: the text is empty"},

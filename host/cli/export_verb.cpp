@@ -1,0 +1,161 @@
+#include <fmt/format.h>
+
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+
+#include "core/quantities.h"
+#include "core/version.h"
+#include "host/cli/verbs.h"
+#include "host/config/bad_input.h"
+#include "host/export/csv.h"
+#include "host/export/event_table.h"
+#include "host/export/waveforms.h"
+#include "host/import/calibration.h"
+#include "host/store/json.h"
+#include "host/store/store.h"
+
+/// powbench export: waveforms of a shot, events of a campaign.
+
+namespace powbench::host {
+
+namespace {
+
+void write_file(const std::filesystem::path& path, const std::string& text) {
+  std::ofstream out(path, std::ios::binary);
+  out << text;
+  out.close();
+  if (!out)
+    throw StoreError(path.string() + ": cannot be written; check the folder, its permissions and the disk");
+}
+
+std::string origin_of(const CampaignInfo& campaign, const StoredShot& shot) {
+  return std::string(shot.kind == ShotKind::measured ? name(campaign.origin) : "SIMULATION ONLY");
+}
+
+About about(const Store& store, const CampaignInfo& campaign, const StoredShot& shot, const Record& record) {
+  About list{{"Conventions", "CF-1.8"},
+             {"title", fmt::format("powbench {} shot {} of campaign {} ({})", name(shot.kind), shot.id,
+                                   campaign.id, campaign.name)},
+             {"source", fmt::format("{}: {}", origin_of(campaign, shot), record.rig)},
+             {"started", shot.started},
+             {"conditions", to_json(shot.conditions)},
+             {"calibration", record.calibration},
+             {"sample_hash", shot.record_hash},
+             {"program", fmt::format("powbench {}", program_version)}};
+  if (const auto events = store.load_events(shot.id)) list.emplace_back("events", to_json(*events));
+  return list;
+}
+
+struct Numbers {
+  std::vector<double> value, u;
+};
+
+/// One row a shot: what was asked, what came out; NaN where it is not known.
+Table campaign_events(const Store& store, std::int64_t campaign) {
+  std::vector<std::int64_t> id, number, repeat;
+  std::vector<std::string> kind, outcome, reason, started;
+  std::vector<double> asked;
+  Numbers reached;
+  std::vector<Numbers> quantities(quantity_table.size());
+  for (const StoredShot& s : store.shots(campaign)) {
+    id.push_back(s.id), number.push_back(s.number), repeat.push_back(s.repeat);
+    kind.emplace_back(name(s.kind)), outcome.emplace_back(name(s.outcome));
+    reason.push_back(s.reason), started.push_back(s.started);
+    asked.push_back(s.angle_deg);
+    const auto events = store.load_events(s.id);
+    const Measured angle = events ? events->coil.closing_angle : Measured{};
+    reached.value.push_back(angle.value), reached.u.push_back(angle.u);
+    for (std::size_t q = 0; q < quantities.size(); ++q) {
+      const Measured m = events ? quantity_table[q].of(*events) : Measured{};
+      quantities[q].value.push_back(m.value), quantities[q].u.push_back(m.u);
+    }
+  }
+  Table t{{"shot", id}, {"kind", kind}, {"number", number}, {"repeat", repeat}, {"angle_deg", asked}};
+  t.push_back({"reached_rad", reached.value}), t.push_back({"u_reached_rad", reached.u});
+  for (std::size_t q = 0; q < quantities.size(); ++q) {
+    std::string unit(quantity_table[q].unit);
+    if (unit == "m/s") unit = "m_per_s";
+    const std::string label = fmt::format("{}_{}", quantity_table[q].symbol, unit);
+    t.push_back({label, quantities[q].value}), t.push_back({"u_" + label, quantities[q].u});
+  }
+  t.push_back({"outcome", outcome}), t.push_back({"reason", reason}), t.push_back({"started", started});
+  return t;
+}
+
+Sheet about_sheet(const About& list) {
+  std::vector<std::string> keys, texts;
+  for (const auto& [key, text] : list)
+    if (key != "events") keys.push_back(key), texts.push_back(text);
+  return {"about", {{"key", keys}, {"text", texts}}};
+}
+
+Exit export_campaign(const ExportArgs& args) {
+  if (args.to != "arrow" && args.to != "xlsx")
+    throw BadInput({"export --to " + args.to +
+                    ": name a shot; without one the events of a campaign go to arrow or xlsx"});
+  const Store store(args.database, Store::Mode::read_only);
+  const CampaignInfo campaign = store.campaign(args.campaign);
+  const Table table = campaign_events(store, campaign.id);
+  const About list{{"campaign", fmt::format("{}, {}", campaign.id, campaign.name)},
+                   {"origin", std::string(name(campaign.origin))},
+                   {"created", campaign.created},
+                   {"program", fmt::format("powbench {}", program_version)}};
+  write_file(args.file,
+             args.to == "arrow" ? to_arrow(table, list) : to_xlsx({{"events", table}, about_sheet(list)}));
+  fmt::print(stderr, "{}: {} shots of campaign {}\n", args.file, rows(table), campaign.id);
+  return Exit::pass;
+}
+
+/// CSV and its calibration file, which read back make the same record.
+Exit export_csv(const ExportArgs& args, const CampaignInfo& campaign, const StoredShot& shot,
+                const Record& record) {
+  const std::string text = fmt::format("# {}, campaign {}, {} shot {}\n{}", origin_of(campaign, shot),
+                                       campaign.id, name(shot.kind), shot.id, to_csv(record));
+  if (args.file.empty()) {
+    fmt::print("{}", text);
+    return Exit::pass;
+  }
+  const auto beside = calibration_path(args.file);
+  write_file(args.file, text);
+  write_file(beside, calibration_of(record));
+  fmt::print(stderr, "{} and {}: read back with powbench import\n", args.file, beside.string());
+  return Exit::pass;
+}
+
+}  // namespace
+
+Exit export_shot(const ExportArgs& args) {
+  if (args.to == "vtu" || args.to == "gltf") {
+    if (args.shot == 0)
+      throw BadInput({"export --to " + args.to + ": name a shot, as `powbench shots` lists it"});
+    return export_closing(args);
+  }
+  if (args.file.empty() && args.to != "csv")
+    throw BadInput({"export --to " + args.to + ": name the file to write with -o"});
+  if (args.shot == 0) return export_campaign(args);
+  const Store store(args.database, Store::Mode::read_only);
+  const Record record = store.load_record(args.shot);
+  const StoredShot shot = store.shot(args.shot);
+  const CampaignInfo campaign = store.campaign(shot.campaign);
+  if (args.to == "csv") return export_csv(args, campaign, shot, record);
+  if (args.to == "arrow")
+    throw BadInput({"export --to arrow: writes the events of a campaign; leave the shot out"});
+  const About list = about(store, campaign, shot, record);
+  std::filesystem::path file = args.file;
+  if (args.to == "nc") {
+    write_netcdf(record, list, args.file);
+  } else if (args.to == "xlsx") {
+    write_file(file, to_xlsx({{"record", waveform_table(record)}, about_sheet(list)}));
+  } else {
+    const ComtradeText text = to_comtrade(record, list[1].second);
+    write_file(file.replace_extension(".cfg"), text.configuration);
+    write_file(file.replace_extension(".dat"), text.data);
+    file.replace_extension(".cfg");
+  }
+  fmt::print(stderr, "{}: {} samples of {} channels\n", file.string(), record.samples(),
+             record.channels.size());
+  return Exit::pass;
+}
+
+}  // namespace powbench::host

@@ -1,0 +1,40 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/channels.h"
+#include "host/config/csv_table.h"
+
+/// Which column of a foreign file may be which channel. A suggestion is for a person to confirm; nothing is imported by it.
+
+namespace powbench::host {
+
+/// What the choice rests on, the surest first.
+enum class Ground {
+  name,  ///< the column's name says it
+  shape,  ///< only this channel looks so: mains, switched mains, a contact voltage that falls, a travel that arrives
+  unit,   ///< the unit leaves this channel, and the names' order decides between two
+  guess,  ///< what was left over
+};
+std::string_view name(Ground);
+
+struct Suggestion {
+  std::size_t column = 0;          ///< of the table
+  std::optional<Channel> channel;  ///< nothing: none fits, or all that fit are taken
+  Ground ground = Ground::guess;
+  std::string why;  ///< half a sentence
+};
+
+struct Suggested {
+  std::vector<Suggestion> columns;  ///< one for each column but the time
+  std::optional<double> switch_on;  ///< s, where the switched mains begins
+};
+
+Suggested suggest_columns(const CsvTable&);
+
+/// The calibration file that the suggestion makes: [columns], and for each channel in volts the gain that is missing, as a comment.
+std::string suggested_file(const CsvTable&, const Suggested&, const std::string& waveform);
+
+}  // namespace powbench::host

@@ -1,0 +1,120 @@
+#include "host/import/suggest.h"
+
+#include <fmt/format.h>
+
+#include <catch2/catch.hpp>
+#include <numeric>
+
+#include "core/random.h"
+#include "host/import/calibration.h"
+#include "host/import/waveform.h"
+#include "rigs/simulated_record.h"
+
+using namespace powbench;
+using namespace powbench::host;
+using Catch::Matchers::Contains;
+
+namespace {
+
+/// A closing of the simulated rig as a scope would show it: names CH1.., everything in volts, in an order and with gains, signs and
+/// noise of a seed. `truth[c]`: channel of column c.
+struct Shown {
+  CsvTable table;
+  std::vector<Channel> truth;
+};
+
+Shown shown(std::uint64_t seed) {
+  Random random(seed);
+  Conditions c;
+  c.closing_angle = radians(360 * random.uniform());
+  c.mains_hertz = seed % 3 == 0 ? 60.0 : 50.0;
+  c.supply_volts = 200 + 60 * random.uniform();
+  rigs::SimRigConfig rig;
+  const Record r = rigs::simulate_record({}, c, rig).record;
+  std::vector<std::size_t> order(r.channels.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  for (std::size_t i = order.size(); i > 1; --i) std::swap(order[i - 1], order[random.below(i)]);
+  Shown s;
+  s.table.header = {"time [s]"};
+  s.table.columns.emplace_back();
+  s.truth.push_back(Channel::aux);
+  for (std::size_t i = 0; i < r.samples(); ++i)
+    s.table.columns[0].push_back(r.time(i)), s.table.line.push_back(1);
+  for (const std::size_t k : order) {
+    const ChannelRecord& from = r.channels[k];
+    const std::string_view unit = info(from.channel).unit;
+    const double gain = unit == "V" ? 1.0
+                                    : (unit == "m" ? 1000.0 : 0.1) * (0.3 + random.uniform()) *
+                                          (random.below(4) == 0 ? -1 : 1);
+    double largest = 0;
+    for (std::size_t i = 0; i < r.samples(); ++i) largest = std::max(largest, std::abs(from.value(i) * gain));
+    const double noise = largest * 0.01 * random.uniform();
+    s.table.header.push_back(fmt::format("CH{} [V]", s.table.header.size()));
+    s.truth.push_back(from.channel);
+    s.table.columns.emplace_back();
+    for (std::size_t i = 0; i < r.samples(); ++i)
+      s.table.columns.back().push_back(from.value(i) * gain + noise * random.normal());
+  }
+  return s;
+}
+
+}  // namespace
+
+TEST_CASE("what a shape says is true, on closings in volts without names", "[import][suggest]") {
+  int by_shape = 0, wrong = 0, of_four = 0;
+  for (std::uint64_t seed = 1; seed <= 40; ++seed) {
+    const Shown s = shown(seed);
+    for (const Suggestion& x : suggest_columns(s.table).columns) {
+      if (x.ground != Ground::shape || !x.channel) continue;
+      ++by_shape;
+      wrong += *x.channel != s.truth[x.column] ? 1 : 0;
+    }
+    of_four += 4;
+  }
+  WARN("by shape: " << by_shape << " of " << of_four << " named, " << wrong << " of them wrong");
+  CHECK(by_shape > of_four * 3 / 4);
+  CHECK(wrong <= by_shape / 50);
+}
+
+TEST_CASE("names and units decide before shapes, and the file that is written is read back",
+          "[import][suggest]") {
+  const Shown s = shown(3);
+  CsvTable t = s.table;
+  for (std::size_t c = 1; c < t.header.size(); ++c) {
+    if (s.truth[c] == Channel::coil_voltage) t.header[c] = "U_coil [V]";
+    if (s.truth[c] == Channel::coil_current) t.header[c] = "probe [A]";
+    if (s.truth[c] == Channel::pvdf_a) t.header[c] = "Force A [V]";
+    if (s.truth[c] == Channel::pvdf_b) t.header[c] = "sensor \"2\" [N]";
+  }
+  const Suggested found = suggest_columns(t);
+  for (const Suggestion& x : found.columns) {
+    if (s.truth[x.column] == Channel::coil_voltage) CHECK(x.ground == Ground::name);
+    if (s.truth[x.column] == Channel::coil_current) CHECK(x.ground == Ground::unit);
+    if (s.truth[x.column] == Channel::pvdf_b) CHECK(x.ground == Ground::unit);
+    if (s.truth[x.column] == Channel::coil_voltage || s.truth[x.column] == Channel::pvdf_a ||
+        s.truth[x.column] == Channel::pvdf_b) {
+      REQUIRE(x.channel);
+      CHECK(*x.channel == s.truth[x.column]);
+    }
+  }
+  REQUIRE(found.switch_on);
+  CHECK(*found.switch_on == Approx(0.0).margin(5e-3));
+  const std::string text = suggested_file(t, found, "scope.csv");
+  CHECK_THAT(text, Contains("pvdf_b = \"sensor \\\"2\\\" [N]\"") && Contains("# gain_N_per_V = ?"));
+  const Calibration k = parse_calibration(text, "scope.toml");
+  CHECK(k.columns[1 + index(Channel::pvdf_a)] == "Force A [V]");
+}
+
+TEST_CASE("a column that no channel fits stays without one", "[import][suggest]") {
+  CsvTable t;
+  t.header = {"time [s]", "T [degC]", "mains [V]", "mains 2 [V]"};
+  t.columns.assign(4, std::vector<double>(100, 1.0));
+  t.line.assign(100, 1);
+  const Suggested s = suggest_columns(t);
+  REQUIRE(s.columns.size() == 3);
+  CHECK_FALSE(s.columns[0].channel);
+  CHECK(*s.columns[1].channel == Channel::mains_voltage);
+  CHECK(*s.columns[2].channel != Channel::mains_voltage);
+  CHECK(s.columns[2].ground == Ground::guess);
+  CHECK_THAT(suggested_file(t, s, "x.csv"), Contains("# \"T [degC]\" :"));
+}
