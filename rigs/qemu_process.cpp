@@ -214,13 +214,17 @@ std::string find_qemu_image() {
     return chosen;
   }
   std::error_code ignored;
-  const fs::path beside = fs::read_symlink("/proc/self/exe", ignored).parent_path() / "powbench-qemu.elf";
-  if (fs::exists(beside, ignored)) return beside.string();
+  const fs::path folder = fs::read_symlink("/proc/self/exe", ignored).parent_path();
+  for (const char* place : {"powbench-qemu.elf", "../lib/powbench/powbench-qemu.elf"})
+    if (fs::exists(folder / place, ignored)) return (folder / place).lexically_normal().string();
   const std::string built = POWBENCH_QEMU_IMAGE;
   if (!built.empty() && fs::exists(built, ignored)) return built;
   throw RigError(
-      "there is no image for the emulated board: install gcc-arm-none-eabi, libnewlib-arm-none-eabi and "
-      "libstdc++-arm-none-eabi-newlib and build again, or let POWBENCH_FIRMWARE name one");
+      "there is no image for the emulated board: install the package powbench-firmware or, where powbench "
+      "was built from its "
+      "sources, gcc-arm-none-eabi, libnewlib-arm-none-eabi and libstdc++-arm-none-eabi-newlib and build "
+      "again; or let "
+      "POWBENCH_FIRMWARE name one");
 }
 
 }  // namespace powbench::rigs

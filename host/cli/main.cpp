@@ -6,12 +6,17 @@
 
 #include "core/version.h"
 #include "host/cli/commands.h"
+#include "host/cli/manual.h"
 #include "host/cli/study.h"
 #include "host/cli/unknown_verb.h"
 #include "host/cli/verbs.h"
 #include "host/config/bad_input.h"
 #include "host/store/store.h"
 #include "rigs/rig.h"
+
+namespace powbench::host {
+extern const char* const program_commit;  ///< of the sources; made by the build
+}
 
 /// The command line: words to arguments, exceptions to sentences and exit codes. The work is in the verbs.
 
@@ -423,7 +428,7 @@ int main(int argc, char** argv) {
       "             powbench plan template plan        a commented plan to edit\n"
       "             powbench run PLAN --rig sim: --db lab.db   acquire;  then sim, compare, report"};
   app.name("powbench");
-  app.set_version_flag("--version", std::string("powbench ") + program_version);
+  app.set_version_flag("--version", fmt::format("powbench {}, commit {}", program_version, program_commit));
   app.require_subcommand(1);
   app.footer(
       "Exit codes: 0 pass, 1 outside limits, 2 bad input, 3 rig unreachable or at fault, 4 time-out,\n"
@@ -438,6 +443,7 @@ int main(int argc, char** argv) {
   add_fit_verb(app);
   add_sweep_verb(app);
   add_ladder_verb(app);
+  add_manual_verbs(app);
 
   if (const std::string wrong = unknown_verb(app, argc, argv); !wrong.empty()) {
     fmt::print(stderr, "{}\n", wrong);

@@ -3,7 +3,7 @@
 #include <nlohmann/json.hpp>
 
 #include "host/cli/verbs.h"
-#include "host/gather/scene.h"
+#include "host/gather/begin.h"
 #include "host/run/stop.h"
 
 namespace powbench::host {
@@ -15,6 +15,10 @@ void print_summary(const RunSummary& s, std::int64_t campaign, Origin origin, bo
     nlohmann::ordered_json j = {
         {"campaign", campaign}, {"origin", name(origin)}, {"planned", s.planned}, {"done", s.done()}};
     for (std::size_t i = 0; i < outcome_names.size(); ++i) j[std::string(outcome_names[i])] = s.counts[i];
+    j["limits"] = nlohmann::ordered_json::array();
+    for (const LimitTally& t : s.limits)
+      j["limits"].push_back(
+          {{"quantity", t.limit.quantity}, {"fail", t.failed}, {"not_observed", t.not_observed}});
     j["stopped"] = s.stopped.empty() ? nlohmann::ordered_json(nullptr) : nlohmann::ordered_json(s.stopped);
     fmt::print("{}\n", j.dump(2));
   }
@@ -24,6 +28,8 @@ void print_summary(const RunSummary& s, std::int64_t campaign, Origin origin, bo
   fmt::print(stderr, "campaign {}, {}: {} of {} shots recorded{}, {} without a record\n", campaign,
              name(origin), s.done(), s.planned, counts.empty() ? "" : " (" + counts + ")",
              s.count(Outcome::error) + s.count(Outcome::timeout) + s.count(Outcome::aborted));
+  for (const LimitTally& t : s.limits)
+    if (const std::string text = sentence(t); !text.empty()) fmt::print(stderr, "  {}\n", text);
   if (!s.stopped.empty()) fmt::print(stderr, "{}\n", s.stopped);
 }
 
@@ -45,30 +51,15 @@ Exit run_plan(const RunArgs& args) {
   const StopOnSignal stop;
   // the rig first: a campaign that could not begin leaves no trace
   const auto rig = open_rig(args.rig, scene.specimen);
-  const std::string identity = rig->info().model + ", " + rig->info().serial;
-  const Origin origin = origin_of_kind(rig->info().kind);
-  const auto begun = store.find_campaign(scene.plan_hash, scene.specimen_hash);
-  std::int64_t campaign = 0;
-  if (args.resume && begun) {
-    campaign = begun->id;
-    if (begun->rig_identity != identity)
-      throw rigs::RigError("campaign " + std::to_string(campaign) + " was begun on '" + begun->rig_identity +
-                           "', this rig is '" + identity + "'; use that rig, or start anew without --resume");
-  } else {
-    if (begun && !begun->finished)
-      fmt::print(stderr, "campaign {} of this plan is unfinished; --resume would go on with it\n", begun->id);
-    CampaignInfo info = campaign_info(scene, args.rig, identity);
-    info.origin = origin;
-    campaign = store.create_campaign(info);
-    if (const std::string late = note_calibration(store, campaign, rig->info()); !late.empty())
-      fmt::print(stderr, "{}\n", late);
-  }
+  const std::int64_t campaign =
+      begin_campaign(store, scene, args.rig, rig->info(), args.resume,
+                     [](const std::string& text) { fmt::print(stderr, "{}\n", text); });
   RunOptions options = run_options(scene.plan);
   options.max_failures = args.max_failures;
   Progress progress("acquire", scene.shots.size(), progress_style(args.progress));
   const RunSummary summary = run_campaign(store, campaign, scene.shots, *rig, options, progress);
   progress.finish();
-  print_summary(summary, campaign, origin, args.json);
+  print_summary(summary, campaign, origin_of_kind(rig->info().kind), args.json);
   return summary.exit_code();
 }
 

@@ -5,6 +5,7 @@
 #include <fstream>
 #include <set>
 
+#include "host/cli/demo_end.h"
 #include "host/cli/scenes.h"
 #include "host/cli/verbs.h"
 #include "host/gather/scene.h"
@@ -96,7 +97,11 @@ Exit demo(const DemoArgs& args) {
   report.database = database;
   report.folder = args.folder;
   write_report(report);
-  fmt::print("{}\n", (folder / "report.html").string());
+  const std::string page = (folder / "report.html").string();
+  fmt::print("{}\n", page);
+  std::fflush(stdout);  // the sentences come last, also where both streams are one
+  const Store store(database, Store::Mode::read_only);
+  fmt::print(stderr, "{}", three_sentences(store, store.campaign(), page));
   return acquired;
 }
 

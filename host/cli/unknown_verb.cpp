@@ -17,7 +17,7 @@ std::string unknown_verb(const CLI::App& app, int argc, char** argv) {
                                                             {"ls", "campaigns"},
                                                             {"html", "report"},
                                                             {"pdf", "report"},
-                                                            {"serve", "rig"},
+                                                            {"emulate", "rig"},
                                                             {"best", "sweep"},
                                                             {"optimise", "sweep"},
                                                             {"identify", "fit"},
@@ -30,7 +30,11 @@ std::string unknown_verb(const CLI::App& app, int argc, char** argv) {
                                                             {"note", "annotate"},
                                                             {"diff", "compare"},
                                                             {"load", "import"},
-                                                            {"help", "--help"},
+                                                            {"man", "help"},
+                                                            {"gui", "serve"},
+                                                            {"live", "serve"},
+                                                            {"browser", "serve"},
+                                                            {"shot", "show"},
                                                             {"version", "--version"}};
   const CLI::App* at = &app;
   std::string before;

@@ -1,0 +1,53 @@
+#!/usr/bin/env bash
+# Tries the packages in FOLDER: test.sh FOLDER. lintian; then a fresh Debian 12 installs them and runs the tests of debian/tests. Needs
+# root and the package registry. Closes with `N passed, N failed`.
+set -uo pipefail
+cd "$(dirname "${BASH_SOURCE[0]}")/.." || exit
+packages=$(realpath "$1")
+passed=0
+failed=0
+verdict() {
+  local name=$1 status=$2
+  if ((status)); then
+    failed=$((failed + 1))
+    printf 'failed: %s\n' "$name"
+  else
+    passed=$((passed + 1))
+    printf 'passed: %s\n' "$name"
+  fi
+}
+
+lintian --fail-on error,warning --suppress-tags initial-upload-closes-no-bugs "$packages"/*.deb
+verdict lintian $?
+
+root=$(mktemp -d)
+trap 'rm -rf "$root"' EXIT
+# POWBENCH_ROOT_TAR: a tar of such a root that is there already
+if [[ -n ${POWBENCH_ROOT_TAR-} ]]; then
+  tar -C "$root" -xf "$POWBENCH_ROOT_TAR"
+else
+  mmdebstrap --quiet --variant=minbase bookworm "$root"
+fi
+verdict 'a fresh Debian 12' $?
+mkdir -p "$root/packages" "$root/tests"
+cp "$packages"/*.deb "$root/packages/"
+cp debian/tests/* "$root/tests/"
+inside() { chroot "$root" env -i PATH=/usr/sbin:/usr/bin:/sbin:/bin HOME=/root DEBIAN_FRONTEND=noninteractive LC_ALL=C.UTF-8 "$@"; }
+mount --bind /proc "$root/proc" && trap 'umount "$root/proc"; rm -rf "$root"' EXIT
+start=$SECONDS
+inside sh -c 'apt-get -q -y --no-install-recommends install /packages/*.deb' >"$packages/install.log" 2>&1
+verdict 'installation' $?
+inside sh /tests/demo
+verdict demo $?
+printf 'from the installation to the first report: %d s\n' $((SECONDS - start))
+inside sh /tests/python
+verdict python $?
+inside sh -c 'apt-get -q -y --no-install-recommends install cmake g++ make' >>"$packages/install.log" 2>&1 && inside sh /tests/library
+verdict library $?
+inside sh -c 'test -s /usr/share/doc/powbench-doc/html/index.html && bash -n /usr/share/bash-completion/completions/powbench' 
+verdict 'documentation and completion' $?
+inside sh -c 'apt-get -q -y purge "powbench*" "python3-powbench" libpowbench-dev' >>"$packages/install.log" 2>&1 &&
+  ! inside sh -c 'ls /usr/bin/powbench /usr/lib/powbench /usr/share/powbench' 2>/dev/null
+verdict 'removal leaves nothing' $?
+printf '%d passed, %d failed\n' "$passed" "$failed"
+((failed == 0))
