@@ -156,11 +156,11 @@ std::vector<Grazing> fill_train(ContactTrain& train, const Round& r, const Force
 /// apart.
 void admit_grazing(ContactTrain& t, const std::vector<Grazing>& dips) {
   if (!t.settled.known()) return;
-  constexpr double same = 50e-6;  // s
+  constexpr double same = 1e-9;  // s
   for (const Grazing& g : dips) {
     if (std::abs(t.settled.value - g.before) > same && std::abs(t.settled.value - g.after) > same) continue;
-    t.settled.u = std::hypot(t.settled.u, (g.after - g.before) / std::sqrt(3.0));
-    t.bounce_time.u = std::hypot(t.bounce_time.u, (g.after - g.before) / std::sqrt(3.0));
+    t.settled.u = std::hypot(t.settled.u, g.share() * (g.after - g.before));
+    t.bounce_time.u = std::hypot(t.bounce_time.u, g.share() * (g.after - g.before));
   }
 }
 
@@ -230,7 +230,7 @@ ForceAnalysis analyse_force(const Force& f, double t_end, const Measured& core_s
   if (round.overlap) out.train.flags |= flag_ring_overlap;
   const auto grazing = fill_train(out.train, round, f, out, t_end, o);
   if (!out.ring.empty() && !bare_enough && !convincing(best))
-    doubt_stripping(out.train.contacts, f.signal, out.stripped, out.ring.onset, round.noise, o);
+    doubt_stripping(out.train.contacts, f.signal, out.stripped, out.ring, round.noise, o);
   if (!out.ring.empty() &&
       doubt_landing(out.train.contacts, unaided, core_seat, out.ring.amplitude_at(out.ring.onset)))
     out.train.flags |= flag_ring_overlap;

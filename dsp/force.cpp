@@ -51,6 +51,18 @@ double noise_of(std::span<const double> quiet, double count) {
   return std::max({robust, floor, n > 0 ? std::sqrt(squares / n) : 0.0});
 }
 
+/// Without the straight line through the means of its first and last third: a slow drift of the zero is no noise.
+std::vector<double> level(std::span<const double> x) {
+  std::vector<double> out(x.begin(), x.end());
+  const std::size_t third = x.size() / 3;
+  if (third == 0) return out;
+  const double first = median(x.first(third)), last = median(x.last(third));
+  const double slope = (last - first) / static_cast<double>(x.size() - third);
+  for (std::size_t i = 0; i < out.size(); ++i)
+    out[i] -= first + slope * (static_cast<double>(i) - 0.5 * static_cast<double>(third));
+  return out;
+}
+
 /// End of the time in which nothing touches: switch-on, or before that where the record's time zero is somewhere else and
 /// a fifth of the largest excursion is reached earlier.
 double quiet_end(const Signal& s, double count) {
@@ -155,7 +167,7 @@ Force restore_alone(const Record& record, Channel channel, const ExtractOptions&
     const double zero = median(no_pretrigger ? head : quiet);
     for (double& v : s.value) v -= zero;
   }
-  f.noise = noise_of(quiet, count);
+  f.noise = noise_of(level(quiet), count);
   if (!hum) {  // hum may be left: white noise from first differences, without a pre-trigger those of the whole record
     const auto of = no_pretrigger ? std::span<const double>(s.value) : quiet;
     std::vector<double> d(of.size() - 1);

@@ -1,16 +1,27 @@
 #pragma once
 
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
 #include <vector>
 
 #include "core/events.h"
 #include "dsp/options.h"
+#include "dsp/ring.h"
 #include "dsp/signal.h"
 
 namespace powbench::dsp {
 
-/// A dip in which the force only just reaches zero: with it the contact before settles at `after`, without it at `before`; s.
+/// A dip in which the force only just reaches zero: where the contact opened in it, it settles at `after`, else at `before`; s.
 struct Grazing {
+  std::size_t contact = 0;  ///< index of the one before
   double before = 0, after = 0;
+  double release = 0;   ///< s, into the dip
+  double opened = 0.5;  ///< probability that it opened
+  bool listed = false;  ///< as an opening
+
+  /// Standard deviation of a time that is one of two from the one taken, over their distance; a third at least.
+  double share() const { return std::max(std::sqrt(listed ? 1 - opened : opened), 1 / 3.0); }
 };
 
 /// Touch, release and peak of each contact from the force next to them (`locate_edge`, `locate_peak`). The shape that found a contact
@@ -20,9 +31,10 @@ struct Grazing {
 std::vector<Grazing> refine_contacts(std::vector<Contact>&, const Signal& force, double noise,
                                      const ExtractOptions&);
 
-/// A vibration that was taken out without explaining the record to its noise may have moved edges behind its onset. Each takes on as
-/// uncertainty how far the force as it came, `unaided`, dates it differently, over sqrt(3).
-void doubt_stripping(std::vector<Contact>&, const Signal& unaided, const Signal& stripped, double onset,
+/// A vibration that was taken out without explaining the record to its noise may have moved edges behind its onset. The force as it came,
+/// `unaided`, dates them differently; and what may be left of the vibration (a seventh, or as far as the stripped force still swings
+/// below zero) may hide the rise up to there. Both, over sqrt(3), go into u; peaks take on what may be left.
+void doubt_stripping(std::vector<Contact>&, const Signal& unaided, const Signal& stripped, const Ring&,
                      double noise, const ExtractOptions&);
 
 }  // namespace powbench::dsp

@@ -79,17 +79,26 @@ Verdict verdict_of(const Force& f, const std::vector<Contact>& contacts, double 
     return {Shows::not_usable, "no signal: the channel is missing or stays at one value"};
   if (2 * lost > s.size()) return {Shows::not_usable, "more than half of the samples are lost or clipped"};
   const CalmForce calm = calm_force(s, f.noise, o);
-  double above = 0, below = 0, deepest = 0;
+  double above = 0, below = 0, deepest = 0, largest = 0, swing = 0;
   const double from = contacts.empty() ? s.t0 : contacts.front().touch.value - beside;
   for (std::size_t i = s.index_at(from); i < s.index_at(t_end); ++i) {
     deepest = std::min(deepest, calm.value[i]);
     if (calm.value[i] > 3 * calm.noise) above += calm.value[i];
     if (calm.value[i] < -3 * calm.noise) below -= calm.value[i];
   }
+  for (const Contact& c : contacts)
+    if (c.peak.known()) largest = std::max(largest, c.peak.value);
+  for (std::size_t i = s.index_at(0.0); i < s.index_at(t_end); ++i) swing = std::max(swing, -calm.value[i]);
+  std::array<char, 128> text{};
+  if (!contacts.empty() && swing > std::max(largest, faint * calm.noise)) {
+    std::snprintf(text.data(), text.size(),
+                  "swings to %.3g N below zero, and no contact presses with more than %.3g N", swing,
+                  largest);
+    return {Shows::vibration, text.data()};
+  }
   if (contacts.empty() && deepest > -faint * calm.noise)
     return {Shows::nothing, "nothing stands out of the noise that could be a contact"};
   if (!contacts.empty() && below <= most_below * above) return {Shows::contact, {}};
-  std::array<char, 128> text{};
   std::snprintf(text.data(), text.size(),
                 "swings below zero as above: impulse %.3g N s below, %.3g N s above; a contact only presses",
                 below * s.dt, above * s.dt);

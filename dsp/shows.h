@@ -26,7 +26,8 @@ bool swings_below_zero(const Force&, const std::vector<Interval>& first, double 
 /// Contacts that hardly stand out of the noise, or are no larger than the swings below zero beside them, go. `stripped`: vibration taken out.
 void drop_swings(std::vector<Contact>&, const Signal& stripped, double noise, const ExtractOptions&);
 
-/// What the channel shows, with the reason. `vibration`: the impulse below zero is more than `most_below` of that above.
+/// What the channel shows, with the reason. `vibration`: the impulse below zero is more than `most_below` of that above, or
+/// the film swings further below zero than any contact presses.
 struct Verdict {
   Shows shows = Shows::nothing;
   std::string reason;

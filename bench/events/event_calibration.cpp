@@ -13,7 +13,8 @@
 
 /// Are the events and their uncertainties true on records that the extraction was not made with? Impacts from an equation of motion,
 /// disturbances one at a time, and records in which nothing touches. Prints one table.
-/// Usage: bench_event_calibration [--records N] [--seed FIRST] [--class SUBSTRING] [--json PATH]
+/// Usage: bench_event_calibration [--records N] [--seed FIRST] [--class SUBSTRING] [--json PATH] [--list all|wrong]
+/// --list prints the records whose sequence is wrong or whose times lie beyond 3 u, contact by contact.
 
 namespace {
 
@@ -23,7 +24,7 @@ using namespace powbench::bench;
 struct Arguments {
   int records = 40;
   std::uint64_t seed = 500000;  // tuning looks at other seeds
-  std::string only, json;
+  std::string only, json, list;
 };
 
 Arguments parse(int argc, char** argv) {
@@ -40,8 +41,10 @@ Arguments parse(int argc, char** argv) {
       a.only = value;
     else if (key == "--json")
       a.json = value;
+    else if (key == "--list" && (value == "all" || value == "wrong"))
+      a.list = value;
     else
-      throw std::invalid_argument(key + ": allowed --records --seed --class --json");
+      throw std::invalid_argument(key + ": allowed --records --seed --class --json --list all|wrong");
   }
   return a;
 }
@@ -56,6 +59,25 @@ struct Row {
   Tally tally;
   double cpu_ms = 0;  ///< a record
 };
+
+/// Truth and result of one record, us and N; a wrong one, or every one.
+void list(const Row& row, std::uint64_t seed, const Scene& s, const ContactTrain& t, bool every) {
+  Tally one;
+  one.add(s.contacts, t);
+  const auto far = [](const QuantityErrors& e) { return e.beyond() > 0; };
+  if (!every && one.exact == 1 && !far(one.touch) && !far(one.release) && !far(one.peak) && !far(one.settled))
+    return;
+  std::printf("# %s, seed %llu: %d missed, %d invented, %s%s%s\n", row.name.c_str(),
+              static_cast<unsigned long long>(seed), one.missed, one.invented,
+              std::string(powbench::name(t.shows)).c_str(), t.reason.empty() ? "" : ", ", t.reason.c_str());
+  for (const TrueContact& c : s.contacts)
+    std::printf("#   true  %9.1f .. %9.1f  peak %6.2f\n", 1e6 * c.touch, 1e6 * c.release, c.peak);
+  for (const Contact& c : t.contacts)
+    std::printf("#   found %9.1f +- %5.1f .. %9.1f +- %5.1f  peak %6.2f +- %.2f  flags %x\n",
+                1e6 * c.touch.value, 1e6 * c.touch.u, 1e6 * c.release.value, 1e6 * c.release.u, c.peak.value,
+                c.peak.u, c.flags);
+  std::printf("#   settled %.1f +- %.1f\n", 1e6 * t.settled.value, 1e6 * t.settled.u);
+}
 
 void head() {
   std::printf("%-26s %4s %6s %6s %6s | %7s %7s %7s %5s %5s | %7s %7s %7s %5s %5s | %5s %5s | %5s %5s\n",
@@ -120,6 +142,7 @@ int main(int argc, char** argv) try {
       const Events e = dsp::extract_events(s.record, {});
       row.cpu_ms += (cpu_ms() - before) / a.records;
       row.tally.add(s.contacts, e.pvdf_a);
+      if (!a.list.empty()) list(row, a.seed + static_cast<std::uint64_t>(k), s, e.pvdf_a, a.list == "all");
       if (!peer) continue;
       ContactTrain plain;
       plain.contacts = peer->contacts(s.record);
