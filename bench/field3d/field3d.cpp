@@ -13,6 +13,7 @@
 
 #include "bench/field3d/exact3.h"
 #include "bench/field3d/picture3.h"
+#include "bench/field3d/probe3.h"
 #include "bench/field3d/team13.h"
 #include "bench/field3d/team20.h"
 #include "core/cpu_time.h"
@@ -20,7 +21,6 @@
 #include "sim/field3d/ladder3.h"
 #include "sim/field3d/magnet_field3.h"
 #include "sim/field3d/newton3.h"
-#include "sim/field3d/probe3.h"
 
 namespace {
 
@@ -80,7 +80,7 @@ void balls(Table& table) {
     const sim::Coenergy3 w(p);
     sim::Newton3 newton(w);
     const auto s = newton.solve({});
-    const double b = sim::Probe3(w, s.state).at({0.2, 0.15, 0.3}).b[2];
+    const double b = bench::Probe3(w, s.state).at({0.2, 0.15, 0.3}).b[2];
     table.add(
         {name, "T", b, exact, w.unknowns(), s.iterations, powbench::process_cpu_seconds() - start, "exact"});
   };
@@ -112,7 +112,7 @@ void solenoids(Table& table) {
     table.add({name + ", inductance", "H", s.flux[0], bench::solenoid_inductance(10e-3, length, 1000),
                w.unknowns(), s.iterations, cost, "exact"});
     const double centre = mu0 * 1000 / length * (length / 2) / std::hypot(10e-3, length / 2);
-    table.add({name + ", B at the centre", "T", sim::Probe3(w, s.state).at({1e-6, 1e-6, 1e-6}).b[2], centre,
+    table.add({name + ", B at the centre", "T", bench::Probe3(w, s.state).at({1e-6, 1e-6, 1e-6}).b[2], centre,
                w.unknowns(), s.iterations, cost, "exact"});
   }
 }
@@ -147,7 +147,7 @@ void team13(Table& table, double size) {
   const double again = powbench::process_cpu_seconds();
   const auto strong = newton.solve({{false, 3000}});
   const double strong_cost = powbench::process_cpu_seconds() - again;
-  const sim::Probe3 probe(w, strong.state);
+  const bench::Probe3 probe(w, strong.state);
   for (const auto& row : bench::team13_air) {
     const auto b = probe.at({row.x_mm * 1e-3, 20e-3, 55e-3}).b;
     table.add({"TEAM 13, 3000 A, air x " + std::to_string(static_cast<int>(row.x_mm)) + " mm", "T",

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <map>
 
+#include "bench/field3d/probe3.h"
 #include "sim/field3d/grid3.h"
-#include "sim/field3d/probe3.h"
 #include "sim/field3d/winding3.h"
 
 namespace powbench::bench {
@@ -67,7 +67,7 @@ sim::Problem3 team13(double size, sim::Cell cell) {
 }
 
 double team13_plate_average(const sim::Coenergy3& function, const sim::State3& state, double z) {
-  const sim::Probe3 probe(function, state);
+  const bench::Probe3 probe(function, state);
   constexpr int nx = 8, ny = 100;
   double sum = 0;
   for (int i = 0; i < nx; ++i)

@@ -4,8 +4,8 @@
 #include <complex>
 
 #include "bench/fields/case_mesh.h"
+#include "bench/fields/harmonic.h"
 #include "core/units.h"
-#include "sim/fields/harmonic.h"
 #include "sim/fields/newton.h"
 #include "sim/magnetic_circuit.h"
 

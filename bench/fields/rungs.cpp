@@ -9,13 +9,13 @@
 #include <string>
 
 #include "bench/fields/bilinear.h"
+#include "bench/fields/blend.h"
 #include "bench/fields/contactor.h"
 #include "bench/fields/json_out.h"
 #include "bench/fields/shaded_pole.h"
 #include "core/cpu_time.h"
 #include "core/random.h"
 #include "core/units.h"
-#include "sim/fields/blend.h"
 #include "sim/fields/circuit.h"
 #include "sim/fields/table_build.h"
 
@@ -152,7 +152,7 @@ Json mixed() {
   const auto circuit =
       std::make_shared<sim::CircuitPotential>(design.shape, design.steel, design.turns, design.residual_gap,
                                               design.end_leakage, sim::CircuitOptions{false});
-  const auto blend = std::make_shared<sim::BlendedPotential>(circuit, table, 1e-3, 2e-3);
+  const auto blend = std::make_shared<bench::BlendedPotential>(circuit, table, 1e-3, 2e-3);
   const Switched hard(circuit, table, 1.5e-3);
   constexpr double psi = 0.5, ring = 5e-5;
   const auto at = [&](const sim::MagneticPotential& p, double gap) { return p.at({psi, ring, gap}); };

@@ -4,9 +4,9 @@
 #include <cmath>
 #include <complex>
 
+#include "bench/fields/harmonic.h"
 #include "core/units.h"
 #include "sim/fields/core_mesh.h"
-#include "sim/fields/harmonic.h"
 
 namespace powbench::bench {
 namespace {

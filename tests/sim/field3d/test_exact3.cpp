@@ -3,8 +3,8 @@
 #include <numbers>
 
 #include "bench/field3d/exact3.h"
+#include "bench/field3d/probe3.h"
 #include "sim/field3d/newton3.h"
-#include "sim/field3d/probe3.h"
 
 namespace sim = powbench::sim;
 namespace bench = powbench::bench;
@@ -31,7 +31,7 @@ double ball_solution(const std::vector<double>& radius, std::vector<sim::Medium>
   const auto s = newton.solve({});
   REQUIRE(s.converged);
   if (iterations) *iterations = s.iterations;
-  return sim::Probe3(w, s.state).at(where).b[2];
+  return bench::Probe3(w, s.state).at(where).b[2];
 }
 
 }  // namespace

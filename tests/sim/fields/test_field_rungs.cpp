@@ -3,14 +3,15 @@
 #include <cstdio>
 
 #include "bench/fields/bilinear.h"
+#include "bench/fields/blend.h"
 #include "bench/fields/contactor.h"
 #include "bench/fields/shaded_pole.h"
-#include "sim/fields/blend.h"
 #include "sim/fields/circuit.h"
 #include "sim/fields/table_build.h"
 
 using namespace powbench::sim;
 using powbench::bench::BilinearTables;
+using powbench::bench::BlendedPotential;
 using powbench::bench::loop_gain;
 
 TEST_CASE(

@@ -2,13 +2,14 @@
 #include <cmath>
 
 #include "bench/fields/analytic.h"
+#include "bench/fields/blend.h"
 #include "bench/fields/contactor.h"
 #include "core/units.h"
-#include "sim/fields/blend.h"
 #include "sim/fields/field_transient.h"
 #include "sim/fields/table_build.h"
 
 using namespace powbench::sim;
+using powbench::bench::BlendedPotential;
 
 namespace {
 

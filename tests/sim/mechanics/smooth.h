@@ -3,7 +3,7 @@
 #include <functional>
 
 #include "sim/mechanics/event_solver.h"
-#include "sim/mechanics/no_roots.h"
+#include "tests/sim/mechanics/no_roots.h"
 
 namespace powbench::sim {
 

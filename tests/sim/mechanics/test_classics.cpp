@@ -5,9 +5,9 @@
 #include <cstdio>
 #include <vector>
 
-#include "sim/mechanics/friction.h"
-#include "sim/mechanics/zeno.h"
+#include "tests/sim/mechanics/friction.h"
 #include "tests/sim/mechanics/smooth.h"
+#include "tests/sim/mechanics/zeno.h"
 
 namespace {
 

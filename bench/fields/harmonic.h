@@ -13,12 +13,12 @@
 /// The real factor of K + w M serves both parts: the block system preconditioned with two of its solves has all
 /// eigenvalues in [1/2, 1], whatever the frequency, so damped Richardson steps of 4/3 gain a factor of three each.
 
-namespace powbench::sim {
+namespace powbench::bench {
 
 class Harmonic {
  public:
   /// The problem must have a conductor. Throws std::invalid_argument otherwise.
-  Harmonic(const FieldProblem&, double hertz);
+  Harmonic(const sim::FieldProblem&, double hertz);
 
   /// a for the load f (size + 1 entries, the last one ignored). Throws std::runtime_error where the residual does not
   /// fall to 1e-8 of the load.
@@ -30,10 +30,10 @@ class Harmonic {
   const std::vector<double>& stiffness() const { return stiffness_; }  ///< values of K with the steel
 
  private:
-  const FieldProblem& problem_;
+  const sim::FieldProblem& problem_;
   double omega_;
   std::vector<double> stiffness_;
-  Cholesky cholesky_;
+  sim::Cholesky cholesky_;
 };
 
-}  // namespace powbench::sim
+}  // namespace powbench::bench

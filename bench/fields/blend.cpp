@@ -1,9 +1,11 @@
-#include "sim/fields/blend.h"
+#include "bench/fields/blend.h"
 
 #include <stdexcept>
 #include <utility>
 
-namespace powbench::sim {
+namespace powbench::bench {
+
+using namespace sim;
 
 BlendedPotential::BlendedPotential(std::shared_ptr<const MagneticPotential> small_gaps,
                                    std::shared_ptr<const MagneticPotential> large_gaps, double from,
@@ -37,4 +39,4 @@ MagneticResponse BlendedPotential::at(const MagneticState& state) const {
   return r;
 }
 
-}  // namespace powbench::sim
+}  // namespace powbench::bench

@@ -12,20 +12,20 @@
 /// The last term is what switching between two tables leaves out, and why that creates energy. Published models take finite
 /// elements above 1.5 mm and a magnetic circuit with shading ring below.
 
-namespace powbench::sim {
+namespace powbench::bench {
 
-class BlendedPotential final : public MagneticPotential {
+class BlendedPotential final : public sim::MagneticPotential {
  public:
   /// Both rungs must agree on whether there is a ring; 0 <= from < to, m. Throws std::invalid_argument otherwise.
-  BlendedPotential(std::shared_ptr<const MagneticPotential> small_gaps,
-                   std::shared_ptr<const MagneticPotential> large_gaps, double from, double to);
+  BlendedPotential(std::shared_ptr<const sim::MagneticPotential> small_gaps,
+                   std::shared_ptr<const sim::MagneticPotential> large_gaps, double from, double to);
 
   bool has_ring() const override { return small_->has_ring(); }
-  MagneticResponse at(const MagneticState&) const override;
+  sim::MagneticResponse at(const sim::MagneticState&) const override;
 
  private:
-  std::shared_ptr<const MagneticPotential> small_, large_;
+  std::shared_ptr<const sim::MagneticPotential> small_, large_;
   double from_, to_;
 };
 
-}  // namespace powbench::sim
+}  // namespace powbench::bench

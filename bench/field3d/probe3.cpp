@@ -1,9 +1,11 @@
-#include "sim/field3d/probe3.h"
+#include "bench/field3d/probe3.h"
 
 #include <algorithm>
 #include <cmath>
 
-namespace powbench::sim {
+namespace powbench::bench {
+
+using namespace sim;
 
 Probe3::Probe3(const Coenergy3& function, const State3& state)
     : function_(function), state_(state), potential_(function.nodal(state)) {
@@ -95,4 +97,4 @@ Probe3::Sample Probe3::at(const Vec3& point) const {
   return out;
 }
 
-}  // namespace powbench::sim
+}  // namespace powbench::bench

@@ -1,11 +1,13 @@
-#include "sim/fields/harmonic.h"
+#include "bench/fields/harmonic.h"
 
 #include <cmath>
 #include <stdexcept>
 
 #include "core/units.h"
 
-namespace powbench::sim {
+namespace powbench::bench {
+
+using namespace sim;
 namespace {
 
 using Reals = std::vector<double>;
@@ -83,4 +85,4 @@ std::vector<std::complex<double>> Harmonic::mass_times(const std::vector<std::co
   return m;
 }
 
-}  // namespace powbench::sim
+}  // namespace powbench::bench
