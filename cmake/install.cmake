@@ -11,9 +11,6 @@ install(FILES ${PROJECT_BINARY_DIR}/manual/completions/powbench
 install(DIRECTORY scenes DESTINATION ${CMAKE_INSTALL_DATADIR}/powbench)
 install(FILES packaging/powbench-serve.service DESTINATION lib/systemd/system)
 install(FILES packaging/70-powbench.rules DESTINATION lib/udev/rules.d)
-if(POWBENCH_QEMU_IMAGE)
-  install(FILES ${POWBENCH_QEMU_IMAGE} DESTINATION lib/powbench)  # found from bin/ (rigs/qemu_process.cpp)
-endif()
 
 if(POWBENCH_PYTHON)
   install(TARGETS powbench_python LIBRARY DESTINATION ${POWBENCH_PYTHON_DIR}/powbench)

@@ -14,5 +14,5 @@ leave_nothing() { rm -rf debian/tmp debian/.debhelper debian/files debian/*.subs
   debian/powbench debian/python3-powbench debian/powbench-firmware debian/powbench-doc debian/libpowbench-dev; }
 trap leave_nothing EXIT
 export POWBENCH_PACKAGES=$output
-dpkg-buildpackage --build=binary --no-sign --no-pre-clean --buildinfo-option=-u"$output" --buildinfo-option=-O"$output/powbench.buildinfo" \
-  --changes-option=-u"$output" --changes-file="$output/powbench.changes"
+dpkg-buildpackage --build=binary --no-sign --no-pre-clean --buildinfo-option=-u"$output" \
+  --buildinfo-file="$output/powbench.buildinfo" --changes-option=-u"$output" --changes-file="$output/powbench.changes"
