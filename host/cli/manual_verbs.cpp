@@ -38,9 +38,10 @@ Exit show_help(const CLI::App& program, const std::vector<std::string>& words) {
   for (const std::string& word : words) path += (path.empty() ? "" : " ") + word;
   const auto verbs = shown_verbs(program);
   if (const auto verb = verbs.find(path); verb != verbs.end()) {
-    std::string before;  // the words in front of the last one, as `powbench VERB --help` has them
-    if (!words.empty()) before = "powbench" + (words.size() > 1 ? " " + path.substr(0, path.rfind(' ')) : "");
-    fmt::print("{}", verb->second->help(before));
+    // not help(): while a verb runs, that is the help of this verb
+    const std::string name = "powbench" + (path.empty() ? "" : " " + path);
+    fmt::print("{}",
+               verb->second->get_formatter()->make_help(verb->second, name, CLI::AppFormatMode::Normal));
     return Exit::pass;
   }
   std::vector<char*> typed{nullptr};
