@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
@@ -13,11 +14,13 @@
 #include "host/cli/study.h"
 #include "host/export/ladder_svg.h"
 #include "host/gather/scene.h"
+#include "host/run/campaign.h"
 #include "host/store/field_table.h"
 #include "host/store/store.h"
 #include "host/study/bounce_text.h"
 #include "host/study/scene_fields.h"
 #include "sim/study/rungs.h"
+#include "sim/study/scene_choice.h"
 
 namespace powbench::host {
 namespace {
@@ -89,22 +92,91 @@ void print_rows(const std::vector<sim::LadderRow>& rows, const std::vector<sim::
   }
 }
 
+/// Standard uncertainties that `sim` takes where a plan says nothing: 0.5 % of the voltage, 2 K of the coil.
+std::vector<sim::InputUncertainty> usual_inputs(const sim::Case& c) {
+  const RunOptions o;
+  return {{"supply_volts", o.supply_u * c.conditions.supply_volts}, {"ambient_degC", o.coil_temperature_u}};
+}
+
+/// Of the one rung that is cheapest: inputs move all rungs alike.
+sim::LadderTimes input_error_of(const std::vector<sim::Rung>& rungs, const sim::Case& c, double duration) {
+  const auto& r = rungs.front();
+  return sim::input_error(r, r.settings.empty() ? 1e-6 : r.settings.front(), c, duration, usual_inputs(c),
+                          thread_cpu_seconds);
+}
+
+/// Model error of a rung: the largest difference to a rung above it, in the order fields and mechanics are named in; NaN at the
+/// top and where none was run.
+sim::LadderTimes model_error_of(std::size_t rung, const std::vector<sim::Rung>& rungs,
+                                const sim::Ladder& ladder) {
+  const auto place = [](const auto& names, const std::string& name) {
+    return std::find(names.begin(), names.end(), name) - names.begin();
+  };
+  sim::LadderTimes error = sim::AxisError::nan_times;
+  for (const auto& m : ladder.models) {
+    if (m.rung != rung && m.other != rung) continue;
+    const sim::Rung &mine = rungs[rung], &other = rungs[m.rung == rung ? m.other : m.rung];
+    const auto f = place(sim::field_names, other.fields) - place(sim::field_names, mine.fields);
+    const auto k = place(sim::mechanics_names, other.mechanics) - place(sim::mechanics_names, mine.mechanics);
+    const bool same =
+        other.fields == mine.fields && place(sim::mechanics_names, other.mechanics) <= 1 &&
+        place(sim::mechanics_names, mine.mechanics) <= 1;  // plant and rigid: the same equations
+    if (f < 0 || k < 0 || (f == 0 && k == 0) || same) continue;
+    for (std::size_t q = 0; q < error.size(); ++q)
+      if (!(error[q] >= m.difference[q])) error[q] = m.difference[q];
+  }
+  return error;
+}
+
+std::string or_not_known(double seconds) {
+  return std::isnan(seconds) ? "not known" : time_text(seconds, 1e6);
+}
+
+/// Three errors of every rung at its finest setting but one.
+void print_three(const sim::Ladder& ladder, const std::vector<sim::Rung>& rungs,
+                 const sim::LadderTimes& input) {
+  fmt::print(
+      "\nthree errors, us: step at the finest setting of the table, model to the rungs above, input (0.5 % "
+      "of the voltage, "
+      "2 K of the coil; the specimen's own numbers: not known)\n{:<17}",
+      "rung");
+  for (const auto q : sim::ladder_quantities)
+    fmt::print(" {:>12} {:>10} {:>10}", fmt::format("{}: step", q), "model", "input");
+  fmt::print("\n");
+  for (std::size_t r = 0; r < rungs.size(); ++r) {
+    const auto last = std::find_if(ladder.rows.rbegin(), ladder.rows.rend(),
+                                   [&](const auto& row) { return row.run.rung == r; });
+    if (last == ladder.rows.rend()) continue;
+    const auto model = model_error_of(r, rungs, ladder);
+    fmt::print("{:<17}", rungs[r].name());
+    for (std::size_t q = 0; q < model.size(); ++q)
+      fmt::print(" {:>12} {:>10} {:>10}", or_not_known(last->estimate[q]), or_not_known(model[q]),
+                 or_not_known(input[q]));
+    fmt::print("\n");
+  }
+}
+
 Exit choose(const sim::Case& c, const std::vector<sim::Rung>& rungs, double accuracy, double duration,
             bool json) {
   const auto choice = sim::choose_rung(rungs, c, accuracy, duration, thread_cpu_seconds);
   const auto& rung = rungs[choice.run.rung];
+  const auto input = input_error_of(rungs, c, duration);
   if (json) {
     Json tried = Json::array();
     for (const auto& r : choice.tried) tried.push_back(row_json(r, rungs, false));
     Json taken = row_json({choice.run, choice.estimate, {}, false}, rungs, false);
     fmt::print("{}\n", Json{{"accuracy", accuracy},
-                            {"met", choice.met},
+                            {"verdict", choice.met ? "not known" : "not met"},
+                            {"step_met", choice.met},
+                            {"step_error_s", choice.estimate},
+                            {"model_error_s", sim::AxisError::nan_times},
+                            {"input_error_s", input},
                             {"estimate", choice.relative},
                             {"taken", taken},
                             {"cpu_ms_with_choosing", choice.spent * 1e3},
                             {"tried", tried}}
                            .dump(2));
-    return choice.met ? Exit::pass : Exit::outside_limits;
+    return choice.met ? Exit::not_known : Exit::outside_limits;
   }
   print_rows(choice.tried, rungs, false);
   fmt::print("{} at {} ({}): its step {} the wanted {:.3g} % of the touch time, estimate {:.2g} %; {}\n",
@@ -115,8 +187,16 @@ Exit choose(const sim::Case& c, const std::vector<sim::Rung>& rungs, double accu
       "touch {} ms, seat {} ms, settled {} ms, {} re-openings; {:.3f} ms CPU, {:.3f} ms with choosing\n",
       time_text(choice.run.times[0], 1e3), time_text(choice.run.times[1], 1e3),
       time_text(choice.run.times[2], 1e3), choice.run.openings, choice.run.cpu * 1e3, choice.spent * 1e3);
-  fmt::print("judged is the step alone; powbench sim --fields auto --accuracy judges the model too\n");
-  return choice.met ? Exit::pass : Exit::outside_limits;
+  fmt::print(
+      "input error: touch {}, seat {}, settled {} us (0.5 % of the voltage, 2 K of the coil; the specimen's "
+      "own "
+      "numbers: not known)\n",
+      or_not_known(input[0]), or_not_known(input[1]), or_not_known(input[2]));
+  fmt::print("wanted accuracy: {}\n", choice.met ? "not known. The step is fine enough; nothing is compared "
+                                                   "with another model. `powbench sim --fields auto "
+                                                   "--accuracy` judges the model too"
+                                                 : "not met");
+  return choice.met ? Exit::not_known : Exit::outside_limits;
 }
 
 /// Pairs of fields and mechanics. Without a name only one physics and no pair that takes seconds; with --all every pair that
@@ -167,6 +247,7 @@ Exit show_ladder(const LadderArgs& args) {
   if (const double accuracy = share_of(args.accuracy); accuracy > 0)
     return choose(c, rungs, accuracy, options.duration, args.json);
   const auto ladder = sim::run_ladder(rungs, c, options, thread_cpu_seconds);
+  const auto input = input_error_of(rungs, c, options.duration);
   sim::BounceStudyOptions believed;
   believed.end = options.duration;
   const auto bounces = bounces_of(rungs, c, believed);
@@ -181,8 +262,14 @@ Exit show_ladder(const LadderArgs& args) {
     for (const auto& m : ladder.models)
       models.push_back(
           {{"rung", rungs[m.rung].name()}, {"other", rungs[m.other].name()}, {"difference_s", m.difference}});
+    Json errors = Json::array();
+    for (std::size_t r = 0; r < rungs.size(); ++r)
+      errors.push_back({{"rung", rungs[r].name()},
+                        {"model_error_s", model_error_of(r, rungs, ladder)},
+                        {"input_error_s", input}});
     fmt::print("{}\n", Json{{"rows", rows},
                             {"models", models},
+                            {"errors", errors},
                             {"bounces", Json::parse(bounce_json(bounces))},
                             {"picture", picture.string()}}
                            .dump(2));
@@ -195,6 +282,7 @@ Exit show_ladder(const LadderArgs& args) {
     fmt::print("{} and {} are apart by touch {} us, seat {} us, settled {} us\n", rungs[m.rung].name(),
                rungs[m.other].name(), time_text(m.difference[0], 1e6), time_text(m.difference[1], 1e6),
                time_text(m.difference[2], 1e6));
+  print_three(ladder, rungs, input);
   fmt::print("\n{}{}\n", bounce_text(bounces, believed), picture.string());
   return Exit::pass;
 }

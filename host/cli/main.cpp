@@ -7,6 +7,7 @@
 #include "core/version.h"
 #include "host/cli/commands.h"
 #include "host/cli/manual.h"
+#include "host/cli/specimen_verb.h"
 #include "host/cli/study.h"
 #include "host/cli/unknown_verb.h"
 #include "host/cli/verbs.h"
@@ -385,6 +386,32 @@ void add_sweep_verb(CLI::App& app) {
   add_progress(v, args->progress);
 }
 
+void add_specimen_verbs(CLI::App& app) {
+  CLI::App* specimen = app.add_subcommand("specimen", "What the numbers of a specimen file make together");
+  specimen->require_subcommand(1);
+  auto args = std::make_shared<SpecimenArgs>();
+  CLI::App* v = verb(*specimen, "describe",
+                     "Print inrush and holding power, pick-up and drop-out voltage, frequencies and rebounds "
+                     "beside catalogue "
+                     "ranges",
+                     args, describe_specimen);
+  v->add_option("file", args->file, "specimen file (TOML); the reference contactor if left out");
+  v->add_option("--volts", args->volts, "rated voltage, V rms")
+      ->check(CLI::Range(1.0, 1e4))
+      ->capture_default_str();
+  v->add_option("--hertz", args->hertz, "rated frequency, Hz")
+      ->check(CLI::Range(1.0, 1e3))
+      ->capture_default_str();
+  v->add_flag("--json", args->json, "JSON to stdout");
+  auto former = std::make_shared<SpecimenArgs>();
+  verb(*specimen, "convert",
+       "Print a file from before restitutions were rebounds of a drop test as one of now, with the same "
+       "closings",
+       former, convert_specimen)
+      ->add_option("file", former->file, "specimen file (TOML) to convert")
+      ->required();
+}
+
 void add_ladder_verb(CLI::App& app) {
   auto args = std::make_shared<LadderArgs>();
   CLI::App* v =
@@ -444,6 +471,7 @@ int main(int argc, char** argv) {
   add_sweep_verb(app);
   add_ladder_verb(app);
   add_manual_verbs(app);
+  add_specimen_verbs(app);
 
   if (const std::string wrong = unknown_verb(app, argc, argv); !wrong.empty()) {
     fmt::print(stderr, "{}\n", wrong);

@@ -14,6 +14,7 @@
 #include "host/run/stop.h"
 #include "host/study/bounce_text.h"
 #include "host/study/scene_fields.h"
+#include "sim/contact_damping.h"
 #include "sim/study/scene_choice.h"
 
 namespace powbench::host {
@@ -55,7 +56,8 @@ sim::SceneAxes axes_of(const Wish& wish, const sim::Case& first, const FieldCach
   axes.rung = [=, specimen = first.specimen, fields = axes.fields, mechanics = axes.mechanics](
                   std::size_t f, std::size_t m) {
     // plant and rigid are the same equations on the circuit, and the plant is cheaper
-    const bool plant = fields[f] == "circuit" && mechanics[m] == "rigid" && !named;
+    const bool plant =
+        fields[f] == "circuit" && mechanics[m] == "rigid" && !named && sim::rigid_only(specimen).empty();
     return sim::scene_rung(obtain_field(fields[f], specimen, cache), plant ? "plant" : mechanics[m]);
   };
   return axes;
@@ -63,6 +65,27 @@ sim::SceneAxes axes_of(const Wish& wish, const sim::Case& first, const FieldCach
 
 std::string us(double seconds) {
   return std::isnan(seconds) ? "-" : std::isinf(seconds) ? "no" : fmt::format("{:.3g}", seconds * 1e6);
+}
+
+/// An error that is not known is never a number.
+std::string known_or(double seconds) {
+  return std::isnan(seconds) ? "not known" : us(seconds);
+}
+
+constexpr const char* numbers_not_known =
+    "how uncertain the specimen's own numbers are is not stated: what they move is not known";
+
+std::string inputs_text(const sim::SceneChoice& c) {
+  std::string out = "input error: standard, from";
+  for (const auto& i : c.inputs) out += fmt::format(" {} +- {:.3g}", i.name, i.u);
+  return out + "; " + numbers_not_known;
+}
+
+/// What the plan says about its inputs, and the defaults of `sim` behind a measurement.
+std::vector<sim::InputUncertainty> inputs_of(const Scene& scene) {
+  const RunOptions o = run_options(scene.plan);
+  return {{"supply_volts", o.supply_u * scene.shots.front().conditions.supply_volts},
+          {"ambient_degC", o.coil_temperature_u}};
 }
 
 /// Error of an axis: to the next rung, or, in brackets, from the one below.
@@ -99,7 +122,9 @@ void print_choice(const sim::SceneChoice& c, const Wish& wish, const sim::Specim
                  us(s.step_error[q]), axis_text(s.fields, q), axis_text(s.mechanics, q));
     fmt::print(stderr, " {:>7.2g} x\n", s.share);
   }
-  fmt::print(stderr, "errors to the next rung; in brackets, at the top, from the one below; ? not known\n");
+  fmt::print(stderr,
+             "step: by a finer run; fields and mech. (the model error): to the next rung; in brackets, at "
+             "the top, from the one below; ? not known\n");
   const auto& last = c.steps.back();
   fmt::print(stderr, "taken: {} at {} {:g} ({}); {:.1f} ms CPU a closing, {:.1f} ms with choosing\n",
              last.name, last.setting_name, last.run.tolerance, c.rung.meaning, last.run.cpu * 1e3,
@@ -110,8 +135,11 @@ void print_choice(const sim::SceneChoice& c, const Wish& wish, const sim::Specim
   if (wish.fields == "auto" && !specimen.shaped)
     fmt::print(stderr, "specimen '{}' has no [shape]: only its circuit describes its magnet\n",
                specimen.name);
-  fmt::print(stderr, "input: 0.1 % more mains moves touch by {} us, seat by {} us, settled by {} us\n",
-             us(c.twin[0]), us(c.twin[1]), us(c.twin[2]));
+  fmt::print(stderr, "{:<9} {:>15} {:>15} {:>15}\n", "", "step error us", "model error us", "input error us");
+  for (std::size_t q = 0; q < last.step_error.size(); ++q)
+    fmt::print(stderr, "{:<9} {:>15} {:>15} {:>15}\n", sim::ladder_quantities[q],
+               known_or(last.step_error[q]), known_or(last.model_error[q]), known_or(c.input_error[q]));
+  fmt::print(stderr, "{}\n", inputs_text(c));
 }
 
 Json choice_json(const sim::SceneChoice& c, bool wanted) {
@@ -125,13 +153,20 @@ Json choice_json(const sim::SceneChoice& c, bool wanted) {
                      {"field_error_of_rung_below_s", s.fields.below},
                      {"mechanics_error_s", s.mechanics.next},
                      {"mechanics_error_of_rung_below_s", s.mechanics.below},
+                     {"model_error_s", s.model_error},
                      {"known_share_of_wanted", s.share},
                      {"unknown", s.unknown},
                      {"cpu_ms", s.run.cpu * 1e3}});
+  Json inputs = Json::object();
+  for (const auto& i : c.inputs) inputs[i.name] = i.u;
   return {{"rung", c.rung.name()},
           {"setting", c.setting},
           {"verdict", wanted ? Json(sim::reached_names[static_cast<std::size_t>(c.reached())]) : Json()},
-          {"twin_0.1_percent_mains_s", c.twin},
+          {"step_error_s", c.steps.back().step_error},
+          {"model_error_s", c.steps.back().model_error},
+          {"input_error_s", c.input_error},
+          {"inputs", inputs},
+          {"input_not_known", numbers_not_known},
           {"cpu_ms_with_choosing", c.spent * 1e3},
           {"looked_at", steps}};
 }
@@ -175,7 +210,8 @@ sim::SceneChoice choose(const Wish& wish, const Scene& scene, const sim::Supply&
   constexpr double duration = 0.06;  // s: what is judged
   const sim::Case first{scene.specimen, scene.shots.front().conditions, bench};
   try {
-    return sim::choose_scene(axes_of(wish, first, cache), first, wish.wanted, duration, thread_cpu_seconds);
+    return sim::choose_scene(axes_of(wish, first, cache), first, wish.wanted, duration, inputs_of(scene),
+                             thread_cpu_seconds);
   } catch (const std::invalid_argument& e) {
     throw BadInput({std::string("sim: ") + e.what()});
   }
@@ -202,7 +238,11 @@ std::vector<BounceRow> bounces_of_scene(const sim::Rung& rung, const Scene& scen
 
 Exit simulate_plan(const SimArgs& args) {
   const Scene scene = load_scene(args.plan);
-  const Wish wish = wish_of(args, scene.plan);
+  Wish wish = wish_of(args, scene.plan);
+  if (!wish.any() && !sim::rigid_only(scene.specimen).empty()) {
+    fmt::print(stderr, "specimen '{}' takes mechanics = rigid\n", scene.specimen.name);
+    wish.mechanics = "rigid";
+  }
   rigs::SimRigConfig sensors = args.rig_file.empty() ? rigs::SimRigConfig{} : read_rig(args.rig_file).config;
   sensors.sensors.channels = wanted_channels(scene.plan);
   const StopOnSignal stop;

@@ -85,6 +85,30 @@ AngleLine angle_line(const sim::Specimen& s, double theta_deg) {
           t.openings.size()};
 }
 
+/// A train beside those a little off its angle and its mains.
+struct Neighbour {
+  double degrees, volts_percent;
+  PressureTrain train;
+};
+
+std::vector<Neighbour> neighbours(const sim::Specimen& s, double theta_deg, bool break_b) {
+  std::vector<Neighbour> list;
+  for (const auto& [deg, percent] : {std::pair{0.0, 0.0}, {-3.0, 0.0}, {3.0, 0.0}, {0.0, -1.0}, {0.0, 1.0}})
+    list.push_back(
+        {deg, percent,
+         pressure_train(pressure_closing(s, theta_deg + deg, 1 + percent / 100).samples, break_b, 50)});
+  return list;
+}
+
+std::string neighbours_text(const char* name, const std::vector<Neighbour>& list) {
+  std::string text;
+  for (const auto& n : list)
+    text += fmt::format("  {:<12} {:>+5.0f} deg {:>+4.0f} % {:>8} {:>9.2f} {:>9.2f} {:>9.1f} {:>9.1f}\n",
+                        name, n.degrees, n.volts_percent, n.train.bounces(), n.train.interval(0) * 1e3,
+                        n.train.interval(1) * 1e3, n.train.peak(0), n.train.peak(1));
+  return text;
+}
+
 constexpr double ranked_deg[] = {0, 30, 40, 70, 90, 120, 150, 180, 220, 270};
 
 }  // namespace
@@ -147,8 +171,10 @@ Conditions pressure_conditions(double theta_deg) {
   return c;
 }
 
-sim::Trajectory pressure_closing(const sim::Specimen& specimen, double theta_deg) {
-  return sim::simulate(specimen, pressure_conditions(theta_deg), duration, sample_dt);
+sim::Trajectory pressure_closing(const sim::Specimen& specimen, double theta_deg, double share_of_volts) {
+  Conditions c = pressure_conditions(theta_deg);
+  c.supply_volts *= share_of_volts;
+  return sim::simulate(specimen, c, duration, sample_dt);
 }
 
 std::string pressure_text(const PressurePage& page) {
@@ -165,6 +191,12 @@ std::string pressure_text(const PressurePage& page) {
   text += fmt::format("\nprinted measurement, beside {} at {:g} deg\n  {:<30} {:>9} {:>9}\n",
                       page.tilted.name, page.tilted_deg, "", "printed", "ours");
   text += lines_text(printed_measurement(a, b)) + train_text("F1", a) + train_text("F2", b);
+  text += fmt::format(
+      "\nhow much the trains depend on the angle and on the mains, neither of which is printed to that\n"
+      "  {:<12} {:>9} {:>6} {:>8} {:>9} {:>9} {:>9} {:>9}\n",
+      "", "angle", "mains", "bounces", "1st ms", "2nd ms", "1st N", "2nd N");
+  text += neighbours_text("one break", neighbours(page.level, page.level_deg, false)) +
+          neighbours_text("F2", neighbours(page.tilted, page.tilted_deg, true));
   text += "\nafter settling: pulsation over the last period of the mains, no bounce\n";
   for (const auto& [name, t] : {std::pair{"level", &one}, {"tilted, F1", &a}, {"tilted, F2", &b}})
     text += fmt::format("  {:<12} mean {:.2f} N, swing {:.3g} N, at 50 Hz {:.2g} N, at 100 Hz {:.2g} N\n",
@@ -211,6 +243,18 @@ std::string pressure_json(const PressurePage& page) {
                    {"at_100_Hz_N", l.second},
                    {"by_overtravel_spring_N", l.expected},
                    {"core_lifts", l.lifts}});
+  const auto near = [](const std::vector<Neighbour>& list) {
+    Json j = Json::array();
+    for (const auto& n : list)
+      j.push_back({{"angle_off_deg", n.degrees},
+                   {"mains_off_percent", n.volts_percent},
+                   {"bounces", n.train.bounces()},
+                   {"first_interval_s", n.train.interval(0)},
+                   {"second_interval_s", n.train.interval(1)},
+                   {"first_peak_N", n.train.peak(0)},
+                   {"second_peak_N", n.train.peak(1)}});
+    return j;
+  };
   Json angles = Json::array();
   for (const double theta : ranked_deg) {
     const auto l = angle_line(page.tilted, theta);
@@ -226,6 +270,9 @@ std::string pressure_json(const PressurePage& page) {
       {"simulation", lines(printed_simulation(level))},
       {"measurement", lines(printed_measurement(a, b))},
       {"pulsation", {{"level", pulsation(level)}, {"tilted_a", pulsation(a)}, {"tilted_b", pulsation(b)}}},
+      {"robustness",
+       {{"level", near(neighbours(page.level, page.level_deg, false))},
+        {"tilted_b", near(neighbours(page.tilted, page.tilted_deg, true))}}},
       {"held", hum},
       {"angles", angles}}
       .dump(2);

@@ -42,7 +42,7 @@ inline constexpr double pressure_sample_dt = 10e-6;  // s: pulses on soft pads l
 /// The paper's conditions: 220 V, 50 Hz, 17 degC.
 Conditions pressure_conditions(double theta_deg);
 /// A closing under them.
-sim::Trajectory pressure_closing(const sim::Specimen&, double theta_deg);
+sim::Trajectory pressure_closing(const sim::Specimen&, double theta_deg, double share_of_volts = 1);
 
 /// The published statements beside two specimens: `level`, both breaks alike and softly padded, against the printed simulation;
 /// `tilted`, against the printed measurement. Angles: those of the level and of the tilted train, degrees.

@@ -107,6 +107,7 @@ std::vector<TableSummary> summarise(const std::vector<TableRow>& rows) {
     auto s = std::find_if(all.begin(), all.end(),
                           [&](const TableSummary& t) { return t.quantity == row.published.quantity; });
     if (s == all.end()) s = all.insert(all.end(), TableSummary{row.published.quantity});
+    s->unit = row.published.unit;
     if (row.excluded) ++s->excluded;
     if (!row.excluded && std::isfinite(row.held_out_error_percent)) {
       const bool first_held = s->held_out_rows++ == 0;
@@ -114,17 +115,23 @@ std::vector<TableSummary> summarise(const std::vector<TableRow>& rows) {
       s->held_out_max =
           first_held ? row.held_out_error_percent : std::max(s->held_out_max, row.held_out_error_percent);
     }
-    if (row.excluded || !std::isfinite(row.error_percent)) continue;
+    if (row.excluded || !std::isfinite(row.ours) || !std::isfinite(row.published.measurement)) continue;
+    const double off = std::fabs(row.ours - row.published.measurement);
+    s->ours_off = (s->rows == 0 ? 0 : s->ours_off) + off;
+    s->ours_off_max = s->rows == 0 ? off : std::max(s->ours_off_max, off);
+    ++s->rows;
+    if (row.published.measurement == 0) continue;
     const double paper = row.published.recomputed_error_percent;
-    const bool first = s->rows++ == 0;
+    const bool first = s->percent_rows++ == 0;
     s->ours_mean = (first ? 0 : s->ours_mean) + row.error_percent;
     s->paper_mean = (first ? 0 : s->paper_mean) + paper;
     s->ours_max = first ? row.error_percent : std::max(s->ours_max, row.error_percent);
     s->paper_max = first ? paper : std::max(s->paper_max, paper);
   }
   for (auto& s : all) {
-    s.ours_mean /= s.rows;
-    s.paper_mean /= s.rows;
+    s.ours_off /= s.rows;
+    s.ours_mean /= s.percent_rows;
+    s.paper_mean /= s.percent_rows;
     if (s.held_out_rows > 0) s.held_out_mean /= s.held_out_rows;
   }
   return all;

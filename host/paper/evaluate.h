@@ -49,11 +49,15 @@ struct TableRow {
 /// predicts an angle from closings at the others; its views may be NaN.
 std::vector<TableRow> evaluate_tables(const ClosingProvider&, const ClosingProvider& held_out = {});
 
-/// Mean and largest error of one quantity over the rows that are not excluded and have an error, in percent.
+/// Mean and largest error of one quantity over the rows that are not excluded: in its unit over all of them, in per cent over
+/// those whose measured value is not 0.
 struct TableSummary {
   std::string quantity;
-  int rows = 0;      ///< rows behind the means
-  int excluded = 0;  ///< rows left out
+  int rows = 0;  ///< rows behind the means in the unit
+  std::string unit{};
+  double ours_off = unknown, ours_off_max = unknown;  ///< mean and largest |ours - measured|, in the unit
+  int percent_rows = 0;  ///< of them, those with a measured value other than 0: a relative error exists
+  int excluded = 0;      ///< rows left out
   double ours_mean = unknown, ours_max = unknown;
   int held_out_rows = 0;
   double held_out_mean = unknown, held_out_max = unknown;

@@ -29,15 +29,20 @@ std::string footnote(std::vector<std::string>& notes, const std::string& note) {
 }
 
 std::string summary_text(const std::vector<TableRow>& rows) {
-  std::string out = "\nrelative error, rows without mark x\n";
-  out += fmt::format("{:<12} {:>5} {:>9}   {:>10} {:>10}   {:>13} {:>12}   {:>10} {:>10}\n", "quantity",
-                     "rows", "excluded", "ours mean", "ours max", "held out mean", "held out max",
-                     "paper mean", "paper max");
+  std::string out =
+      "\nerror, rows without mark x: in the unit over all of them, in per cent over those whose measured "
+      "value is not 0\n";
+  out +=
+      fmt::format("{:<12} {:>5} {:>9}   {:>9} {:>8}   {:>5} {:>10} {:>10}   {:>13} {:>12}   {:>10} {:>10}\n",
+                  "quantity", "rows", "excluded", "ours mean", "max", "rows", "ours mean", "ours max",
+                  "held out mean", "held out max", "paper mean", "paper max");
   for (const auto& s : summarise(rows))
-    out += fmt::format("{:<12} {:>5} {:>9}   {:>8} % {:>8} %   {:>11} % {:>10} %   {:>8} % {:>8} %\n",
-                       s.quantity, s.rows, s.excluded, text_of(s.ours_mean, 2), text_of(s.ours_max, 2),
-                       text_of(s.held_out_mean, 2), text_of(s.held_out_max, 2), text_of(s.paper_mean, 2),
-                       text_of(s.paper_max, 2));
+    out += fmt::format(
+        "{:<12} {:>5} {:>9}   {:>6} {:<2} {:>5} {:<2}   {:>5} {:>8} % {:>8} %   {:>11} % {:>10} %   {:>8} % "
+        "{:>8} %\n",
+        s.quantity, s.rows, s.excluded, text_of(s.ours_off, 2), s.unit, text_of(s.ours_off_max, 2), s.unit,
+        s.percent_rows, text_of(s.ours_mean, 2), text_of(s.ours_max, 2), text_of(s.held_out_mean, 2),
+        text_of(s.held_out_max, 2), text_of(s.paper_mean, 2), text_of(s.paper_max, 2));
   return out;
 }
 

@@ -53,7 +53,7 @@ std::string text_of(double value, int decimals) {
 std::string parameters_text(const FitJob& job, const FitReport& report) {
   const auto& told = report.full.identifiability;
   std::string out =
-      fmt::format("{:<36} {:>11} {:>11} {:>24} {:>8}\n", "number", "value", "deviation", "bounds", "told %");
+      fmt::format("{:<36} {:>11} {:>11} {:>24} {:>8}\n", "number", "value", "deviation", "bounds", "data %");
   if (report.full.best.point.empty()) return "";
   for (std::size_t i = 0; i < job.problem.parameters.size(); ++i) {
     const auto& p = job.problem.parameters[i];
@@ -67,9 +67,8 @@ std::string parameters_text(const FitJob& job, const FitReport& report) {
                        u < 0.005 || u > 0.995 ? "  at a bound" : "");
   }
   out +=
-      "\ndeviation: posterior, linear about the best point; told: share of the prior variance that the data "
-      "take "
-      "away\n";
+      "\ndeviation: posterior, linear about the best point; data: share of the prior variance that the data "
+      "take away, without a prior of that of the flat one between the bounds\n";
   return out;
 }
 
@@ -79,7 +78,7 @@ std::string unseen_text(const FitJob& job, const FitReport& report) {
   std::string out;
   for (std::size_t i = 0; i < told.data_share.size(); ++i)
     if (told.data_share[i] < 0.1) out += (out.empty() ? "" : ", ") + job.problem.parameters[i].name();
-  if (!out.empty()) out = "\nnot seen by the data (told below 10 %): " + out + "\n";
+  if (!out.empty()) out = "\nnot determined by the data (below 10 %): " + out + "\n";
   std::string pairs;
   for (std::size_t i = 0; i < n && told.correlation.size() == n * n; ++i)
     for (std::size_t k = 0; k < i; ++k)

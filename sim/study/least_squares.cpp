@@ -118,12 +118,22 @@ Identifiability identifiability(const Jacobian& jac, double prior_deviation) {
   Eigen::MatrixXd information = j.transpose() * j;
   if (prior_deviation > 0) information.diagonal().array() += 1 / (prior_deviation * prior_deviation);
   const Eigen::MatrixXd covariance = information.completeOrthogonalDecomposition().pseudoInverse();
+  // without a prior: against the flat one between the bounds, whose variance is 1/12 of their square
+  constexpr double flat = 12;
+  Eigen::MatrixXd bounded;
+  if (!(prior_deviation > 0)) {
+    bounded = information;
+    bounded.diagonal().array() += flat;
+    bounded = bounded.inverse().eval();
+  }
   Identifiability result;
   for (Eigen::Index i = 0; i < n; ++i) {
     const double deviation = std::sqrt(std::max(covariance(i, i), 0.0));
     result.deviation.push_back(deviation);
     if (prior_deviation > 0)
       result.data_share.push_back(1 - std::min(1.0, std::pow(deviation / prior_deviation, 2)));
+    else
+      result.data_share.push_back(1 - flat * bounded(i, i));
   }
   for (Eigen::Index i = 0; i < n; ++i)
     for (Eigen::Index k = 0; k < n; ++k) {

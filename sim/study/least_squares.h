@@ -48,8 +48,10 @@ Refined refine_near(const Residuals&, std::vector<double> start, const Jacobian&
 
 /// What data with unit deviations and a Gaussian prior of `prior_deviation` on each coordinate say (flat prior: 0).
 struct Identifiability {
-  std::vector<double> deviation;   ///< posterior standard deviation of each coordinate
-  std::vector<double> data_share;  ///< 1 - (deviation / prior)^2: 0 = the data say nothing; flat prior: empty
+  std::vector<double> deviation;  ///< posterior standard deviation of each coordinate
+  std::vector<double>
+      data_share;  ///< 1 - (deviation / prior)^2: 0 = the data say nothing. Flat prior: that of the unit interval of the
+                   ///< coordinate, deviation 1 / sqrt(12)
   std::vector<double> correlation;  ///< dimension x dimension, of the posterior
   std::vector<double> singular;     ///< singular values of the Jacobian, descending
 };

@@ -11,7 +11,6 @@ namespace {
 
 constexpr double coarsest = 1e-4, finest = 1e-11;
 constexpr double step_share = 0.25;  // of what is wanted: the rest is left for the model
-constexpr double twin_mains = 1e-3;
 
 void check(const SceneAxes& axes, const WantedTimes& wanted) {
   if (axes.fields.empty() || axes.mechanics.empty())
@@ -38,7 +37,7 @@ class Chooser {
           const CpuClock& clock)
       : axes_(axes), case_(c), wanted_(wanted), duration_(duration), clock_(clock) {}
 
-  SceneChoice choose() {
+  SceneChoice choose(std::span<const InputUncertainty> inputs) {
     SceneChoice choice;
     std::size_t f = 0, m = 0;
     for (;;) {
@@ -54,9 +53,8 @@ class Chooser {
         break;  // nothing above, or the step alone is too coarse: nothing higher mends that
       ++(by_fields >= by_mechanics ? f : m);
     }
-    Case twin = case_;
-    twin.conditions.supply_volts *= 1 + twin_mains;
-    choice.twin = time_error(run_once(choice.rung, twin, choice.setting), refined(f, m).run);
+    choice.inputs.assign(inputs.begin(), inputs.end());
+    choice.input_error = input_error(choice.rung, choice.setting, case_, duration_, inputs, clock_, &spent_);
     choice.spent = spent_;
     return choice;
   }
@@ -108,8 +106,18 @@ class Chooser {
     if (f > 0) s.fields.below = time_error(here.run, refined(f - 1, m).run);
     if (m + 1 < axes_.mechanics.size()) s.mechanics.next = time_error(here.run, refined(f, m + 1).run);
     if (m > 0) s.mechanics.below = time_error(here.run, refined(f, m - 1).run);
+    s.model_error = model_error(s);
     judge(s);
     return s;
+  }
+
+  /// Of both axes together, each to the next rung or, at the top, from the one below.
+  static LadderTimes model_error(const SceneStep& s) {
+    LadderTimes sum{};
+    for (std::size_t q = 0; q < sum.size(); ++q)
+      for (const AxisError* axis : {&s.fields, &s.mechanics})
+        sum[q] += std::isnan(axis->next[q]) ? axis->below[q] : axis->next[q];
+    return sum;
   }
 
   void judge(SceneStep& s) const {
@@ -163,10 +171,34 @@ class Chooser {
 
 }  // namespace
 
+LadderTimes input_error(const Rung& rung, double setting, const Case& c, double duration,
+                        std::span<const InputUncertainty> inputs, const CpuClock& clock, double* spent) {
+  LadderTimes variance = AxisError::nan_times;
+  if (rung.costly) return variance;  // two closings an input, each of seconds
+  for (const auto& input : inputs) {
+    const Variable v = variable(input.name);
+    const double at = v.get(c);
+    LadderTimes times[2];
+    for (int side = 0; side < 2; ++side) {
+      Case moved = c;
+      v.set(moved, std::clamp(at + (side == 0 ? -input.u : input.u), v.low, v.high));
+      const LadderRun run = run_rung(std::span(&rung, 1), 0, moved, duration, setting, clock);
+      times[side] = run.times;
+      if (spent != nullptr) *spent += run.cpu;
+    }
+    for (std::size_t q = 0; q < variance.size(); ++q) {
+      const double half = 0.5 * (times[1][q] - times[0][q]);
+      variance[q] = (&input == inputs.data() ? 0.0 : variance[q]) + half * half;
+    }
+  }
+  for (double& x : variance) x = std::sqrt(x);
+  return variance;
+}
+
 SceneChoice choose_scene(const SceneAxes& axes, const Case& c, const WantedTimes& wanted, double duration,
-                         const CpuClock& clock) {
+                         std::span<const InputUncertainty> inputs, const CpuClock& clock) {
   check(axes, wanted);
-  return Chooser(axes, c, wanted, duration, clock).choose();
+  return Chooser(axes, c, wanted, duration, clock).choose(inputs);
 }
 
 }  // namespace powbench::sim

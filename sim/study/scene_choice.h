@@ -5,10 +5,11 @@
 
 #include "sim/study/rungs.h"
 
-/// Which fields and which mechanics a scene needs. Errors of three kinds: of the step, judged by a finer run of the same
-/// rung; of the fields and of the mechanics, judged by the next rung of each. Their sum is held against what is wanted; where
-/// it is too large, the choice climbs along the axis that contributes most. The highest rung of an axis has no next one:
-/// what it leaves out is not known, and an unknown is never zero.
+/// Which fields and which mechanics a scene needs. Three errors, three words: the step error, judged by a finer run of the
+/// same rung; the model error, that of the fields and that of the mechanics, judged by the next rung of each; the input
+/// error, by which the stated uncertainties of the inputs move the times. Step and model error are held against what is wanted; where
+/// they are too large, the choice climbs along the axis that contributes most. The highest rung of an axis has no next one:
+/// what it leaves out is not known, and an unknown is never zero. (docs/decisions/0023-three-errors.md)
 
 namespace powbench::sim {
 
@@ -40,28 +41,41 @@ struct AxisError {
                                          std::numeric_limits<double>::quiet_NaN()};
 };
 
+/// An input (`variable` of sim/study/axis.h) and its standard uncertainty in the unit of its name.
+struct InputUncertainty {
+  std::string name;
+  double u = 0;
+};
+
 /// One pair that was looked at.
 struct SceneStep {
   std::string name, setting_name;
   LadderRun run;
   LadderTimes step_error{};  ///< s, of the step
   AxisError fields, mechanics;
-  double share = 0;  ///< largest sum of the known errors over what is wanted
+  LadderTimes model_error{};  ///< s, of fields and mechanics together; NaN: not known
+  double share = 0;           ///< largest sum of the known errors over what is wanted
   Reached reached = Reached::not_known;
   std::vector<std::string> unknown;  ///< what is not known, a clause each
 };
 
 struct SceneChoice {
-  Rung rung;                     ///< taken
-  double setting = 0;            ///< its tolerance, step or cell
-  std::vector<SceneStep> steps;  ///< what was looked at; the last was taken
-  LadderTimes
-      twin{};  ///< s by which 0.1 % more mains moves the times: no error below it means anything on a bench
-  double spent = 0;  ///< s CPU, all runs
+  Rung rung;                                      ///< taken
+  double setting = 0;                             ///< its tolerance, step or cell
+  std::vector<SceneStep> steps;                   ///< what was looked at; the last was taken
+  LadderTimes input_error{AxisError::nan_times};  ///< s, standard, from `inputs`; NaN: not known
+  std::vector<InputUncertainty> inputs;           ///< those that were varied
+  double spent = 0;                               ///< s CPU, all runs
   Reached reached() const { return steps.back().reached; }
 };
 
+/// Standard uncertainty of a time from those of the inputs, s: u^2 = sum (dt/dx u_x)^2 by central differences of one rung. NaN: the time
+/// does not happen on both sides of an input, no input is stated, or the rung is a costly one.
+LadderTimes input_error(const Rung&, double setting, const Case&, double duration,
+                        std::span<const InputUncertainty>, const CpuClock&, double* spent = nullptr);
+
 /// Throws std::invalid_argument for an accuracy outside 1e-9 .. 0.5, or nothing wanted.
-SceneChoice choose_scene(const SceneAxes&, const Case&, const WantedTimes&, double duration, const CpuClock&);
+SceneChoice choose_scene(const SceneAxes&, const Case&, const WantedTimes&, double duration,
+                         std::span<const InputUncertainty>, const CpuClock&);
 
 }  // namespace powbench::sim

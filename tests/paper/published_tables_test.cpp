@@ -158,6 +158,23 @@ TEST_CASE("the summary averages what is left, ours and the paper's over the same
   }
 }
 
+TEST_CASE("a row measured as 0 has no per cent and still counts, in ms", "[paper]") {
+  const auto rows = evaluate_tables([](double theta) {
+    PublishedView v;
+    v.t_xt_bon = theta == 60 ? 1.89e-3 : 0;
+    return v;
+  });
+  for (const auto& s : summarise(rows)) {
+    if (s.quantity != "t_xt_bon") continue;
+    CHECK(s.rows == 5);  // 90 deg is impossible as printed
+    CHECK(s.percent_rows == 0);
+    CHECK(std::isnan(s.ours_mean));
+    CHECK(s.ours_off == Approx(1.89 / 5));
+    CHECK(s.ours_off_max == Approx(1.89));
+  }
+  CHECK(tables_text(rows).find("0.38 ms  1.89 ms") != std::string::npos);
+}
+
 TEST_CASE("this simulator closes in the published range at all six angles", "[paper]") {
   for (const double theta : {30., 60., 90., 120., 150., 180.}) {
     INFO(theta << " deg");

@@ -81,3 +81,48 @@ TEST_CASE("wishes that cannot be granted are refused with what is allowed", "[sy
   CHECK(r.status == 2);
   CHECK_THAT(r.err, Contains("wanted") && Contains("tabel") && Contains("table"));
 }
+
+TEST_CASE("what the numbers of a specimen make together, beside catalogue ranges; a former file is converted",
+          "[system]") {
+  Folder folder;
+  const auto text = run(folder, {"specimen", "describe"});
+  REQUIRE(text.status == 0);
+  CHECK_THAT(text.out, Contains("inrush, VA") && Contains("70 .. 230") && Contains("picks up at, V") &&
+                           Contains("base on its mounting, Hz") && Contains("inside"));
+  const std::string heavy =
+      folder.write("a.specimen.toml", "[base]\nmode_Hz = 200\n[bridges]\nrate_N_per_m = 50000\n");
+  const auto json = run(folder, {"specimen", "describe", heavy, "--json"});
+  REQUIRE(json.status == 0);
+  const auto numbers = nlohmann::json::parse(json.out)["numbers"];
+  CHECK(numbers["base_Hz"]["value"] == 200);
+  // 0.5 (3.07 + 50000 (4.06e-3 - 2.5e-3)) N
+  CHECK(numbers["break_force_N"]["value"].get<double>() == Approx(40.535));
+  CHECK(numbers["break_force_N"]["verdict"] == "outside");
+  // sqrt(k / m) / 2 pi of 50 kN/m and 7.76 g
+  CHECK(numbers["bridge_Hz"]["value"].get<double>() == Approx(403.99).epsilon(1e-4));
+  const std::string former = folder.write(
+      "b.specimen.toml",
+      "[core]\nstop_restitution = 0.1\n[bridges]\ncontact_restitution = 0.465\nseat_damping = 0.1\n");
+  const auto now = run(folder, {"specimen", "convert", former});
+  REQUIRE(now.status == 0);
+  CHECK_THAT(now.out, Contains("stop_restitution = 0.13126") && Contains("contact_restitution = 0.51133") &&
+                          Contains("seat_damping = 0.101926"));
+  const auto wrong = run(folder, {"specimen", "describe", "nowhere.toml"});
+  CHECK(wrong.status == 2);
+  CHECK_THAT(run(folder, {"specimen", "describe", "--help"}).out,
+             Contains("catalogue") && Contains("--volts"));
+}
+
+TEST_CASE("a ladder states three errors, and an accuracy of the step alone is not known", "[system]") {
+  Folder folder;
+  const auto all = run(folder, {"ladder", "--angle", "60", "-o", folder.file("l")});
+  REQUIRE(all.status == 0);
+  CHECK_THAT(all.out, Contains("three errors") && Contains("not known"));
+  const auto chosen = run(folder, {"ladder", "--angle", "60", "--accuracy", "1%", "--json"});
+  CHECK(chosen.status == 7);
+  const auto j = nlohmann::json::parse(chosen.out);
+  CHECK(j["verdict"] == "not known");
+  CHECK(j["step_met"] == true);
+  CHECK(j["model_error_s"][0].is_null());
+  CHECK(j["input_error_s"][0].get<double>() > 1e-6);
+}

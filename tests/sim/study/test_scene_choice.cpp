@@ -48,13 +48,13 @@ SceneAxes known_axes(std::size_t fields, std::size_t mechanics) {
 
 TEST_CASE("a scene climbs along the axis that is furthest off, and stops where it may", "[scene]") {
   // fields: 9e-4, 9e-5; mechanics: 3.6e-4, 3.6e-5 s to the next rung
-  const auto loose = choose_scene(known_axes(3, 3), at(0), {0.2, unwanted, unwanted}, 0.08, no_clock);
+  const auto loose = choose_scene(known_axes(3, 3), at(0), {0.2, unwanted, unwanted}, 0.08, {}, no_clock);
   CHECK(loose.reached() == Reached::met);
   CHECK(loose.rung.name() == "field0+mechanics0");
-  const auto middle = choose_scene(known_axes(3, 3), at(0), {0.06, unwanted, unwanted}, 0.08, no_clock);
+  const auto middle = choose_scene(known_axes(3, 3), at(0), {0.06, unwanted, unwanted}, 0.08, {}, no_clock);
   CHECK(middle.reached() == Reached::met);
   CHECK(middle.rung.name() == "field1+mechanics0");
-  const auto tight = choose_scene(known_axes(3, 3), at(0), {0.013, unwanted, unwanted}, 0.08, no_clock);
+  const auto tight = choose_scene(known_axes(3, 3), at(0), {0.013, unwanted, unwanted}, 0.08, {}, no_clock);
   CHECK(tight.reached() == Reached::met);
   CHECK(tight.rung.name() == "field1+mechanics1");
   REQUIRE(tight.steps.size() == 3);
@@ -62,27 +62,27 @@ TEST_CASE("a scene climbs along the axis that is furthest off, and stops where i
   CHECK(tight.steps[1].mechanics.next[0] == Approx(3.6e-4));
   CHECK(tight.steps[2].mechanics.below[0] == Approx(3.6e-4));
   // what is not wanted does not climb
-  CHECK(choose_scene(known_axes(3, 2), at(0), {unwanted, 1e-6, unwanted}, 0.08, no_clock).rung.name() ==
+  CHECK(choose_scene(known_axes(3, 2), at(0), {unwanted, 1e-6, unwanted}, 0.08, {}, no_clock).rung.name() ==
         "field0+mechanics0");
 }
 
 TEST_CASE("an unknown error is no zero: met, not met and not known are three answers", "[scene]") {
-  const auto only = choose_scene(known_axes(1, 1), at(0), {0.01, unwanted, unwanted}, 0.08, no_clock);
+  const auto only = choose_scene(known_axes(1, 1), at(0), {0.01, unwanted, unwanted}, 0.08, {}, no_clock);
   CHECK(only.reached() == Reached::not_known);
   CHECK(only.steps.back().unknown ==
         std::vector<std::string>{"touch: error of the fields, nothing to compare field0 with",
                                  "touch: error of the mechanics, nothing to compare mechanics0 with"});
   // the fields are known to be too far off: no unknown of the mechanics mends that
   SceneAxes apart = known_axes(2, 1);
-  const auto one = choose_scene(apart, at(0), {0.01, unwanted, unwanted}, 0.08, no_clock);
+  const auto one = choose_scene(apart, at(0), {0.01, unwanted, unwanted}, 0.08, {}, no_clock);
   REQUIRE(one.steps.size() == 2);
   CHECK(one.steps[0].reached == Reached::not_met);
   CHECK(one.reached() == Reached::not_known);  // at the top of the fields, whose last step was 900 us
   CHECK_THAT(one.steps[1].unknown.front(), Catch::Contains("differs by 900 us"));
   // at the top, the step from below stands for the error where it is small enough
-  const auto top = choose_scene(known_axes(3, 2), at(0), {0.06, unwanted, unwanted}, 0.08, no_clock);
+  const auto top = choose_scene(known_axes(3, 2), at(0), {0.06, unwanted, unwanted}, 0.08, {}, no_clock);
   CHECK(top.reached() == Reached::met);
-  const auto higher = choose_scene(known_axes(3, 2), at(0), {0.012, unwanted, unwanted}, 0.08, no_clock);
+  const auto higher = choose_scene(known_axes(3, 2), at(0), {0.012, unwanted, unwanted}, 0.08, {}, no_clock);
   CHECK(higher.rung.name() == "field1+mechanics1");
   CHECK(higher.reached() == Reached::not_known);
   // a closing that does not happen has no error either
@@ -90,13 +90,13 @@ TEST_CASE("an unknown error is no zero: met, not met and not known are three ans
   still.rung = [](std::size_t, std::size_t) {
     return Rung{"f", "m", "no touch", [](const Case&, double, double, double) { return Trajectory{}; }};
   };
-  const auto none = choose_scene(still, at(0), {0.01, unwanted, unwanted}, 0.08, no_clock);
+  const auto none = choose_scene(still, at(0), {0.01, unwanted, unwanted}, 0.08, {}, no_clock);
   CHECK(none.reached() == Reached::not_known);
   CHECK(none.steps.back().unknown == std::vector<std::string>{"touch: does not happen"});
 }
 
 TEST_CASE("a single rung is refined by its step alone, and says when that is not enough", "[scene]") {
-  const auto fine = choose_scene(known_axes(1, 1), at(0), {1e-6, unwanted, unwanted}, 0.08, no_clock);
+  const auto fine = choose_scene(known_axes(1, 1), at(0), {1e-6, unwanted, unwanted}, 0.08, {}, no_clock);
   CHECK(fine.steps.back().share <= 1);
   CHECK(fine.setting < 1e-6);
   SceneAxes fixed = known_axes(1, 1);
@@ -107,18 +107,19 @@ TEST_CASE("a single rung is refined by its step alone, and says when that is not
     r.settings = {6, 4};
     return r;
   };
-  const auto coarse = choose_scene(fixed, at(0), {0.01, unwanted, unwanted}, 0.08, no_clock);
+  const auto coarse = choose_scene(fixed, at(0), {0.01, unwanted, unwanted}, 0.08, {}, no_clock);
   CHECK(coarse.reached() == Reached::not_met);
   CHECK(coarse.setting == 6);
   CHECK(coarse.steps.back().setting_name == "cell mm");
 }
 
 TEST_CASE("bad wishes are refused", "[scene]") {
-  CHECK_THROWS_AS(choose_scene(known_axes(1, 1), at(0), {unwanted, unwanted, unwanted}, 0.08, no_clock),
+  CHECK_THROWS_AS(choose_scene(known_axes(1, 1), at(0), {unwanted, unwanted, unwanted}, 0.08, {}, no_clock),
                   std::invalid_argument);
-  CHECK_THROWS_AS(choose_scene(known_axes(1, 1), at(0), {0.9, unwanted, unwanted}, 0.08, no_clock),
+  CHECK_THROWS_AS(choose_scene(known_axes(1, 1), at(0), {0.9, unwanted, unwanted}, 0.08, {}, no_clock),
                   std::invalid_argument);
-  CHECK_THROWS_AS(choose_scene({}, at(0), {0.1, unwanted, unwanted}, 0.08, no_clock), std::invalid_argument);
+  CHECK_THROWS_AS(choose_scene({}, at(0), {0.1, unwanted, unwanted}, 0.08, {}, no_clock),
+                  std::invalid_argument);
   CHECK_THROWS_WITH(scene_rung(circuit_field(), "elastic"), Catch::Contains("plant, rigid, modal, explicit"));
   const auto table = pure_field("table", "a table", std::make_shared<SpecimenPotential>(Specimen{}));
   CHECK_THROWS_WITH(scene_rung(table, "plant"), Catch::Contains("take rigid"));
@@ -174,4 +175,31 @@ TEST_CASE("a sum of potentials is a potential: adding and taking the same change
                  down = shifted->at({psi - h, 1e-5, 1e-3}).energy;
     CHECK((up - down) / (2 * h) == Approx(shifted->at(at_state).current).epsilon(1e-6));
   }
+}
+
+TEST_CASE("three errors: step, model and input, and an unknown one is no number") {
+  // every rung: 1 ms of touch for 100 % of the voltage
+  SceneAxes axes = known_axes(3, 2);
+  const auto inner = axes.rung;
+  axes.rung = [inner](std::size_t f, std::size_t m) {
+    Rung r = inner(f, m);
+    const auto run = r.run;
+    r.run = [run](const Case& c, double duration, double tolerance, double dt) {
+      Trajectory t = run(c, duration, tolerance, dt);
+      if (t.truth.touch) *t.truth.touch += 1e-3 * (c.conditions.supply_volts / 230 - 1);
+      return t;
+    };
+    return r;
+  };
+  const InputUncertainty volts[] = {{"supply_volts", 2.3}, {"ambient_degC", 2}};
+  const auto c = choose_scene(axes, at(0), {0.06, unwanted, unwanted}, 0.08, volts, no_clock);
+  CHECK(c.input_error[0] == Approx(1e-5).epsilon(1e-6));  // 1 % of 1 ms; temperature moves nothing
+  const auto& last = c.steps.back();
+  const auto stand = [&](const AxisError& e) { return std::isnan(e.next[0]) ? e.below[0] : e.next[0]; };
+  CHECK(last.model_error[0] == Approx(stand(last.fields) + stand(last.mechanics)));
+  // nothing to compare with, no input stated: not known, never zero
+  const auto alone = choose_scene(known_axes(1, 1), at(0), {0.06, unwanted, unwanted}, 0.08, {}, no_clock);
+  CHECK(std::isnan(alone.steps.back().model_error[0]));
+  CHECK(std::isnan(alone.input_error[0]));
+  CHECK(alone.reached() == Reached::not_known);
 }

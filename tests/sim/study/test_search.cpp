@@ -149,7 +149,10 @@ TEST_CASE("identifiability: deviations and correlation of a known covariance, an
   CHECK(free.deviation[0] == Approx(std::sqrt(5.0 / 16)));
   CHECK(free.deviation[1] == Approx(std::sqrt(4.0 / 16)));
   CHECK(free.correlation[1] == Approx(-2 / std::sqrt(20.0)));
-  CHECK(free.data_share.empty());
+  // with the flat prior of the unit interval: inverse of [[16, 2], [2, 17]], 12 times its diagonal taken from 1
+  CHECK(free.data_share[0] == Approx(1 - 12 * 17.0 / 268));
+  CHECK(free.data_share[1] == Approx(1 - 12 * 16.0 / 268));
+  CHECK(identifiability({1, 2, {1e3, 0}}, 0).data_share[1] == Approx(0).margin(1e-12));
   const Jacobian blind{1, 2, {1e3, 0}};
   const Identifiability told = identifiability(blind, 0.5);
   CHECK(told.data_share[0] == Approx(1).margin(1e-5));
