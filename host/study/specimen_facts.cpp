@@ -58,7 +58,7 @@ void add_motion(const sim::Specimen& s, std::vector<SpecimenFact>& facts) {
   };
   add("load closed, N", "closed_load_N", sim::closed_load(s));
   add("contact force of one break, N", "break_force_N", 0.5 * (b.preload + b.rate * (s.core.travel - b.gap)),
-      1.5, 12);
+      1.5, 5);
   add("core on its return spring, Hz", "core_Hz", hertz_of(core, s.core.mass));
   add("core with pressed contacts, Hz", "core_closed_Hz", hertz_of(core + b.poles * b.rate, s.core.mass));
   add("bridge on its spring, Hz", "bridge_Hz", hertz_of(b.rate, b.mass));
