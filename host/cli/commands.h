@@ -3,6 +3,7 @@
 #include <CLI/CLI.hpp>
 #include <functional>
 #include <memory>
+#include <string>
 #include <utility>
 
 #include "core/outcome.h"
@@ -26,11 +27,24 @@ CLI::App* verb(CLI::App& parent, const char* name, const char* help, std::shared
   return app;
 }
 
+/// --progress of a verb.
+inline void add_progress(CLI::App* app, std::string& progress) {
+  app->add_option("--progress", progress, "auto, bar, lines or none")
+      ->check(CLI::IsMember({"auto", "bar", "lines", "none"}))
+      ->capture_default_str();
+}
+
 /// info, rigs, calibrate, rig, bridge.
 void add_rig_verbs(CLI::App&);
 /// serve.
 void add_live_verb(CLI::App&);
 /// db.
 void add_db_verbs(CLI::App&);
+
+void add_fit_verb(CLI::App&);
+void add_sweep_verb(CLI::App&);
+/// specimen describe, convert.
+void add_specimen_verbs(CLI::App&);
+void add_ladder_verb(CLI::App&);
 
 }  // namespace powbench::host

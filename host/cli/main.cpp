@@ -7,8 +7,6 @@
 #include "core/version.h"
 #include "host/cli/commands.h"
 #include "host/cli/manual.h"
-#include "host/cli/specimen_verb.h"
-#include "host/cli/study.h"
 #include "host/cli/unknown_verb.h"
 #include "host/cli/verbs.h"
 #include "host/config/bad_input.h"
@@ -69,12 +67,6 @@ void add_result_options(CLI::App* app, ResultArgs& args) {
   app->add_option("--db", args.database, "store to read")->capture_default_str();
   app->add_option("--campaign", args.campaign, "campaign id; the newest if left out");
   app->add_flag("--json", args.json, "JSON to stdout");
-}
-
-void add_progress(CLI::App* app, std::string& progress) {
-  app->add_option("--progress", progress, "auto, bar, lines or none")
-      ->check(CLI::IsMember({"auto", "bar", "lines", "none"}))
-      ->capture_default_str();
 }
 
 void add_plan_verbs(CLI::App& app) {
@@ -280,163 +272,6 @@ void add_study_verbs(CLI::App& app) {
       ->capture_default_str();
   all->add_option("--rig", args->rig, "another rig than the simulated one")->capture_default_str();
   add_progress(all, args->progress);
-}
-
-void add_fit_verb(CLI::App& app) {
-  auto fit = std::make_shared<FitArgs>();
-  CLI::App* v = verb(
-      app, "fit", "Identify a specimen from a measured campaign or, without --db, from the published tables",
-      fit, fit_specimen);
-  v->add_option("--db", fit->database, "store with the measured campaign");
-  v->add_option("--campaign", fit->campaign, "campaign id; the newest if left out");
-  v->add_option("--specimen", fit->specimen_file, "specimen file (TOML) with the numbers that are not free");
-  v->add_option("--free", fit->free,
-                "free number and its bounds, NAME=LOW:HIGH in the unit of the specimen file");
-  v->add_option(
-      "--start", fit->start,
-      "specimen file that the fit to all closings may begin from; never used where angles are held out");
-  v->add_option("--deviations", fit->deviations,
-                "standard deviations of the model in percent of touch, seat and bounce, such as 1.0,1.1,5")
-      ->delimiter(',')
-      ->expected(3)
-      ->check(CLI::Range(0.01, 100.0));
-  v->add_option(
-       "--prior", fit->prior,
-       "standard deviation of each free number about the middle of its bounds, as a share of them; 0: none")
-      ->check(CLI::Range(0.0, 100.0))
-      ->capture_default_str();
-  v->add_option("--hold-out", fit->hold_out, "closing angles in degrees that are predicted, never used")
-      ->delimiter(',');
-  v->add_flag("--leave-one-out", fit->leave_one_out,
-              "predict every angle from the others, one posterior each");
-  v->add_option("--evaluations", fit->evaluations,
-                "specimens tried in each global search of the fit to all closings")
-      ->check(CLI::Range(100, 100'000'000))
-      ->capture_default_str();
-  v->add_option("--searches", fit->searches, "independent global searches of the fit to all closings")
-      ->check(CLI::Range(1, 1000))
-      ->capture_default_str();
-  v->add_option(
-       "--finish", fit->finish,
-       "specimens tried in a last search of the fit to all closings, from those found, on the sum of "
-       "absolute deviations")
-      ->check(CLI::Range(0, 100'000'000))
-      ->capture_default_str();
-  v->add_option("--ensemble", fit->ensemble, "fits to shifted data beside each global search")
-      ->check(CLI::Range(0, 1000))
-      ->capture_default_str();
-  v->add_option("--seed", fit->seed, "seed of the search")->capture_default_str();
-  v->add_option("-j,--threads", fit->threads, "threads; 0 = all cores")
-      ->check(CLI::Range(0, 1024))
-      ->capture_default_str();
-  v->add_option("--state", fit->state_file,
-                "file that keeps the search, to go on from after an interruption");
-  v->add_option("-o,--output", fit->output, "specimen file to write");
-  v->add_option("--name", fit->name, "name of the specimen written");
-  v->add_option("--svg", fit->picture, "picture to write: measured, fitted, held out");
-  v->add_option("--fit", fit->fit_file,
-                "fit file to write: every specimen found, for `powbench tables --fit`");
-  v->add_flag("--json", fit->json, "JSON to stdout");
-  add_progress(v, fit->progress);
-}
-
-void add_sweep_verb(CLI::App& app) {
-  auto args = std::make_shared<SweepArgs>();
-  CLI::App* v = verb(app, "sweep", "Simulate many closings: sweeps, sensitivities, the best closing angle",
-                     args, sweep);
-  v->add_option("--specimen", args->specimen_file,
-                "specimen file (TOML); the reference contactor if left out");
-  v->add_option("--vary", args->vary,
-                "NAME=LOW:HIGH[:STEPS] or NAME~MEAN:DEVIATION; NAME is angle_deg, supply_volts, mains_hertz, "
-                "ambient_degC or section.key of the specimen file");
-  v->add_option("--sampling", args->sampling, "grid, latin or monte-carlo")
-      ->check(CLI::IsMember({"grid", "latin", "monte-carlo"}))
-      ->capture_default_str();
-  v->add_option("--points", args->points, "closings of latin and monte-carlo")->capture_default_str();
-  v->add_option("--seed", args->seed, "seed of the points")->capture_default_str();
-  v->add_option("--angle", args->angle_deg, "closing angle in degrees where it does not vary")
-      ->capture_default_str();
-  v->add_option("--volts", args->supply_volts, "supply, V rms, where it does not vary")
-      ->capture_default_str();
-  v->add_option("--ambient", args->ambient_degC, "coil temperature, degC, where it does not vary")
-      ->capture_default_str();
-  v->add_option(
-       "--metric", args->metric,
-       "touch, bounce, settled, seat, openings, open_time, touch_velocity, seat_velocity, first_peak or "
-       "impulse: for --sensitivity and --best-angle")
-      ->capture_default_str();
-  v->add_flag("--forces", args->forces, "first_peak and impulse too");
-  v->add_flag("--sensitivity", args->sensitivity,
-              "how the metric moves with mains, temperature, angle, friction, mass and gap");
-  v->add_flag("--best-angle", args->best_angle,
-              "the closing angle with the smallest metric over a device with tolerances (--vary)");
-  v->add_option("--svg", args->picture, "picture to write");
-  v->add_option("--angles", args->angles, "closing angles over half a period for --sensitivity, --best-angle")
-      ->check(CLI::Range(1, 3600))
-      ->capture_default_str();
-  v->add_option("--draws", args->draws, "devices drawn for --best-angle")
-      ->check(CLI::Range(2, 100'000))
-      ->capture_default_str();
-  v->add_option("--db", args->database, "store to write; made if missing; an interrupted sweep goes on")
-      ->capture_default_str();
-  v->add_option("-j,--threads", args->threads, "threads; 0 = all cores")
-      ->check(CLI::Range(0, 1024))
-      ->capture_default_str();
-  v->add_flag("--json", args->json, "JSON to stdout");
-  add_progress(v, args->progress);
-}
-
-void add_specimen_verbs(CLI::App& app) {
-  CLI::App* specimen = app.add_subcommand("specimen", "What the numbers of a specimen file make together");
-  specimen->require_subcommand(1);
-  auto args = std::make_shared<SpecimenArgs>();
-  CLI::App* v = verb(*specimen, "describe",
-                     "Print inrush and holding power, pick-up and drop-out voltage, frequencies and rebounds "
-                     "beside catalogue "
-                     "ranges",
-                     args, describe_specimen);
-  v->add_option("file", args->file, "specimen file (TOML); the reference contactor if left out");
-  v->add_option("--volts", args->volts, "rated voltage, V rms")
-      ->check(CLI::Range(1.0, 1e4))
-      ->capture_default_str();
-  v->add_option("--hertz", args->hertz, "rated frequency, Hz")
-      ->check(CLI::Range(1.0, 1e3))
-      ->capture_default_str();
-  v->add_flag("--json", args->json, "JSON to stdout");
-  auto former = std::make_shared<SpecimenArgs>();
-  verb(*specimen, "convert",
-       "Print a file from before restitutions were rebounds of a drop test as one of now, with the same "
-       "closings",
-       former, convert_specimen)
-      ->add_option("file", former->file, "specimen file (TOML) to convert")
-      ->required();
-}
-
-void add_ladder_verb(CLI::App& app) {
-  auto args = std::make_shared<LadderArgs>();
-  CLI::App* v =
-      verb(app, "ladder", "One closing on every rung: cost against error; or the rung for an accuracy", args,
-           show_ladder);
-  v->add_option(
-      "scene", args->scene,
-      "specimen file or plan (NAME.plan.toml, its first shot); the reference contactor if left out");
-  v->add_option("--angle", args->angle_deg, "closing angle in degrees");
-  v->add_option("--volts", args->supply_volts, "supply, V rms");
-  v->add_option("--ambient", args->ambient_degC, "coil temperature, degC");
-  v->add_option("--accuracy", args->accuracy,
-                "such as 0.1%: take the cheapest rung and tolerance whose estimated error in touch, seat and "
-                "settled is below this share of the touch time");
-  v->add_option("--fields", args->fields,
-                "fields of the rungs: circuit, table, field2d, field3d; may be repeated");
-  v->add_option("--mechanics", args->mechanics,
-                "only rungs with these mechanics: plant, rigid, modal or explicit");
-  v->add_flag("--all", args->all, "every pair of fields and mechanics, also those that take minutes");
-  v->add_option("--cache", args->cache, "folder for field tables; made if missing")->capture_default_str();
-  v->add_option("--table", args->table_file,
-                "field table of `powbench field`: also the rung table+rigid; with --accuracy only this one");
-  v->add_option("-o,--output", args->folder, "folder for the picture; made if missing")
-      ->capture_default_str();
-  v->add_flag("--json", args->json, "JSON to stdout");
 }
 
 int leave(Exit code) {

@@ -99,6 +99,7 @@ std::string Bench::Impl::run_job(const Job& now) {
   }
   {
     const std::scoped_lock lock(mutex);
+    job_rig = found;
     if (now.single) single_campaign = campaign;
     job->campaign = newest_campaign = campaign;
     job->begun = Clock::now();
@@ -163,6 +164,14 @@ void Bench::Impl::stored(std::int64_t shot) {
 
 // ---- the stop ----
 
+/// Why what answers at the address is not the rig that the bench has: only that one can confirm its coil. "" = it is.
+static std::string another_rig(const rigs::RigInfo& there, const rigs::RigInfo& expected) {
+  if (there.model == expected.model && there.serial == expected.serial && there.boot_id == expected.boot_id)
+    return {};
+  return fmt::format("{} {} (boot {}) answers in the place of {} {} (boot {})", there.model, there.serial,
+                     there.boot_id, expected.model, expected.serial, expected.boot_id);
+}
+
 StopAnswer Bench::Impl::stop() {
   const auto begun = Clock::now();
   struct Stopping {
@@ -176,10 +185,20 @@ StopAnswer Bench::Impl::stop() {
   wake.notify_all();
   StopAnswer answer;
   answer.text = "the rig has not confirmed that its coil is off";
+  const rigs::RigInfo expected =
+      [this] {  // the rig that may be energised: the job's, else the one on the page
+        const std::scoped_lock lock(mutex);
+        return job ? job_rig : rig_now();
+      }();
+  std::string another;
   while (seconds_since(begun) < std::chrono::duration<double>(stop_time).count()) {
     try {
-      if (!stop_line) stop_line = std::make_unique<rigs::RigWatch>(endpoint.uri, milliseconds(500));
+      if (!stop_line) {
+        stop_line = std::make_unique<rigs::RigWatch>(endpoint.uri, milliseconds(500));
+        another = another_rig(stop_line->info(), expected);
+      }
       stop_line->stop();
+      if (!another.empty()) throw rigs::RigError(another);
       const bool nobody = !inside;  // before the rig is asked: nothing can arm it afterwards
       const std::string state = stop_line->state();
       if (nobody && state != "armed" && state != "firing") {

@@ -78,6 +78,7 @@ struct Bench::Impl final : RunWatcher {
   std::atomic<int> stopping = 0;
   std::mutex stop_mutex;  ///< one stop at a time; `mutex` is taken inside
   std::unique_ptr<rigs::RigWatch> stop_line;
+  rigs::RigInfo job_rig;  ///< the one that the job fires: no other can confirm a stop
   std::unique_ptr<Looker> looker;
   std::thread worker;
 };

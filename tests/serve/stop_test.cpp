@@ -77,3 +77,19 @@ TEST_CASE("STOP: a rig that does not answer is said loudly", "[serve]") {
   wait_until("the state to say so", [&] { return s.state().at("link").at("answers") == false; });
   CHECK(s.state().at("status").is_null());
 }
+
+TEST_CASE("STOP: another rig in the place of the one that fires confirms nothing", "[serve]") {
+  auto first = std::make_unique<rigs::LocalRig>(rigs::SimRigConfig{}, sim::Specimen{});
+  const std::string address = first->address();
+  Served s(served_plan, "ip:" + address);
+  s.bench.run(scene_of("angles_deg = [0, 45, 90, 135]\nrepeats = 500\n"));
+  wait_until("the first shot", [&] { return s.shots() > 0; });
+  first.reset();
+  rigs::IiodServer second(rigs::SimRigConfig{}, sim::Specimen{}, address);
+  std::thread serving([&] { second.serve(); });
+  const host::StopAnswer stopped = s.bench.stop();
+  second.stop();
+  serving.join();
+  CHECK_FALSE(stopped.off);
+  CHECK_THAT(stopped.text, Contains("in the place of"));
+}
