@@ -68,6 +68,7 @@ struct FamilyScore {
   Calibration u_now, u_ahead;        ///< all valid estimates without a break before the edge
   Calibration fair_now, fair_ahead;  ///< ... but those that cannot know of a break or an onset yet
   std::int64_t beyond_later = 0;     ///< of `beyond`: those that could know
+  std::int64_t shots_outside_later = 0;  ///< of shots_outside: more than 6 ms after a break
   std::int64_t shots = 0, shots_beyond = 0, shots_outside = 0;  ///< fired; beyond the tolerance; + 3 u
   double worst_shot = 0;                                        ///< deg
 

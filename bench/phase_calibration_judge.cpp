@@ -42,7 +42,9 @@ void maybe_fire(FamilyScore& score, const CaseSource& source, const firmware::Ph
     const double u = 360.0 * static_cast<double>(estimate.deviation(static_cast<float>(at - t)));
     ++score.shots;
     score.shots_beyond += error > stated_tolerance ? 1 : 0;
-    score.shots_outside += error > stated_tolerance + 3 * u ? 1 : 0;
+    const bool outside = error > stated_tolerance + 3 * u;
+    score.shots_outside += outside ? 1 : 0;
+    score.shots_outside_later += outside && !source.breaks(t - unknowable_break, t) ? 1 : 0;
     score.worst_shot = std::max(score.worst_shot, error);
   }
   shot = next_shot(random, t);
@@ -67,6 +69,7 @@ void FamilyScore::add(const FamilyScore& o) {
   shots += o.shots;
   shots_beyond += o.shots_beyond;
   shots_outside += o.shots_outside;
+  shots_outside_later += o.shots_outside_later;
   worst_shot = std::max(worst_shot, o.worst_shot);
 }
 

@@ -9,8 +9,9 @@ namespace {
 constexpr float history_rate = 10000.0F;      ///< Hz, at most
 constexpr float lowest_valid_hertz = 44.85F;  ///< 45 .. 65 Hz, with what the estimate may be off
 constexpr float highest_valid_hertz = 65.15F;
-constexpr float absent_amplitude = 0.2F;  ///< of nominal: below it there is no mains
-constexpr float lowest_amplitude = 0.7F;  ///< of nominal
+constexpr float absent_amplitude = 0.08F,
+                returned_amplitude = 0.2F;  ///< of nominal: below it there is no mains
+constexpr float lowest_amplitude = 0.7F;    ///< of nominal
 constexpr float highest_amplitude = 1.2F;
 constexpr float largest_residual = 0.15F;  ///< rms, of the fundamental's
 constexpr float cross_check_limit = 3.0F / 360;
@@ -283,7 +284,7 @@ void PhaseTracker::update() {
   }
   const WindowPhasor phasor = window_phasor(ring_, cycle_, middle_);
   estimate_.amplitude = phasor.amplitude * config_.nominal_amplitude;
-  if (phasor.amplitude < absent_amplitude) return absent();
+  if (phasor.amplitude < (entry_count_ == 0 ? returned_amplitude : absent_amplitude)) return absent();
   const float window_cycle = cycle_;
   const int behind = entries_within(clean_);
   if (changed_) coast();
