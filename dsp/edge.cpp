@@ -281,13 +281,6 @@ bool follows(const Polynomial& p, std::size_t samples) {
 
 }  // namespace
 
-Measured smooth_minimum(const Signal& s, double from, double to, double noise) {
-  const std::size_t a = s.index_at(from), b = std::min(s.index_at(to), s.size());
-  if (b < a + order + 1) return {};
-  const Polynomial p = polynomial_through(s, a, b, (a + b) / 2, 0.5 * (to - from), -1, noise);
-  return p.known && follows(p, b - a) ? Measured{-p.most.value, p.most.u} : Measured{};
-}
-
 Measured locate_extreme(const Signal& s, double from, double to, int side, double noise) {
   const std::size_t i1 = s.index_at(from), i2 = std::min(s.index_at(to), s.size());
   if (i2 < i1 + order + 1) return {};

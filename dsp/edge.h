@@ -37,8 +37,4 @@ EdgeAnswer locate_edge(const Signal& force, const EdgeQuestion&);
 /// last change of the value counts as uncertainty. Not known with fewer than six good samples.
 Measured locate_extreme(const Signal& force, double from, double to, int side, double noise);
 
-/// Least force between two times where one smooth curve (a polynomial of the fourth degree) explains them to the noise; else not
-/// known.
-Measured smooth_minimum(const Signal& force, double from, double to, double noise);
-
 }  // namespace powbench::dsp

@@ -91,9 +91,9 @@ TEST_CASE("what the numbers of a specimen make together, beside catalogue ranges
                            Contains("base on its mounting, Hz") && Contains("inside"));
   const std::string heavy =
       folder.write("a.specimen.toml", "[base]\nmode_Hz = 200\n[bridges]\nrate_N_per_m = 50000\n");
-  const auto json = run(folder, {"specimen", "describe", heavy, "--json"});
-  REQUIRE(json.status == 0);
-  const auto numbers = nlohmann::json::parse(json.out)["numbers"];
+  const auto described = run(folder, {"specimen", "describe", heavy, "--json"});
+  REQUIRE(described.status == 0);
+  const auto numbers = nlohmann::json::parse(described.out)["numbers"];
   CHECK(numbers["base_Hz"]["value"] == 200);
   // 0.5 (3.07 + 50000 (4.06e-3 - 2.5e-3)) N
   CHECK(numbers["break_force_N"]["value"].get<double>() == Approx(40.535));
