@@ -55,6 +55,48 @@ Round find_contacts(const Signal& force, double noise, double settled, double t_
   return r;
 }
 
+/// Largest and smallest value of a signal between two times.
+std::pair<double, double> range_of(const Signal& s, double from, double to) {
+  const std::size_t a = s.index_at(from), b = std::max(a + 1, std::min(s.index_at(to), s.size()));
+  const auto [low, high] = std::minmax_element(s.value.begin() + std::ptrdiff_t(std::min(a, s.size() - 1)),
+                                               s.value.begin() + std::ptrdiff_t(b));
+  return {*low, *high};
+}
+
+/// Vibration swings to both sides, a contact only presses. So a stripped ring has taken a contact where an interval of the force as it came
+/// (`unaided`) hardly swings below zero within its own length on either side and is none of the contacts that are `left`, or an opening
+/// where the force as it came rests at zero between two of them and what is left stays closed.
+bool takes_a_contact(const Signal& force, const std::vector<Interval>& unaided,
+                     const std::vector<Interval>& left) {
+  constexpr double swing = 0.3, rest = 0.15;  // of the peak
+  constexpr double longest = 1e-3;            // s
+  const auto closed_within = [&](double from, double to) {
+    return std::any_of(left.begin(), left.end(),
+                       [&](const Interval& c) { return c.touch < to && c.release > from; });
+  };
+  const auto closed_throughout = [&](double from, double to) {
+    return std::any_of(left.begin(), left.end(),
+                       [&](const Interval& c) { return c.touch < from && c.release > to; });
+  };
+  double before = 0;
+  for (std::size_t i = 0; i < unaided.size(); ++i) {
+    const Interval& c = unaided[i];
+    const double end = c.open_ended() ? c.touch + longest : c.release,
+                 reach = std::min(end - c.touch, longest);
+    const double peak = range_of(force, c.touch, end).second;
+    if (!c.open_ended() && !closed_within(c.touch, c.release) &&
+        range_of(force, c.touch - reach, c.release + reach).first > -swing * peak)
+      return true;
+    if (i > 0) {
+      const auto [low, high] = range_of(force, unaided[i - 1].release, c.touch);
+      const double most = rest * std::min(before, peak);
+      if (-low < most && high < most && closed_throughout(unaided[i - 1].release, c.touch)) return true;
+    }
+    before = peak;
+  }
+  return false;
+}
+
 /// Standard deviation of what is left in the open time after the ring started.
 double open_noise(const Signal& stripped, const Round& r, const Ring& ring, double t_end, double floor) {
   std::vector<double> left;
@@ -226,6 +268,12 @@ ForceAnalysis analyse_force(const Force& f, double t_end, const Measured& core_s
     const double noise =
         out.ring.empty() ? f.noise : open_noise(out.stripped, best.round, out.ring, t_end, f.noise);
     round = find_contacts(out.stripped, noise, f.settled, t_end, o);
+  }
+  if (!out.ring.empty() && !bare_enough && takes_a_contact(f.signal, unaided, round.intervals)) {
+    out.ring = {};
+    out.stripped = f.signal;
+    round = find_contacts(f.signal, f.noise, f.settled, t_end, o);
+    out.train.flags |= flag_ring_overlap;
   }
   if (round.overlap) out.train.flags |= flag_ring_overlap;
   const auto grazing = fill_train(out.train, round, f, out, t_end, o);

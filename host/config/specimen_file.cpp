@@ -104,12 +104,15 @@ sim::Specimen read_with(FileReader reader, const std::filesystem::path& folder) 
   bool lengths_known = !reader.bad("core", "travel_mm");
   for (const char* key : {"gap_mm", "tilt_gap_mm", "gap_spread_mm"})
     lengths_known = lengths_known && !reader.bad("bridges", key);
-  // read() checked single values: what is left are lengths that do not fit together
+  // read() checked single values: what is left are lengths that do not fit together, and exponents between the laws
   for (const auto& error : sim::validate(s)) {
     const auto dot = error.key.find('.');
-    if (lengths_known)
+    const bool exponent = error.key.ends_with("_exponent");
+    if (exponent || lengths_known)
       reader.fail(error.key.substr(0, dot), error.key.substr(dot + 1),
-                  "does not fit the other lengths: " + error.value, error.range);
+                  (exponent ? "no contact law has this exponent: " : "does not fit the other lengths: ") +
+                      error.value,
+                  error.range);
   }
   reader.finish();
   return s;

@@ -101,11 +101,15 @@ std::vector<Neighbour> neighbours(const sim::Specimen& s, double theta_deg, bool
 }
 
 std::string neighbours_text(const char* name, const std::vector<Neighbour>& list) {
+  const auto shown = [](double value, int digits) {
+    return std::isfinite(value) ? fmt::format("{:.{}f}", value, digits) : std::string("-");
+  };
   std::string text;
   for (const auto& n : list)
-    text += fmt::format("  {:<12} {:>+5.0f} deg {:>+4.0f} % {:>8} {:>9.2f} {:>9.2f} {:>9.1f} {:>9.1f}\n",
-                        name, n.degrees, n.volts_percent, n.train.bounces(), n.train.interval(0) * 1e3,
-                        n.train.interval(1) * 1e3, n.train.peak(0), n.train.peak(1));
+    text += fmt::format("  {:<12} {:>+5.0f} deg {:>+4.0f} % {:>8} {:>9} {:>9} {:>9} {:>9}\n", name, n.degrees,
+                        n.volts_percent, n.train.bounces(), shown(n.train.interval(0) * 1e3, 2),
+                        shown(n.train.interval(1) * 1e3, 2), shown(n.train.peak(0), 1),
+                        shown(n.train.peak(1), 1));
   return text;
 }
 

@@ -230,10 +230,10 @@ TEST_CASE("a specimen file reaches every field of the simulator's table", "[conf
     if (f.section != section) text.append("[").append(section = f.section).append("]\n");
     const double share = random.uniform();
     const double value = f.whole ? f.high : f.low + share * 1e-3 * (f.high - f.low);
-    // what has to fit together: gaps within the travel, a closed leg of two without a ring
+    // what has to fit together: gaps within the travel, a closed leg of two without a ring; exponents are 1, 1.5 or 2
     const std::map<std::string_view, const char*> given{
-        {"travel_mm", "49"}, {"tilt_gap_mm", "0.01"}, {"gap_spread_mm", "0.01"},
-        {"ring_share", "0"}, {"legs", "2"},           {"closed_leg", "1"}};
+        {"travel_mm", "49"}, {"tilt_gap_mm", "0.01"}, {"gap_spread_mm", "0.01"}, {"ring_share", "0"},
+        {"legs", "2"},       {"closed_leg", "1"},     {"stop_exponent", "1.5"},  {"contact_exponent", "1.5"}};
     const auto fitting = given.find(f.key);
     text +=
         std::string(f.key) + " = " +
@@ -248,6 +248,12 @@ TEST_CASE("a specimen file reaches every field of the simulator's table", "[conf
   }
   CHECK(s.name == "other");
   CHECK(resolved_text(parse_specimen(resolved_text(s), "again")) == resolved_text(s));
+}
+
+TEST_CASE("an exponent between the contact laws is refused", "[config]") {
+  CHECK(specimen_errors("[core]\nstop_exponent = 1.2\n") ==
+        Errors{"s.toml:2: [core] stop_exponent = 1.2: no contact law has this exponent: 1.2; allowed 1, 1.5 "
+               "and 2"});
 }
 
 TEST_CASE("specimen mistakes name the key, the range and the section it belongs to", "[config]") {

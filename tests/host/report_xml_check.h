@@ -86,7 +86,8 @@ inline std::string xml_error(std::string_view s) {
 /// The page without its scripts: those that are part of it, data of the closer look and code as data: URLs. Any other stays.
 inline std::string without_own_scripts(std::string html) {
   for (const std::string own :
-       {"<script src=\"data:text/javascript;base64,", "<script type=\"application/json\" id=\"closings\">"})
+       {"<script src=\"data:text/javascript;base64,", "<script type=\"application/json\" id=\"closings\">",
+        "<script type=\"application/json\" id=\"device\">"})
     for (auto i = html.find(own); i != std::string::npos; i = html.find(own))
       html.erase(i, html.find("</script>", i) + 9 - i);
   return html;

@@ -117,6 +117,36 @@ TEST_CASE("the largest force that is extracted is one that the contacts press wi
   }
 }
 
+TEST_CASE("no contact on soft pads is taken for vibration, whatever the angle", "[paper]") {
+  for (const double angle : {-0.02, 0.0, 0.01, 0.05, 1.0}) {
+    Conditions c;
+    c.supply_volts = 220;
+    c.ambient = zero_celsius + 17;
+    c.closing_angle = radians(angle);
+    const auto e = dsp::extract_events(rigs::simulate_record(tilted(), c, {}).record, {});
+    const auto truth = pressure_closing(tilted(), angle).samples;
+    for (const bool a : {true, false}) {
+      const auto& contacts = (a ? e.pvdf_a : e.pvdf_b).contacts;
+      for (std::size_t i = 0; i < truth.size();) {
+        const auto force = [&](std::size_t k) { return a ? truth[k].force_a : truth[k].force_b; };
+        std::size_t end = i;
+        while (end < truth.size() && force(end) > 0) ++end;
+        if (end == i) {
+          ++i;
+          continue;
+        }
+        const double touch = truth[i].time, release = truth[end - 1].time;
+        CAPTURE(angle, a, touch, release);
+        if (release - touch > 0.2e-3)
+          CHECK(std::any_of(contacts.begin(), contacts.end(), [&](const Contact& k) {
+            return k.touch.value < release && !(k.release.value < touch);
+          }));
+        i = end;
+      }
+    }
+  }
+}
+
 TEST_CASE("the page of the contact pressure holds what the statements name", "[paper]") {
   const PressurePage page{level(), tilted(), 112, 180};
   const std::string text = pressure_text(page);
