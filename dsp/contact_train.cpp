@@ -57,9 +57,10 @@ Round find_contacts(const Signal& force, double noise, double settled, double t_
 
 /// Largest and smallest value of a signal between two times.
 std::pair<double, double> range_of(const Signal& s, double from, double to) {
-  const std::size_t a = s.index_at(from), b = std::max(a + 1, std::min(s.index_at(to), s.size()));
-  const auto [low, high] = std::minmax_element(s.value.begin() + std::ptrdiff_t(std::min(a, s.size() - 1)),
-                                               s.value.begin() + std::ptrdiff_t(b));
+  const std::size_t a = std::min(s.index_at(from), s.size() - 1),
+                    b = std::clamp(s.index_at(to), a + 1, s.size());
+  const auto [low, high] =
+      std::minmax_element(s.value.begin() + std::ptrdiff_t(a), s.value.begin() + std::ptrdiff_t(b));
   return {*low, *high};
 }
 
