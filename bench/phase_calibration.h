@@ -58,16 +58,16 @@ struct Calibration {
 
 struct FamilyScore {
   std::string family;
-  std::int64_t judged = 0;           ///< estimates
-  std::int64_t valid = 0;            ///< valid for an edge 20 ms ahead
-  std::int64_t valid_soon = 0;       ///< valid for an edge at once
-  std::int64_t beyond = 0;           ///< valid, no break before the edge, and beyond the tolerance there
-  std::int64_t surprised = 0;        ///< valid, and a break before the edge put it beyond the tolerance
-  ErrorSum now[3], ahead[3];         ///< ours, SOGI, zero crossing; away from breaks
-  ErrorSum valid_now, valid_ahead;   ///< ours, valid
-  Calibration u_now, u_ahead;        ///< all valid estimates without a break before the edge
-  Calibration fair_now, fair_ahead;  ///< ... but those that cannot know of a break or an onset yet
-  std::int64_t beyond_later = 0;     ///< of `beyond`: those that could know
+  std::int64_t judged = 0;               ///< estimates
+  std::int64_t valid = 0;                ///< valid for an edge 20 ms ahead
+  std::int64_t valid_soon = 0;           ///< valid for an edge at once
+  std::int64_t beyond = 0;               ///< valid, no break before the edge, and beyond the tolerance there
+  std::int64_t surprised = 0;            ///< valid, and a break before the edge put it beyond the tolerance
+  ErrorSum now[3], ahead[3];             ///< ours, SOGI, zero crossing; away from breaks
+  ErrorSum valid_now, valid_ahead;       ///< ours, valid
+  Calibration u_now, u_ahead;            ///< all valid estimates without a break before the edge
+  Calibration fair_now, fair_ahead;      ///< ... but those that cannot know of a break or an onset yet
+  std::int64_t beyond_later = 0;         ///< of `beyond`: those that could know
   std::int64_t shots_outside_later = 0;  ///< of shots_outside: more than 6 ms after a break
   std::int64_t shots = 0, shots_beyond = 0, shots_outside = 0;  ///< fired; beyond the tolerance; + 3 u
   double worst_shot = 0;                                        ///< deg

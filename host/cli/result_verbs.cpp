@@ -8,11 +8,11 @@
 
 #include "dsp/core_seat.h"
 #include "dsp/extract.h"
-#include "host/gather/pdf.h"
 #include "host/cli/show.h"
 #include "host/cli/verbs.h"
 #include "host/export/events_json.h"
 #include "host/gather/gather.h"
+#include "host/gather/pdf.h"
 #include "host/gather/scene.h"
 #include "host/gather/vibration.h"
 #include "host/store/json.h"

@@ -8,11 +8,11 @@
 #include <nlohmann/json.hpp>
 
 #include "host/config/bad_input.h"
+#include "host/config/csv_table.h"
 #include "host/export/csv.h"
 #include "host/export/event_table.h"
 #include "host/export/waveforms.h"
 #include "host/import/comtrade.h"
-#include "host/config/csv_table.h"
 #include "tests/host/store_samples.h"
 
 using namespace powbench;

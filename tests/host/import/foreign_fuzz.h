@@ -5,13 +5,13 @@
 #include <map>
 #include <string>
 
+#include "bench/records/foreign_samples.h"
 #include "core/random.h"
 #include "host/config/bad_input.h"
 #include "host/import/comtrade.h"
 #include "host/import/dcc.h"
 #include "host/import/foreign_table.h"
 #include "host/import/wvf.h"
-#include "bench/records/foreign_samples.h"
 
 /// Broken files: every importer takes what a seed makes of whole files, and either reads a table that is one or refuses in words.
 

@@ -1,13 +1,13 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
+#include "bench/records/foreign_samples.h"
 #include "host/config/bad_input.h"
 #include "host/import/dcc.h"
 #include "host/import/foreign_table.h"
 #include "host/import/scope_csv.h"
 #include "host/import/waveform.h"
 #include "host/import/wvf.h"
-#include "bench/records/foreign_samples.h"
 
 using namespace powbench;
 using namespace powbench::host;

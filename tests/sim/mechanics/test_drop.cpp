@@ -25,7 +25,8 @@ Rebounds drop(Specimen s, double speed, bool to_the_stop) {
   s.core.return_preload = s.bridges.preload = 0.1;
   s.core.return_rate = s.bridges.rate = 1;
   s.core.friction = 0;
-  s.core.travel = std::max(s.core.travel, s.bridges.gap + 2e-3);  // one impact is over before the other begins
+  s.core.travel =
+      std::max(s.core.travel, s.bridges.gap + 2e-3);  // one impact is over before the other begins
   s.base.hertz = s.base.core_hertz = 0.1;
   s.base.damping = s.base.core_damping = 0;
   s.base.flex_modes = 0;
