@@ -3,8 +3,9 @@ function closingPanels(root) {
   'use strict';
   const style = getComputedStyle(document.documentElement);
   const colour = (name) => style.getPropertyValue(name).trim();
-  const colours = { measured: colour('--measured'), simulated: colour('--simulated'), raw: colour('--soft'), 'stripped off': colour('--cited') };
-  let graphs = [], whole = [0, 1], shown = null, cursor = null, looked = () => {};
+  // By label of a series; of the theme that is on when a closing is drawn.
+  let colours = {};
+  let graphs = [], whole = [0, 1], shown = null, withRaw = false, cursor = null, looked = () => {};
 
   function values(series) {
     const bytes = Uint8Array.from(atob(series.data), (c) => c.charCodeAt(0));
@@ -44,6 +45,8 @@ function closingPanels(root) {
     graphs = [];
     root.textContent = '';
     shown = closing;
+    withRaw = stripped;
+    colours = { measured: colour('--measured'), simulated: colour('--simulated'), raw: colour('--soft'), 'stripped off': colour('--cited') };
     const time = Array.from({ length: shown.n }, (_, i) => shown.t0 + i * shown.dt);
     whole = [time[0], time[time.length - 1]];
     shown.channels.forEach((channel, index) => {
@@ -96,6 +99,7 @@ function closingPanels(root) {
     if (!series.values) series.values = values(series);
     return Number.isNaN(series.values[i]) ? null : series.values[i];
   }
+  matchMedia('(prefers-color-scheme: dark)').addEventListener('change', () => shown && draw(shown, range(), withRaw));
   /** A line at `t` through all panels. */
   function mark(t) {
     cursor = t;
