@@ -56,7 +56,8 @@ Exit run_plan(const RunArgs& args) {
                      [](const std::string& text) { fmt::print(stderr, "{}\n", text); });
   RunOptions options = run_options(scene.plan);
   options.max_failures = args.max_failures;
-  Progress progress("acquire", scene.shots.size(), progress_style(args.progress));
+  Progress progress("acquire", scene.shots.size(), progress_style(args.progress),
+                    recorded_shots(store, campaign).size());
   const RunSummary summary = run_campaign(store, campaign, scene.shots, *rig, options, progress);
   progress.finish();
   print_summary(summary, campaign, origin_of_kind(rig->info().kind), args.json);

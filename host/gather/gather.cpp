@@ -78,6 +78,12 @@ Provenance provenance(const Store& store, const CampaignInfo& c, const Plan& pla
 
 namespace {
 
+std::vector<Waveform> spread_of(const InputSpread& prediction) {
+  std::vector<Waveform> out;
+  for (const CurveSpread& c : prediction.curves) out.push_back({c.channel, "", c.t0, c.dt, c.u});
+  return out;
+}
+
 /// Stored text that cannot be read is damage, not bad input.
 template <class F>
 auto stored_text(const CampaignInfo& c, F&& read) {
@@ -105,7 +111,7 @@ std::vector<AngleGroup> gather_angles(const Store& store, std::int64_t campaign)
     const auto events = store.load_events(s.id);
     if (!events) continue;
     (s.kind == ShotKind::measured ? group.measured : group.simulated).push_back(*events);
-    if (s.kind == ShotKind::simulated) group.u_simulated = store.prediction(s.id);
+    if (s.kind == ShotKind::simulated) group.u_simulated = store.prediction(s.id).u;
   }
   return groups;
 }
@@ -143,7 +149,7 @@ std::vector<CurveRow> gather_curves(const Store& store, const CampaignInfo& c) {
       shot.waveforms = std::move(waves);
       input.shots.push_back(std::move(shot));
     } else {
-      input.simulated.push_back({radians(s.angle_deg), *events, std::move(waves)});
+      input.simulated.push_back({radians(s.angle_deg), *events, std::move(waves), {}});
     }
   }
   std::vector<CurveRow> rows;
@@ -225,7 +231,8 @@ ReportInput gather_shot(const Store& store, std::int64_t id) {
     if (events) (s.kind == ShotKind::measured ? group.measured : group.simulated).push_back(*events);
     auto waves = waveforms(record, options.extract);
     if (beside && events)
-      input.simulated.push_back({radians(s.angle_deg), *events, std::move(waves)});
+      input.simulated.push_back(
+          {radians(s.angle_deg), *events, std::move(waves), spread_of(store.prediction(s.id))});
     else if (s.id == id)
       input.shots.push_back({.index = static_cast<int>(s.id),
                              .conditions = s.conditions,
@@ -295,10 +302,10 @@ ReportInput gather_report(const Store& store, const CampaignInfo& c, const std::
       if (events && s.kind == ShotKind::measured) vibration.add(static_cast<int>(s.id), record, *events);
     }
     if (s.kind == ShotKind::simulated) {
-      group.u_simulated = store.prediction(s.id);
-      if (events)
-        input.simulated.push_back(
-            {.closing_angle = radians(s.angle_deg), .events = *events, .waveforms = std::move(waves)});
+      const InputSpread prediction = store.prediction(s.id);
+      group.u_simulated = prediction.u;
+      if (!events) continue;
+      input.simulated.push_back({radians(s.angle_deg), *events, std::move(waves), spread_of(prediction)});
       continue;
     }
     // judged anew by the plan that is stored, so that a store of an earlier program says what is known today

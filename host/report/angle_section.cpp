@@ -143,9 +143,9 @@ Markup angle_section(const ReportInput& input, const AngleView& view, const Rang
   out.element(
       "figcaption",
       "Blue: measured. Orange: simulated under the same conditions, through the same sensors, filters and "
-      "extraction. Vertical lines: mean instants, measured solid, simulated dashed. Pale blue: pole closed "
-      "in "
-      "the first measured shot. Dotted grey: shape of the mains.");
+      "extraction; its band: what the uncertainties of its inputs move it by (k = 2). Vertical lines: mean "
+      "instants, measured solid, simulated dashed. Pale blue: pole closed in the first measured shot. Dotted "
+      "grey: shape of the mains.");
   out.close();
   out.embed(event_table(input, view));
   if (const auto curves = curve_rows(view); !curves.empty()) out.embed(curve_table(curves));

@@ -135,7 +135,9 @@ void times(Markup& out, const ReportInput& input) {
   out.close().close().open("tbody");
   const std::size_t step = (angles.size() + most_angles - 1) / most_angles;
   const double best = best_angle(input.comparison).angles > 1 ? best_angle(input.comparison).angle : unknown;
-  for (std::size_t i = 0; i < angles.size(); i += step) {
+  bool without_u = false;
+  for (std::size_t i = 0; i < angles.size(); ++i) {
+    if (i % step != 0 && angles[i] != best) continue;
     out.open("tr", {{"class", angles[i] == best ? "best" : ""}});
     out.element("th", std::isfinite(angles[i]) ? angle_text(angles[i]) : "not known", {{"scope", "row"}});
     bool counted = false;
@@ -145,13 +147,20 @@ void times(Markup& out, const ReportInput& input) {
       counted = true;
       out.element("td", with_uncertainty(row->measured, row->coverage, 1e3, 2), {{"class", "key"}});
       out.element("td", simulated_text(*row), {{"class", "sim"}});
+      without_u = without_u || row->u_simulated_unknown;
     }
     out.close();
   }
   out.close().close();
+  std::string note;
   if (step > 1)
-    out.element("p", fmt::format("Every {}th of {} angles; the figures show all.", step, angles.size()),
-                {{"class", "fine"}});
+    note = fmt::format("One in {} of {} angles, and the best; the figures show all. ", step, angles.size());
+  if (without_u)
+    note +=
+        "\xC2\xB1 ?: within the uncertainty of its inputs the simulation comes to another number of events, "
+        "so "
+        "how far it moves is not known.";
+  if (!note.empty()) out.element("p", note, {{"class", "fine"}});
 }
 
 }  // namespace
@@ -160,8 +169,9 @@ std::string simulated_text(const ComparisonRow& row) {
   const ReadableUnit unit = readable_unit(row.unit);
   if (std::isfinite(row.u_simulated))
     return with_uncertainty({row.simulated, row.u_simulated}, 2, unit.per_si, unit.decimals);
-  return fixed(row.simulated * unit.per_si,
-               decimals_for(row.coverage * row.measured.u * unit.per_si, unit.decimals));
+  const std::string value = fixed(row.simulated * unit.per_si,
+                                  decimals_for(row.coverage * row.measured.u * unit.per_si, unit.decimals));
+  return row.u_simulated_unknown && std::isfinite(row.simulated) ? value + " \xC2\xB1 ?" : value;
 }
 
 Markup answers_section(const ReportInput& input) {

@@ -51,14 +51,20 @@ Range values_of(const ReportInput& input, const std::vector<Series>& all) {
       for (const double v : {row->measured.value, row->lowest, row->highest, row->simulated})
         y.include(v * 1e3);
     for (const auto* row : rows_of(input, series.quantity))
-      for (const double side : {-1.0, 1.0}) {
+      for (const double side : {-1.0, 1.0})
         y.include((row->measured.value + side * row->coverage * row->measured.u) * 1e3);
-        y.include((row->simulated + side * 2 * row->u_simulated) * 1e3);
-      }
     for (const auto& p : input.published)
       if (p.quantity == series.quantity && p.table > 0 && !p.excluded)
         for (const double v : {p.measurement, p.simulation}) y.include(v);
   }
+  // the bar of a simulation that a small change of its inputs turns into another closing may leave the chart
+  const Range points = y;
+  if (points.empty()) return y.padded(0.09, 0.5);
+  for (const auto& series : all)
+    for (const auto* row : rows_of(input, series.quantity))
+      for (const double side : {-1.0, 1.0})
+        y.include(std::clamp((row->simulated + side * 2 * row->u_simulated) * 1e3,
+                             points.low - points.span() / 2, points.high + points.span() / 2));
   return y.padded(0.09, 0.5);
 }
 
@@ -220,11 +226,12 @@ Markup typical_section(const ReportInput& input) {
   out.element("h2", fmt::format("One typical closing: shot {} at {}", view.shots.front()->index,
                                 std::isfinite(view.angle) ? angle_text(view.angle) : "an angle not known"));
   out.open("figure").embed(waveform_figure(input, view, time_window(input), true));
-  out.element("figcaption",
-              "Blue: measured. Orange: simulated, through the same sensors, filters and extraction. Vertical "
-              "lines: mean "
-              "instants of the angle, measured solid, simulated dashed. Pale blue: pole closed. Dotted grey: "
-              "shape of the mains.");
+  out.element(
+      "figcaption",
+      "Blue: measured. Orange: simulated, through the same sensors, filters and extraction; its band: what "
+      "the uncertainties of its inputs move it by (k = 2). Vertical lines: mean "
+      "instants of the angle, measured solid, simulated dashed. Pale blue: pole closed. Dotted grey: "
+      "shape of the mains.");
   out.close();
   return out.close();
 }

@@ -104,6 +104,17 @@ std::string marks_json(const Events& events, bool simulated) {
   return out;
 }
 
+/// The half width (k = 2) of the simulated curve's band; empty: not known.
+std::string band_json(const Waveform& u, double end_ms, double scale) {
+  std::string values;
+  for (std::size_t k = 0; k < u.values.size() && (u.t0 + static_cast<double>(k) * u.dt) * 1e3 < end_ms; ++k)
+    values += (k ? "," : "") + (std::isfinite(u.values[k])
+                                    ? fmt::format("{:.3g}", 2 * static_cast<double>(u.values[k]) * scale)
+                                    : "null");
+  return fmt::format(",\"band\":{{\"t0\":{:.6g},\"dt\":{:.6g},\"half\":[{}]}}", u.t0 * 1e3, u.dt * 1e3,
+                     values);
+}
+
 std::string closing_json(const ReportShot& shot, const AngleView& view) {
   const Events& events = *shot.events;
   const double touch = find_quantity("t_ct1")->of(events).value * 1e3,
@@ -136,8 +147,11 @@ std::string closing_json(const ReportShot& shot, const AngleView& view) {
     if (simulated != nullptr) add("simulated", on_grid(*simulated, grid, unit.per_si));
     if (measured != nullptr) add("measured", on_grid(*measured, grid, unit.per_si));
     if (list.empty()) continue;
-    channels += fmt::format("{}{{\"name\":\"{}\",\"unit\":\"{}\",\"series\":[{}]}}",
-                            channels.empty() ? "" : ",", panel.name, unit.name, list);
+    const Waveform* u =
+        view.simulated != nullptr ? find_waveform(view.simulated->spread, panel.channel) : nullptr;
+    channels +=
+        fmt::format("{}{{\"name\":\"{}\",\"unit\":\"{}\",\"series\":[{}]{}}}", channels.empty() ? "" : ",",
+                    panel.name, unit.name, list, u != nullptr ? band_json(*u, end, unit.per_si) : "");
   }
   std::string marks = marks_json(events, false);
   if (view.simulated != nullptr)

@@ -39,6 +39,36 @@ function closingPanels(root) {
     canvas.stroke();
   }
 
+  // what the inputs' uncertainty leaves open of a simulated curve
+  function band(canvas, area, graph, channel) {
+    const curve = channel.band && channel.series.find((s) => s.label === 'simulated');
+    if (!curve) return;
+    const { t0, dt, half } = channel.band, middle = curve.values || (curve.values = values(curve));
+    const upper = [], lower = [];
+    const fill = () => {
+      if (upper.length) {
+        canvas.beginPath();
+        upper.concat(lower.reverse()).forEach(([x, y], i) => (i ? canvas.lineTo(x, y) : canvas.moveTo(x, y)));
+        canvas.fill();
+      }
+      upper.length = lower.length = 0;
+    };
+    canvas.save();
+    canvas.beginPath();
+    canvas.rect(area.x, area.y, area.w, area.h);
+    canvas.clip();
+    canvas.fillStyle = colours.simulated;
+    canvas.globalAlpha = 0.25;
+    half.forEach((h, k) => {
+      const t = t0 + (k + 0.5) * dt, y = middle[Math.round((t - shown.t0) / shown.dt)];
+      if (h === null || y === undefined || Number.isNaN(y)) return fill();
+      upper.push([graph.toDomXCoord(t), graph.toDomYCoord(y + h)]);
+      lower.push([graph.toDomXCoord(t), graph.toDomYCoord(y - h)]);
+    });
+    fill();
+    canvas.restore();
+  }
+
   /// Draws `closing`; `range`: [from, to] in ms, null for the whole; `stripped`: with raw films and what was stripped off.
   function draw(closing, range, stripped) {
     graphs.forEach((g) => g.destroy());
@@ -72,7 +102,10 @@ function closingPanels(root) {
         },
         xLabelHeight: 16, yLabelWidth: 16, strokeWidth: 1.2, connectSeparatedPoints: false, animatedZooms: false,
         highlightCallback: (event, x) => looked(x),
-        underlayCallback: (canvas, area, graph) => marks(canvas, area, graph, index === 0)
+        underlayCallback: (canvas, area, graph) => {
+          band(canvas, area, graph, channel);
+          marks(canvas, area, graph, index === 0);
+        }
       }));
     });
     if (graphs.length > 1) Dygraph.synchronize(graphs, { zoom: true, selection: true, range: false });

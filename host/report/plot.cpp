@@ -134,6 +134,27 @@ void Plot::line(const std::vector<XY>& points, const Stroke& stroke) {
   if (!d.empty()) path(d, stroke);
 }
 
+void Plot::band(const std::vector<XY>& points, const std::vector<double>& half, std::string_view color,
+                double opacity) {
+  std::string d, back;
+  const auto close = [&] {
+    if (!back.empty()) d += back + "Z";
+    back.clear();
+  };
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const XY& p = points[i];
+    if (!std::isfinite(p.x) || !std::isfinite(p.y) || !std::isfinite(half[i])) {
+      close();
+      continue;
+    }
+    d += (back.empty() ? "M" : "L") + pair(px(p.x), py(p.y + half[i]));
+    back = "L" + pair(px(p.x), py(p.y - half[i])) + back;
+  }
+  close();
+  if (!d.empty())
+    inside_.empty("path", {{"d", d}, {"fill", color}, {"fill-opacity", fmt::format("{:.2f}", opacity)}});
+}
+
 void Plot::error_bar(XY at, double half_height, const Stroke& stroke) {
   if (!std::isfinite(at.x) || !std::isfinite(at.y) || !(half_height > 0) || !std::isfinite(half_height))
     return;

@@ -62,6 +62,8 @@ class Plot {
   void horizontal(double y, const Stroke&);
   void trace(const std::vector<TracePoint>&, double y_scale, const Stroke&);
   void line(const std::vector<XY>&, const Stroke&);
+  /// Filled between y - half[i] and y + half[i] around each point; a point that is not finite ends an area and begins the next.
+  void band(const std::vector<XY>&, const std::vector<double>& half, std::string_view color, double opacity);
   void error_bar(XY at, double half_height, const Stroke&);
   void point(XY at, const Marker&);
   void bar(double x0, double x1, double y0, double y1, std::string_view color, double opacity);

@@ -57,10 +57,13 @@ std::string render_html(const ReportInput& input) {
   const auto angles = angles_of(input);
   if (!angles.empty()) {
     out.embed(chart_section(input));
-    out.embed(typical_section(input));
     out.embed(closer_section(input));
   }
+  // on paper one closing and where everything comes from share a page
+  out.open("div", {{"class", "together"}});
+  if (!angles.empty()) out.embed(typical_section(input));
   out.embed(provenance_section(input));
+  out.close();
   out.open("h2", {{"class", "appendix"}}).text("Appendix").close();
   const Range window = time_window(input);
   for (const auto& view : angles) out.embed(angle_section(input, view, window));

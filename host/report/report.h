@@ -48,6 +48,7 @@ struct SimulatedClosing {
   double closing_angle = 0;  ///< rad, polarity included
   Events events;
   std::vector<Waveform> waveforms;
+  std::vector<Waveform> spread = {};  ///< standard uncertainty of a curve by its inputs; absent: not known
 };
 
 /// Where everything comes from. Empty = unknown, printed as a dash.

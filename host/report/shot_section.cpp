@@ -26,15 +26,37 @@ std::string reached_text(const ReportShot& shot) {
   return with_uncertainty(m, 1, degrees(1), 2);
 }
 
-/// Everything that makes a shot doubtful, in words.
-std::string remarks(const ReportShot& shot) {
-  std::string text = shot.reason;
-  if (!shot.events) return text;
-  const Events& e = *shot.events;
-  const std::string flags = flags_text(e.flags | e.coil.flags | e.core.flags | timing_train(e).flags);
-  if (!text.empty() && !flags.empty()) text += "; ";
-  return text + flags;
-}
+/// Everything that makes a shot doubtful: its reason in words, its flags as letters that are explained below the table.
+class Remarks {
+ public:
+  std::string of(const ReportShot& shot) {
+    std::string text = shot.reason;
+    if (!shot.events) return text;
+    const Events& e = *shot.events;
+    const std::uint32_t flags = e.flags | e.coil.flags | e.core.flags | timing_train(e).flags;
+    std::string letters;
+    for (std::uint32_t flag = 1; flag != 0; flag <<= 1) {
+      if ((flags & flag) == 0 || flags_text(flag).empty()) continue;
+      const auto seen = std::find(seen_.begin(), seen_.end(), flag);
+      letters +=
+          (letters.empty() ? "" : ", ") + std::string(1, static_cast<char>('a' + (seen - seen_.begin())));
+      if (seen == seen_.end()) seen_.push_back(flag);
+    }
+    if (!text.empty() && !letters.empty()) text += "; ";
+    return text + letters;
+  }
+  /// "a: clipped; b: ..."; empty without a flag.
+  std::string legend() const {
+    std::string text;
+    for (std::size_t i = 0; i < seen_.size(); ++i)
+      text +=
+          fmt::format("{}{}: {}", i ? "; " : "Remarks: ", static_cast<char>('a' + i), flags_text(seen_[i]));
+    return text;
+  }
+
+ private:
+  std::vector<std::uint32_t> seen_;
+};
 
 }  // namespace
 
@@ -53,6 +75,7 @@ Markup shot_section(const ReportInput& input) {
     out.element("th", head, {{"scope", "col"}});
   out.close().close().open("tbody");
   std::size_t left_out = 0, listed = 0;
+  Remarks remarks;
   for (const auto& shot : input.shots) {
     // of a long campaign those that are not in order come first of all
     const bool plain = shot.outcome == Outcome::pass || shot.outcome == Outcome::not_judged;
@@ -74,7 +97,7 @@ Markup shot_section(const ReportInput& input) {
                 train ? fmt::format("{}", timing_train(*shot.events).bounce_count) : std::string(no_value));
     out.element("td", fmt::format("{:x}", shot.conditions.seed), {{"class", "code"}});
     out.element("td", short_hash(shot.record_hash), {{"class", "code"}});
-    out.element("td", remarks(shot), {{"class", "left"}});
+    out.element("td", remarks.of(shot), {{"class", "left"}});
     out.close();
   }
   out.close().close();
@@ -82,6 +105,8 @@ Markup shot_section(const ReportInput& input) {
     out.element("p",
                 fmt::format("{} more are not listed here; powbench shots lists all, powbench show ID one.",
                             left_out));
+  if (const std::string legend = remarks.legend(); !legend.empty())
+    out.element("p", legend + ".", {{"class", "fine"}});
   out.element(
       "p",
       "Contact times are those of the channel named under Definitions. u of rig: standard uncertainty "

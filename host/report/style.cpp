@@ -144,7 +144,8 @@ footer { margin-top: 36px; color: var(--soft); font-size: 13px; }
   section { margin-top: 12pt; }
   h2.appendix { break-before: page; margin: 0; padding: 0; border: 0; }
   section.angle { break-inside: avoid; margin-top: 4pt; }
-  figure, tr, .answers, .provenance div { break-inside: avoid; }
+  figure, tr, .answers, .provenance div, .together, #limits { break-inside: avoid; }
+  .times th, .times td { padding: 1.6pt 2.5pt; white-space: nowrap; }
   figure { margin-bottom: 5pt; }
   .grid { gap: 2pt 14pt; }
   h2, h3 { break-after: avoid; }

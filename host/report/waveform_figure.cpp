@@ -121,6 +121,26 @@ void draw_traces(Plot& plot, const Panel& panel, const AngleView& view, const Ra
   for (const auto* shot : shots_to_draw(view)) draw(shot->waveforms, measured_line);
 }
 
+/// What the uncertainty of its inputs leaves open of the simulated curve: k = 2.
+void draw_spread(Plot& plot, const Panel& panel, const AngleView& view, const Range& window) {
+  if (view.simulated == nullptr) return;
+  const Waveform* u = find_waveform(view.simulated->spread, panel.channel);
+  const Waveform* curve = find_waveform(view.simulated->waveforms, panel.channel);
+  if (u == nullptr || curve == nullptr) return;
+  std::vector<XY> points;
+  std::vector<double> half;
+  for (std::size_t k = 0; k < u->values.size(); ++k) {
+    const double t = u->t0 + (static_cast<double>(k) + 0.5) * u->dt, at = (t - curve->t0) / curve->dt;
+    if (t * 1e3 < window.low || t * 1e3 > window.high || at < 0 ||
+        at >= static_cast<double>(curve->values.size()))
+      continue;
+    points.push_back(
+        {t * 1e3, static_cast<double>(curve->values[static_cast<std::size_t>(at)]) * panel.scale});
+    half.push_back(2 * static_cast<double>(u->values[k]) * panel.scale);
+  }
+  plot.band(points, half, colour::simulated, 0.22);
+}
+
 /// The mains behind the coil current, scaled to the panel: shows the closing angle at a glance.
 void draw_mains(Plot& plot, const AngleView& view, const Range& window, const Range& panel_range) {
   const auto shots = shots_to_draw(view);
@@ -160,6 +180,7 @@ Markup panel_plot(const ReportInput& input, const AngleView& view, const Panel& 
                    colour::measured, 0.06);
   if (panel.channel == "coil_current") draw_mains(plot, view, window, range);
   plot.vertical(0, {colour::soft, 1});
+  draw_spread(plot, panel, view, window);
   draw_traces(plot, panel, view, window);
   for (const auto& mark : marks) {
     plot.vertical(mark_ms(input, view, mark.quantity, true), {colour::simulated, 1.1, 0.9, "5 3"});

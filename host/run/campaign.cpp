@@ -115,14 +115,19 @@ Judgement judge_shot(const Events& events, const Conditions& conditions, const R
   return j;
 }
 
+std::vector<StoredShot> recorded_shots(const Store& store, std::int64_t campaign) {
+  std::vector<StoredShot> shots = store.shots(campaign, ShotKind::measured);
+  std::erase_if(shots, [](const StoredShot& s) { return !measured(s.outcome); });
+  return shots;
+}
+
 RunSummary run_campaign(Store& store, std::int64_t campaign, std::span<const PlannedShot> plan,
                         rigs::Rig& rig, const RunOptions& options, Progress& progress) {
   RunSummary summary;
   summary.planned = plan.size();
   summary.limits = tally_of(options.limits);
   std::set<int> done;
-  for (const StoredShot& s : store.shots(campaign, ShotKind::measured)) {
-    if (!measured(s.outcome)) continue;
+  for (const StoredShot& s : recorded_shots(store, campaign)) {
     done.insert(s.number);
     ++summary.counts[static_cast<std::size_t>(s.outcome)];
   }

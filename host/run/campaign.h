@@ -66,6 +66,9 @@ struct RunSummary {
   Exit exit_code() const;
 };
 
+/// The shots of a campaign that gave a record.
+std::vector<StoredShot> recorded_shots(const Store&, std::int64_t campaign);
+
 /// Fires what is still to do (a shot that gave a record before is not fired again) and stores each shot in one
 /// transaction; one that failed stays as an earlier attempt. A rig that goes away is looked for again; a rig that stays away ends the run, never the data.
 RunSummary run_campaign(Store&, std::int64_t campaign, std::span<const PlannedShot>, rigs::Rig&,

@@ -20,14 +20,16 @@ int terminal_width() {
 
 }  // namespace
 
-Progress::Progress(std::string what, std::size_t total, Style style)
-    : what_(std::move(what)), total_(total), style_(style) {
+Progress::Progress(std::string what, std::size_t total, Style style, std::size_t done)
+    : what_(std::move(what)), total_(total), before_(done), done_(done), style_(style) {
   if (style_ == Style::automatic) {
     const char* term = std::getenv("TERM");
     const bool terminal = isatty(STDERR_FILENO) == 1 && term && std::string(term) != "dumb";
     style_ = terminal ? Style::bar : Style::lines;
   }
-  if (style_ == Style::lines) fmt::print(stderr, "{}: {} to do\n", what_, total_);
+  if (style_ == Style::lines)
+    fmt::print(stderr, "{}: {} to do{}\n", what_, total_ - before_,
+               before_ > 0 ? fmt::format(", {} are there", before_) : "");
   last_drawn_ = Clock::now();
   if (style_ == Style::bar) draw(false);
 }
@@ -71,9 +73,11 @@ void Progress::draw(bool last) {
   const double elapsed = std::chrono::duration<double>(Clock::now() - start_).count();
   std::string time = fmt::format("in {}", duration(elapsed));
   if (!last) {
-    time = done_ == 0 ? "..."
-                      : duration(elapsed / static_cast<double>(done_) * static_cast<double>(total_ - done_)) +
-                            " to go";
+    time =
+        done_ == before_
+            ? "..."
+            : duration(elapsed / static_cast<double>(done_ - before_) * static_cast<double>(total_ - done_)) +
+                  " to go";
   }
   if (style_ == Style::lines) {
     fmt::print(stderr, "{}: {} of {}, {}\n", what_, done_, total_, time);

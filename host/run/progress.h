@@ -13,7 +13,8 @@ class Progress {
  public:
   enum class Style { automatic, bar, lines, none };
 
-  Progress(std::string what, std::size_t total, Style style = Style::automatic);
+  /// `done` of the total were finished before: the time to go is told from the others.
+  Progress(std::string what, std::size_t total, Style style = Style::automatic, std::size_t done = 0);
   ~Progress();
   Progress(const Progress&) = delete;
   Progress& operator=(const Progress&) = delete;
@@ -32,7 +33,7 @@ class Progress {
 
   using Clock = std::chrono::steady_clock;
   std::string what_, note_;
-  std::size_t total_, done_ = 0;
+  std::size_t total_, before_, done_;
   Style style_;
   Clock::time_point start_ = Clock::now(), last_drawn_{};
   bool finished_ = false;

@@ -9,8 +9,10 @@
 #include <thread>
 #include <utility>
 
+#include "core/channels.h"
 #include "core/phase.h"
 #include "core/quantities.h"
+#include "dsp/signal.h"
 #include "host/compare/compare.h"
 #include "host/compare/repeats.h"
 #include "host/run/stop.h"
@@ -30,16 +32,40 @@ double mean_of(std::span<const Events> measured, const Of& of, double& value) {
   return std::isfinite(r.u) ? r.u : 0.0;
 }
 
-Events closing_events(const Conditions& c, const sim::Specimen& specimen, const rigs::SimRigConfig& rig,
-                      const RunOptions& options) {
-  return extract_checked(rigs::simulate_record(specimen, c, rig).record, options);
+constexpr Channel smooth_channels[] = {Channel::laser, Channel::coil_current};
+constexpr double spread_step = 1e-4, spread_end = 60e-3;  // s
+
+/// A curve in means over `spread_step` from switch-on; NaN where it was not recorded.
+std::vector<double> coarse(const Record& record, Channel channel) {
+  const dsp::Signal s = dsp::to_signal(record, channel);
+  std::vector<double> out;
+  for (double from = 0; !s.empty() && from < spread_end;
+       from = static_cast<double>(out.size()) * spread_step) {
+    const std::size_t i = s.index_at(from), end = s.index_at(from + spread_step);
+    double sum = 0;
+    for (std::size_t n = i; n < end; ++n) sum += s.value[n];
+    out.push_back(end > i ? sum / static_cast<double>(end - i) : unknown);
+  }
+  return out;
 }
+
+/// One simulated closing: its events, and each of `smooth_channels`.
+struct Twin {
+  Twin(const Conditions& c, const sim::Specimen& specimen, const rigs::SimRigConfig& rig,
+       const RunOptions& options) {
+    const Record record = rigs::simulate_record(specimen, c, rig).record;
+    events = extract_checked(record, options);
+    for (const Channel channel : smooth_channels) curves.push_back(coarse(record, channel));
+  }
+  Events events;
+  std::vector<std::vector<double>> curves;
+};
 
 /// What one angle's thread leaves.
 struct Simulated {
   std::optional<rigs::SimulatedClosing> closing;
   Events events;
-  std::map<std::string, double> u;
+  InputSpread prediction;
 };
 
 }  // namespace
@@ -68,8 +94,8 @@ ClosingInputs inputs_of(const Conditions& asked, std::span<const Events> measure
   return in;
 }
 
-std::map<std::string, double> input_uncertainty(const ClosingInputs& in, const sim::Specimen& specimen,
-                                                const rigs::SimRigConfig& rig, const RunOptions& options) {
+InputSpread input_uncertainty(const ClosingInputs& in, const sim::Specimen& specimen,
+                              const rigs::SimRigConfig& rig, const RunOptions& options) {
   struct Input {
     double Conditions::*place;
     double u, least_step;  ///< a step below is lost in the samples
@@ -80,6 +106,7 @@ std::map<std::string, double> input_uncertainty(const ClosingInputs& in, const s
                           {&Conditions::ambient, in.u_ambient, 1.0}};
   std::map<std::string, double> variance;
   for (const Quantity& q : quantity_table) variance[std::string(q.symbol)] = 0;
+  std::vector<std::vector<double>> curve_variance(std::size(smooth_channels));
   for (const Input& input : inputs) {
     if (!(input.u > 0.01 * input.least_step)) continue;  // moves nothing that a sample shows
     const double step = std::max(input.u, input.least_step);
@@ -88,15 +115,25 @@ std::map<std::string, double> input_uncertainty(const ClosingInputs& in, const s
     high.*input.place += step;
     low.closing_angle = wrap_turn(low.closing_angle);
     high.closing_angle = wrap_turn(high.closing_angle);
-    const Events a = closing_events(low, specimen, rig, options),
-                 b = closing_events(high, specimen, rig, options);
-    for (const Quantity& q : quantity_table) {
-      const double slope = (q.of(b).value - q.of(a).value) / (2 * step);
-      variance[std::string(q.symbol)] += slope * slope * input.u * input.u;
+    const Twin a(low, specimen, rig, options), b(high, specimen, rig, options);
+    const double scale = input.u / (2 * step);
+    const auto square = [scale](double d) { return d * scale * d * scale; };
+    for (const Quantity& q : quantity_table)
+      variance[std::string(q.symbol)] += square(q.of(b.events).value - q.of(a.events).value);
+    for (std::size_t c = 0; c < curve_variance.size(); ++c) {
+      curve_variance[c].resize(std::min(a.curves[c].size(), b.curves[c].size()));
+      for (std::size_t k = 0; k < curve_variance[c].size(); ++k)
+        curve_variance[c][k] += square(b.curves[c][k] - a.curves[c][k]);
     }
   }
-  for (auto& [symbol, v] : variance) v = std::sqrt(v);
-  return variance;
+  InputSpread out;
+  for (const auto& [symbol, v] : variance) out.u[symbol] = std::sqrt(v);
+  for (std::size_t c = 0; c < curve_variance.size(); ++c) {
+    if (curve_variance[c].empty()) continue;
+    out.curves.push_back({std::string(info(smooth_channels[c]).name), 0, spread_step, {}});
+    for (const double v : curve_variance[c]) out.curves.back().u.push_back(static_cast<float>(std::sqrt(v)));
+  }
+  return out;
 }
 
 std::size_t simulate_campaign(Store& store, std::int64_t campaign, std::span<const PlannedShot> plan,
@@ -130,7 +167,7 @@ std::size_t simulate_campaign(Store& store, std::int64_t campaign, std::span<con
     shots[i].outcome = Outcome::not_judged;
     const std::int64_t id =
         store.store_shot(shots[i], &result.closing->record, &result.events, extraction_info(options));
-    if (!result.u.empty()) store.store_prediction(id, result.u);
+    if (!result.prediction.empty()) store.store_prediction(id, result.prediction);
     ++stored_shots;
   };
   const auto work = [&] {
@@ -141,7 +178,7 @@ std::size_t simulate_campaign(Store& store, std::int64_t campaign, std::span<con
         if (closings != measured.end()) {
           const ClosingInputs inputs = inputs_of(shots[i].conditions, closings->second, options);
           shots[i].conditions = inputs.conditions;
-          result.u = input_uncertainty(inputs, specimen, rig, options);
+          result.prediction = input_uncertainty(inputs, specimen, rig, options);
         }
         result.closing = make_record(specimen, shots[i].conditions, rig);
         result.events = extract_checked(result.closing->record, options);

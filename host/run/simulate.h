@@ -1,7 +1,6 @@
 #pragma once
 
 #include <functional>
-#include <map>
 #include <span>
 #include <string>
 
@@ -34,8 +33,9 @@ ClosingInputs inputs_of(const Conditions& asked, std::span<const Events> measure
 
 /// Standard uncertainty (SI) of each quantity, by symbol, from those of the inputs: u^2 = sum (dq/dx u_x)^2, slopes by central
 /// differences of the plant through the rig's sensors. NaN: a quantity that does not exist on both sides.
-std::map<std::string, double> input_uncertainty(const ClosingInputs&, const sim::Specimen&,
-                                                const rigs::SimRigConfig&, const RunOptions&);
+/// Likewise each smooth curve (travel, coil current) as means over 0.1 ms up to 60 ms.
+InputSpread input_uncertainty(const ClosingInputs&, const sim::Specimen&, const rigs::SimRigConfig&,
+                              const RunOptions&);
 
 /// One closing for each angle of the plan, on `threads` threads, stored with record and events. Where the campaign has measured
 /// closings and not `nominal`: under their conditions, with its uncertainty. Each is stored as soon as those of the angles before

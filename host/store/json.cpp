@@ -213,17 +213,43 @@ std::string to_json(const Conditions& c, int indent) {
   return j.dump(indent);
 }
 
-std::string numbers_to_json(const std::map<std::string, double>& numbers) {
+namespace {
+
+/// A band is drawn of it: more would be noise in the file.
+double four_digits(double v) {
+  if (!std::isfinite(v) || v == 0) return v;
+  const double scale = std::pow(10.0, 3 - std::floor(std::log10(std::fabs(v))));
+  return std::round(v * scale) / scale;
+}
+
+}  // namespace
+
+std::string to_json(const InputSpread& p) {
   Ordered j = Ordered::object();
-  for (const auto& [key, value] : numbers) j[key] = number(value);
+  for (const auto& [symbol, u] : p.u) j[symbol] = number(u);
+  for (const CurveSpread& c : p.curves) {
+    Ordered values = Ordered::array();
+    for (const double u : c.u) values.push_back(number(four_digits(u)));
+    j["curves"][c.channel] = {{"t0", c.t0}, {"dt", c.dt}, {"u", std::move(values)}};
+  }
   return j.dump();
 }
 
-std::map<std::string, double> numbers_from_json(std::string_view text) {
+InputSpread spread_from_json(std::string_view text) {
   return parsed(text, [](const json& j) {
-    std::map<std::string, double> numbers;
-    for (const auto& [key, value] : j.items()) numbers[key] = number_from(value);
-    return numbers;
+    InputSpread p;
+    for (const auto& [key, value] : j.items()) {
+      if (key != "curves") {
+        p.u[key] = number_from(value);
+        continue;
+      }
+      for (const auto& [channel, curve] : value.items()) {
+        CurveSpread c{channel, curve.at("t0").get<double>(), curve.at("dt").get<double>(), {}};
+        for (const auto& u : curve.at("u")) c.u.push_back(static_cast<float>(number_from(u)));
+        p.curves.push_back(std::move(c));
+      }
+    }
+    return p;
   });
 }
 

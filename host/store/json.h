@@ -1,11 +1,11 @@
 #pragma once
 
-#include <map>
 #include <string>
 #include <string_view>
 
 #include "core/conditions.h"
 #include "core/events.h"
+#include "host/store/input_spread.h"
 
 namespace powbench::host {
 
@@ -19,8 +19,8 @@ Conditions conditions_from_json(std::string_view);
 /// Names of the set flags, e.g. "clipped, poor_fit"; empty when none is set.
 std::string flag_names(std::uint32_t flags);
 
-/// Named numbers; null for what is not known.
-std::string numbers_to_json(const std::map<std::string, double>&);
-std::map<std::string, double> numbers_from_json(std::string_view);
+/// A number for each quantity, null for what is not known, and `curves`: {channel: {t0, dt, u: [...]}}.
+std::string to_json(const InputSpread&);
+InputSpread spread_from_json(std::string_view);
 
 }  // namespace powbench::host

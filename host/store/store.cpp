@@ -218,14 +218,14 @@ std::vector<Annotation> Store::annotations(std::int64_t campaign) const {
   return select_annotations(impl_->db, campaign);
 }
 
-void Store::store_prediction(std::int64_t shot, const std::map<std::string, double>& u) {
-  insert_prediction(impl_->db, shot, numbers_to_json(u));
+void Store::store_prediction(std::int64_t shot, const InputSpread& p) {
+  insert_prediction(impl_->db, shot, to_json(p));
 }
 
-std::map<std::string, double> Store::prediction(std::int64_t shot) const {
+InputSpread Store::prediction(std::int64_t shot) const {
   const std::string text = select_prediction(impl_->db, shot);
   if (text.empty()) return {};
-  return stored_json([&] { return numbers_from_json(text); });
+  return stored_json([&] { return spread_from_json(text); });
 }
 
 void Store::limit_pages(int pages) {

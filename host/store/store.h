@@ -13,6 +13,7 @@
 #include "core/origin.h"
 #include "core/outcome.h"
 #include "core/record.h"
+#include "host/store/input_spread.h"
 
 /// The store: one SQLite file (WAL, STRICT tables) that holds campaigns, shots, raw records and events. A shot is written
 /// in one transaction; raw samples are never changed.
@@ -136,9 +137,9 @@ class Store {
   void annotate(std::int64_t campaign, const std::string& key, const std::string& text);
   std::vector<Annotation> annotations(std::int64_t campaign) const;
 
-  /// Standard uncertainties (SI) of a simulated shot's quantities, by symbol, propagated from those of its inputs.
-  void store_prediction(std::int64_t shot, const std::map<std::string, double>& u);
-  std::map<std::string, double> prediction(std::int64_t shot) const;
+  /// What the uncertainties of a simulated shot's inputs leave open; empty: nominal conditions.
+  void store_prediction(std::int64_t shot, const InputSpread&);
+  InputSpread prediction(std::int64_t shot) const;
 
   /// For tests: refuse to grow beyond this many pages, as a full disk does.
   void limit_pages(int pages);

@@ -255,8 +255,12 @@ TEST_CASE("curves of both are compared where both were recorded, with the larges
   Waveform late = wave("laser", "m", 6000);
   for (std::size_t i = 2200; i < 2300; ++i) late.values[i] += 0.5F;  // 12 .. 13 ms
   in.simulated = {{radians(30), some_events(12.34e-3), {late, wave("pvdf_a", "N", 6000)}}};
+  in.simulated[0].spread = {{"laser", "", 0, 1e-4, std::vector<float>(300, 1e-4F)}};
   compare_into(in);
   check_page(in);
+  CHECK(contains(render_html(in), "fill=\"#D55E00\" fill-opacity=\"0.22\"/>"));
+  in.simulated[0].spread[0].values.assign(300, std::nanf(""));
+  CHECK(!contains(render_html(in), "fill-opacity=\"0.22\""));
   const auto rows = curve_rows(angles_of(in).front());
   REQUIRE(rows.size() == 1);  // no current in either
   CHECK(rows[0].quantity == "x_m");

@@ -6,6 +6,7 @@
 #include "core/random.h"
 #include "core/units.h"
 #include "dsp/extract.h"
+#include "dsp/signal.h"
 #include "host/compare/compare.h"
 #include "host/run/simulate.h"
 #include "tests/host/store_samples.h"
@@ -56,7 +57,7 @@ TEST_CASE("the inputs' uncertainty covers what other inputs do", "[simulate]") {
   in.conditions.closing_angle = radians(90);
   in.u_volts = 1.15;
   in.u_ambient = 2;
-  const auto u = input_uncertainty(in, {}, {}, options);
+  const auto u = input_uncertainty(in, {}, {}, options).u;
   CHECK(u.at("t_ct1") > 20e-6);
   CHECK(u.at("t_xt1") > 5e-6);
   const auto at = [&](double volts, double kelvin) {
@@ -69,7 +70,8 @@ TEST_CASE("the inputs' uncertainty covers what other inputs do", "[simulate]") {
   CHECK(std::fabs(find_quantity("t_ct1")->of(at(0, 2)).value - touch) < 2 * u.at("t_ct1"));
   ClosingInputs exact;
   exact.conditions = in.conditions;
-  CHECK(input_uncertainty(exact, {}, {}, options).at("t_ct1") == 0);
+  CHECK(input_uncertainty(exact, {}, {}, options).u.at("t_ct1") == 0);
+  CHECK(input_uncertainty(exact, {}, {}, options).curves.empty());
 }
 
 TEST_CASE("simulations are stored as they come, in the order of the angles, and kept when a later one fails",
@@ -117,20 +119,35 @@ TEST_CASE("simulations are stored as they come, in the order of the angles, and 
 TEST_CASE("of devices whose inputs scatter as stated, 95 % of the differences lie within U", "[.slow]") {
   const RunOptions options;
   Random random(11);
-  int within = 0, all = 0;
+  int within = 0, all = 0, curve_within = 0, curve_all = 0;
   for (const double degree : {20.0, 50.0, 90.0, 130.0}) {
     ClosingInputs in;
     in.conditions.closing_angle = radians(degree);
     in.u_angle = radians(0.05), in.u_volts = 1.15, in.u_hertz = 0.005, in.u_ambient = 2;
-    const auto u = input_uncertainty(in, {}, {}, options);
-    const Events nominal = extract_checked(rigs::simulate_record({}, in.conditions, {}).record, options);
+    const InputSpread spread = input_uncertainty(in, {}, {}, options);
+    const auto& u = spread.u;
+    const Record middle = rigs::simulate_record({}, in.conditions, {}).record;
+    const Events nominal = extract_checked(middle, options);
+    REQUIRE(spread.curves.size() == 2);
     for (int i = 0; i < 25; ++i) {
       Conditions c = in.conditions;
       c.closing_angle += in.u_angle * random.normal();
       c.supply_volts += in.u_volts * random.normal();
       c.mains_hertz += in.u_hertz * random.normal();
       c.ambient += in.u_ambient * random.normal();
-      const Events e = extract_checked(rigs::simulate_record({}, c, {}).record, options);
+      const Record record = rigs::simulate_record({}, c, {}).record;
+      const Events e = extract_checked(record, options);
+      for (const CurveSpread& curve : spread.curves) {
+        const Channel channel = curve.channel == "laser" ? Channel::laser : Channel::coil_current;
+        const dsp::Signal a = dsp::to_signal(middle, channel), b = dsp::to_signal(record, channel);
+        for (std::size_t k = 0; k < curve.u.size(); ++k) {
+          const std::size_t n = a.index_at((static_cast<double>(k) + 0.5) * curve.dt);
+          const double noise = channel == Channel::laser ? 3e-6 : 3e-3;  // of one sample of either
+          ++curve_all;
+          curve_within +=
+              std::fabs(b.value[n] - a.value[n]) <= 1.96 * static_cast<double>(curve.u[k]) + noise;
+        }
+      }
       for (const char* symbol : {"t_ct1", "t_xt1", "t_ct2"}) {
         const Quantity& q = *find_quantity(symbol);
         ++all;
@@ -141,4 +158,7 @@ TEST_CASE("of devices whose inputs scatter as stated, 95 % of the differences li
   CAPTURE(within, all);
   CHECK(within > 0.88 * all);
   CHECK(within < all);
+  CAPTURE(curve_within, curve_all);
+  CHECK(curve_within > 0.88 * curve_all);
+  CHECK(curve_within < curve_all);
 }

@@ -36,7 +36,7 @@ void put(Store& store, std::int64_t campaign, int number, std::uint64_t seed,
   const Record record = sample_record(seed);
   const Events events = sample_events(seed);
   const auto id = store.store_shot(shot, &record, &events, extraction);
-  store.store_prediction(id, {{"t_ct1", 1e-6 * static_cast<double>(seed)}});
+  store.store_prediction(id, {{{"t_ct1", 1e-6 * static_cast<double>(seed)}}, {}});
 }
 
 std::string hash(const std::string& file) {
@@ -113,7 +113,7 @@ TEST_CASE("stores merged in any order, grouping and repetition have one content"
     const std::uint64_t seed = s.number == 0 ? 10 : static_cast<std::uint64_t>(18 + s.number);
     CHECK(same(store.load_record(s.id), sample_record(seed)));
     CHECK(same(store.load_events(s.id).value(), sample_events(seed)));
-    CHECK(store.prediction(s.id).at("t_ct1") == 1e-6 * static_cast<double>(seed));
+    CHECK(store.prediction(s.id).u.at("t_ct1") == 1e-6 * static_cast<double>(seed));
   }
   CHECK(SweepStore(at("abc.db")).blocks(1).size() == 3);
 }

@@ -187,9 +187,17 @@ TEST_CASE("what is not known is stored as such, annotations stand beside what is
   REQUIRE(store.annotations(campaign).size() == 2);
   CHECK(store.annotations(campaign)[1].text == "B");
   CHECK(store.prediction(id).empty());
-  store.store_prediction(id, {{"t_ct1", 2.5e-6}, {"v_core", std::nan("")}});
-  CHECK(store.prediction(id).at("t_ct1") == 2.5e-6);
-  CHECK(std::isnan(store.prediction(id).at("v_core")));
+  store.store_prediction(id, {{{"t_ct1", 2.5e-6}, {"v_core", std::nan("")}},
+                              {{"laser", 0, 1e-4, {1e-6F, std::nanf(""), 3.25e-5F}}}});
+  const InputSpread back = store.prediction(id);
+  CHECK(back.u.at("t_ct1") == 2.5e-6);
+  CHECK(std::isnan(back.u.at("v_core")));
+  REQUIRE(back.curves.size() == 1);
+  CHECK(back.curves[0].channel == "laser");
+  CHECK(back.curves[0].dt == 1e-4);
+  REQUIRE(back.curves[0].u.size() == 3);
+  CHECK(std::isnan(back.curves[0].u[1]));
+  CHECK(back.curves[0].u[2] == 3.25e-5F);
   sql(folder.file(), "UPDATE annotation SET text = 'C'");
   CHECK_THROWS_AS(store.annotations(campaign), StoreError);
   sql(folder.file(), "UPDATE campaign SET origin = 'SIMULATED RIG'");

@@ -136,6 +136,17 @@ void Tab::picture(const std::string& file) {
       << bytes_of(call("Page.captureScreenshot", {{"format", "png"}})["data"]);
 }
 
+std::vector<std::string> Tab::fonts(const std::string& selector) {
+  call("DOM.enable");
+  call("CSS.enable");
+  const json root = call("DOM.getDocument")["root"]["nodeId"];
+  const json node = call("DOM.querySelector", {{"nodeId", root}, {"selector", selector}})["nodeId"];
+  const json drawn = call("CSS.getPlatformFontsForNode", {{"nodeId", node}});
+  std::vector<std::string> names;
+  for (const json& font : drawn["fonts"]) names.push_back(font["familyName"]);
+  return names;
+}
+
 const std::vector<std::string>& Tab::errors() const {
   return impl_->errors;
 }

@@ -1,10 +1,11 @@
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
+#include <set>
 
-#include "host/gather/pdf.h"
+#include "tests/system/browser.h"
 #include "tests/system/program.h"
 
-/// The report in a real browser: what its script makes of it, at the width of a desk and of a phone, and on paper. Without a browser
+/// The report in a real browser, opened as a file: at a desk, on a phone, in the dark, by keyboard, and on paper. Without a browser
 /// these cases fail; `./dev test --slow` installs one.
 
 using namespace powbench::test;
@@ -13,128 +14,154 @@ using nlohmann::json;
 
 namespace {
 
-/// What a script that is run in the page has put into the page's <pre id="found">, and every line of the browser's console.
-struct Seen {
-  json found;
-  std::string console;
-};
-
-Seen look(const Folder& folder, const std::string& page, const std::string& script, const std::string& size) {
-  const std::string browser = powbench::host::find_browser();
-  REQUIRE_FALSE(browser.empty());
-  std::string html = read_file(page);
-  const std::string probe =
-      "<script>try{(function(){" + script +
-      "})()}catch(e){document.body.insertAdjacentHTML('beforeend','<pre id=\"found\">{\"error\":\"'+"
-      "String(e).replace(/\"/g,'')+'\"}</pre>')}</script>";
-  html.insert(html.rfind("</body>"), probe);
-  const std::string copy = folder.write("probed.html", html);
-  const std::string root = geteuid() == 0 ? " --no-sandbox" : "";
-  const std::string command =
-      browser + root + " --headless --disable-gpu --enable-logging=stderr --window-size=" + size +
-      " --user-data-dir=" + folder.file("profile") + " --virtual-time-budget=4000 --dump-dom file://" + copy +
-      " > " + folder.file("dom.html") + " 2> " + folder.file("console.txt") + " < /dev/null";
-  REQUIRE(std::system(command.c_str()) == 0);
-  const std::string dom = read_file(folder.file("dom.html")), begin = "<pre id=\"found\">";
-  const auto from = dom.rfind(begin);  // behind the probe itself
-  INFO(read_file(folder.file("console.txt")));
-  REQUIRE(from != std::string::npos);
-  const auto end = dom.find("</pre>", from);
-  Seen seen;
-  seen.found = json::parse(dom.substr(from + begin.size(), end - from - begin.size()));
-  std::istringstream lines(read_file(folder.file("console.txt")));
-  for (std::string line; std::getline(lines, line);)
-    if (line.find("CONSOLE") != std::string::npos) seen.console += line + "\n";
-  return seen;
+/// One function of the page per probe: what it finds comes back as JSON.
+json probe(Tab& tab, const std::string& body) {
+  return tab.value("(()=>{" + body + "})()");
 }
 
-const std::string tell =
-    "document.body.insertAdjacentHTML('beforeend','<pre id=\"found\">'+JSON.stringify(found)+'</pre>');";
+/// Lines of text on each page of the PDF, by `pdftotext`: pages end with a form feed.
+std::vector<int> lines_of_pages(const std::string& pdf, const std::string& text) {
+  REQUIRE(std::system(("pdftotext -layout '" + pdf + "' '" + text + "'").c_str()) == 0);
+  std::vector<int> lines{0};
+  bool blank = true;
+  for (const char c : read_file(text)) {
+    if (c == '\f') lines.push_back(0);
+    if (c == '\n' && !std::exchange(blank, true)) ++lines.back();
+    if (c > ' ') blank = false;
+  }
+  lines.pop_back();
+  return lines;
+}
+
+void at_a_desk(Tab& tab) {
+  tab.size(1200, 900);
+  const json panels = probe(tab, R"(
+    const found={},box=document.getElementById('closer');
+    found.hidden=box.hidden;
+    found.panels=box.querySelectorAll('.closer-panel canvas').length;
+    found.closings=document.getElementById('closer-shot').options.length;
+    const labels=()=>[...box.querySelectorAll('.closer-panel.last .dygraph-axis-label-x')].map(e=>+e.textContent);
+    const press=w=>{box.querySelector('button[data-do='+w+']').click();const l=labels();return l[l.length-1]-l[0]};
+    for(const w of ['whole','bounce','in','out'])found[w]=press(w);
+    const tick=document.getElementById('closer-stripped');tick.checked=true;tick.dispatchEvent(new Event('change'));
+    found.legend=box.querySelector('.dygraph-legend').textContent;
+    const s=document.getElementById('closer-shot');s.selectedIndex=1;s.dispatchEvent(new Event('change'));
+    found.after=box.querySelectorAll('.closer-panel').length;
+    return found)");
+  CAPTURE(panels.dump());
+  CHECK(panels.at("hidden") == false);
+  CHECK(panels.at("closings") == 7);
+  CHECK(panels.at("panels").get<int>() >= 12);  // two canvases a panel
+  CHECK(panels.at("after") == 6);
+  CHECK(panels.at("bounce").get<double>() < 0.5 * panels.at("whole").get<double>());
+  CHECK(panels.at("in").get<double>() < 0.8 * panels.at("bounce").get<double>());
+  CHECK(panels.at("out").get<double>() > panels.at("in").get<double>());
+  CHECK_THAT(panels.at("legend").get<std::string>(),
+             Contains("raw") && Contains("stripped off") && Contains("measured"));
+
+  // the device stands open, then closed, where the laser and the contact voltage say so
+  const json device = probe(tab, R"(
+    const time=document.getElementById('device-time'),said=()=>document.getElementById('device-says').textContent;
+    const paint=()=>{const c=document.getElementById('device-view'),o=document.createElement('canvas');
+      o.width=c.width;o.height=c.height;const x=o.getContext('2d',{willReadFrequently:true});x.drawImage(c,0,0);
+      const d=x.getImageData(0,0,o.width,o.height).data;let n=0,h=0;
+      for(let i=3;i<d.length;i+=4)if(d[i]){++n;h=(h*31+d[i-1]+i)|0}return[n,h]};
+    const at=t=>{time.value=t;time.dispatchEvent(new Event('input'));return{said:said(),paint:paint()}};
+    return{open:at(1),shut:at(28)})");
+  CAPTURE(device.dump());
+  CHECK_THAT(device.at("open").at("said").get<std::string>(),
+             Contains("1.00 ms") && Contains("contacts open"));
+  CHECK_THAT(device.at("shut").at("said").get<std::string>(), Contains("contacts closed"));
+  CHECK(device.at("open").at("paint").at(0).get<int>() > 5000);
+  CHECK(device.at("open").at("paint") != device.at("shut").at("paint"));
+
+  // text is drawn in a sans-serif face, whichever of the list this machine has
+  const std::vector<std::string> fonts = tab.fonts("h1");
+  REQUIRE(!fonts.empty());
+  for (const std::string& font : fonts)
+    CHECK_THAT(font, !Contains("Serif") && !Contains("Times") && !Contains("Tinos"));
+}
+
+/// Every control is reached by the Tab key, has a name, and shows that it has the focus.
+void by_keyboard(Tab& tab) {
+  CHECK(probe(tab, R"(return [...document.querySelectorAll('button,select,input,[role=img]')]
+    .filter(e=>e.offsetParent!==null&&!(e.textContent||e.getAttribute('aria-label')||(e.labels&&e.labels.length)))
+    .map(e=>e.tagName+' '+e.id))") == json::array());
+  const json wanted = probe(tab, R"(return [...document.querySelectorAll('button,select,input')]
+    .filter(e=>e.offsetParent!==null).map((e,i)=>e.dataset.n=i).map(String))");
+  REQUIRE(wanted.size() > 8);
+  std::set<std::string> reached;
+  probe(tab, "document.body.focus();window.scrollTo(0,0)");
+  for (std::size_t i = 0; i < 3 * wanted.size() + 10; ++i) {
+    tab.key("Tab");
+    const json at = probe(tab, "const e=document.activeElement;return e&&e.dataset.n?e.dataset.n:''");
+    if (at != "") reached.insert(at.get<std::string>());
+  }
+  CHECK(reached.size() == wanted.size());
+}
+
+void on_a_phone(Tab& tab) {
+  tab.size(390, 844);
+  const json seen = probe(tab, R"(
+    const wide=[...document.querySelectorAll('p,h1,h2,h3,figcaption,li,.verdict')].filter(e=>e.offsetParent!==null)
+      .filter(e=>{const r=e.getBoundingClientRect();return r.width>0&&(r.left<-1||r.right>391)
+        &&!e.closest('.wide,.scroll,figure,table')}).map(e=>e.textContent.slice(0,40));
+    return{page:document.documentElement.scrollWidth,wide,
+      small:[...document.querySelectorAll('p,td,th,figcaption')].filter(e=>e.offsetParent!==null
+        &&parseFloat(getComputedStyle(e).fontSize)<10).length}
+  )");
+  CAPTURE(seen.dump());
+  CHECK(seen.at("page").get<int>() <= 390);
+  CHECK(seen.at("wide") == json::array());
+  CHECK(seen.at("small") == 0);
+}
 
 }  // namespace
 
-TEST_CASE("the report in a browser: a closer look, buttons, the phone, paper", "[.slow]") {
+TEST_CASE("the report in a browser: desk, keyboard, phone, dark, paper", "[.slow]") {
   Folder folder;
   REQUIRE(run(folder, {"demo", "-o", folder.file("demo"), "--progress", "none"}).status == 0);
-  const std::string page = folder.file("demo/report.html");
+  Browser browser(folder);
+  Tab tab = browser.open("file://" + folder.file("demo/report.html"));
+  const auto picture = [&](const char* name) {
+    if (const char* pictures = std::getenv("POWBENCH_PICTURES"))
+      tab.picture(std::string(pictures) + "/" + name);
+  };
+  at_a_desk(tab);
+  picture("report.png");
+  by_keyboard(tab);
+  on_a_phone(tab);
+  picture("report-phone.png");
 
-  SECTION("panels are drawn and move together") {
-    const Seen seen = look(
-        folder, page,
-        "const found={};const box=document.getElementById('closer');found.hidden=box.hidden;"
-        "found.panels=box.querySelectorAll('.closer-panel canvas').length;"
-        "found.closings=document.getElementById('closer-shot').options.length;"
-        "const labels=()=>[...box.querySelectorAll('.closer-panel.last "
-        ".dygraph-axis-label-x')].map(e=>+e.textContent);"
-        "const press=w=>{box.querySelector('button[data-do='+w+']').click();const l=labels();"
-        "return l[l.length-1]-l[0];};"
-        "found.whole=press('whole');found.bounce=press('bounce');found.closer=press('in');found.again="
-        "press('out');"
-        "const tick=document.getElementById('closer-stripped');tick.checked=true;"
-        "tick.dispatchEvent(new "
-        "Event('change'));found.legend=box.querySelector('.dygraph-legend').textContent;"
-        "const s=document.getElementById('closer-shot');s.selectedIndex=1;s.dispatchEvent(new "
-        "Event('change'));"
-        "found.after=box.querySelectorAll('.closer-panel').length;"
-        "const time=document.getElementById('device-time'),said=()=>document.getElementById('device-says')."
-        "textContent;"
-        "const paint=()=>{const "
-        "c=document.getElementById('device-view'),o=document.createElement('canvas');o.width=c.width;o."
-        "height=c."
-        "height;const x=o.getContext('2d',{willReadFrequently:true});x.drawImage(c,0,0);const "
-        "d=x.getImageData(0,0,o.width,o.height).data;let n=0,h=0;for(let "
-        "i=3;i<d.length;i+=4)if(d[i]){++n;h=(h*31+d[i-1]+i)|0}return[n,h]};"
-        "const at=t=>{time.value=t;time.dispatchEvent(new Event('input'));return{said:said(),paint:paint()}};"
-        "found.open=at(1);found.shut=at(28);"
-        "found.fonts=getComputedStyle(document.body).fontFamily;"
-        "found.list=[...document.querySelectorAll('button,select,input,[role=img]')].filter(e=>e."
-        "offsetParent!==null&&!(e."
-        "textContent||"
-        "e.getAttribute('aria-label')||(e.labels&&e.labels.length))).map(e=>e.tagName+' '+e.id+' "
-        "'+e.getAttribute('class'));" +
-            tell,
-        "1200,900");
-    CAPTURE(seen.found.dump());
-    CHECK(seen.console == "");
-    CHECK(seen.found.at("hidden") == false);
-    CHECK(seen.found.at("closings") == 7);
-    CHECK(seen.found.at("panels").get<int>() >= 12);  // two canvases a panel
-    CHECK(seen.found.at("after") == 6);
-    CHECK(seen.found.at("bounce").get<double>() < 0.5 * seen.found.at("whole").get<double>());
-    CHECK(seen.found.at("closer").get<double>() < 0.8 * seen.found.at("bounce").get<double>());
-    CHECK(seen.found.at("again").get<double>() > seen.found.at("closer").get<double>());
-    CHECK_THAT(seen.found.at("legend").get<std::string>(),
-               Contains("raw") && Contains("stripped off") && Contains("measured"));
-    // the device stands open, then closed, where the laser and the contact voltage say so
-    CHECK_THAT(seen.found.at("open").at("said").get<std::string>(),
-               Contains("1.00 ms") && Contains("contacts open"));
-    CHECK_THAT(seen.found.at("shut").at("said").get<std::string>(), Contains("contacts closed"));
-    CHECK(seen.found.at("open").at("paint").at(0).get<int>() > 5000);
-    CHECK(seen.found.at("open").at("paint") != seen.found.at("shut").at("paint"));
-    CHECK_THAT(seen.found.at("fonts").get<std::string>(), Contains("sans-serif"));
-    CHECK(seen.found.at("list").size() == 0);
+  const std::string axe = read_file(std::string(POWBENCH_PAGE_TOOLS) + "/axe-core/axe.min.js");
+  REQUIRE(axe.size() > 100'000);
+  tab.size(1200, 900);
+  tab.value("(()=>{" + axe + ";window.axe=window.axe||axe;})()");
+  for (const bool dark : {false, true}) {
+    CAPTURE(dark);
+    tab.dark(dark);
+    const json paper = probe(tab, R"(
+      const light=c=>c.match(/\d+/g).slice(0,3).reduce((a,v)=>a+ +v,0)/3;
+      return[light(getComputedStyle(document.documentElement).backgroundColor),light(getComputedStyle(document.body).color)])");
+    CHECK((paper.at(0).get<double>() > 128) == !dark);
+    CHECK((paper.at(1).get<double>() > 128) == dark);
+    const auto found = tab.value(
+        "axe.run({resultTypes:['violations']}).then(r=>r.violations.filter(v=>['serious','critical']."
+        "includes("
+        "v.impact)).map(v=>v.id+': '+v.nodes.slice(0,3).map(n=>n.target.join(' ')).join(', ')))");
+    CHECK(found.dump() == "[]");
   }
-  SECTION("a phone's width") {
-    const Seen seen =
-        look(folder, page,
-             "const f=document.createElement('iframe');f.style.cssText='width:390px;height:800px;border:0';"
-             "const found={};found.wide=document.documentElement.scrollWidth<=window.innerWidth;"
-             "found.width=window.innerWidth;" +
-                 tell,
-             "500,900");
-    CAPTURE(seen.found.dump());
-    CHECK(seen.console == "");
-    CHECK(seen.found.at("wide") == true);
-  }
-  SECTION("printed") {
-    CHECK(run(folder, {"report", "--db", folder.file("demo/demo.db"), "-o", folder.file("out"), "--pdf"})
-              .status == 0);
-    const std::string pdf = read_file(folder.file("out/report.pdf"));
-    CHECK(pdf.starts_with("%PDF-"));
-    std::size_t pages = 0;
-    for (auto i = pdf.find("/Type /Page\n"); i != std::string::npos; i = pdf.find("/Type /Page\n", i + 1))
-      ++pages;
-    CHECK(pages > 8);
-    CHECK(pages < 16);
-  }
+  picture("report-dark.png");
+  CHECK(tab.errors() == std::vector<std::string>());
+  for (const std::string& asked : tab.requests())
+    CHECK_THAT(asked, Catch::StartsWith("file://") || Catch::StartsWith("data:"));
+
+  CHECK(run(folder, {"report", "--db", folder.file("demo/demo.db"), "-o", folder.file("out"), "--pdf"})
+            .status == 0);
+  CHECK(read_file(folder.file("out/report.pdf")).starts_with("%PDF-"));
+  const std::vector<int> pages = lines_of_pages(folder.file("out/report.pdf"), folder.file("report.txt"));
+  CAPTURE(pages);
+  CHECK(pages.size() > 8);
+  CHECK(pages.size() < 14);
+  for (const int lines : pages) CHECK(lines >= 15);
 }
