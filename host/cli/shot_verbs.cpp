@@ -136,11 +136,13 @@ Exit show_shot(const ShotArgs& args) {
   };
   fmt::print("{}, {} shot {} of campaign {}, {}\n", name(origin), name(s.kind), s.id, s.campaign,
              campaign.name);
-  line("asked", fmt::format("{}, {}, hold {:g} ms, {:.1f} degC",
+  line("asked", fmt::format("{}, {}, hold {:g} ms, {}",
                             std::isfinite(s.angle_deg) ? fmt::format("{:.2f} deg", s.angle_deg)
                                                        : std::string("closing angle not known"),
                             volts_and_hertz(s.conditions), s.conditions.hold_time * 1e3,
-                            s.conditions.ambient - zero_celsius));
+                            std::isfinite(s.conditions.ambient)
+                                ? fmt::format("{:.1f} degC", s.conditions.ambient - zero_celsius)
+                                : std::string("ambient not known")));
   if (events)
     line("reached", plain(events->coil.closing_angle, degrees(1.0), 2) + " deg, " +
                         plain(events->coil.supply_volts, 1, 1) + " V, " +

@@ -103,6 +103,7 @@ footer { margin-top: 36px; color: var(--soft); font-size: 13px; }
   svg.plot { min-width: 620px; }
   .grid svg.plot { min-width: 0; font-size: 15px; }
 }
+@media screen { section.angle { content-visibility: auto; contain-intrinsic-size: auto 1180px; } }
 @media screen and (prefers-color-scheme: dark) {
   :root { --ink: #e4e9ee; --soft: #9fadba; --line: #3a444e; --faint: #26303a; --measured: #56b4e9; --simulated: #f28e2b;
     --cited: #4fc49d; --paper: #161c22; --good: #67c58f; --bad: #f0776b; --doubt: #dba63b; --alarm: #43211f; --well: #1d3528; }

@@ -147,6 +147,11 @@ std::vector<std::string> Tab::fonts(const std::string& selector) {
   return names;
 }
 
+double Tab::heap() {
+  call("HeapProfiler.collectGarbage");
+  return call("Runtime.getHeapUsage")["usedSize"];
+}
+
 const std::vector<std::string>& Tab::errors() const {
   return impl_->errors;
 }

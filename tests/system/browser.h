@@ -29,6 +29,8 @@ class Tab {
   void picture(const std::string& file);
   /// Names of the fonts in which the text of the first such element is really drawn.
   std::vector<std::string> fonts(const std::string& selector);
+  /// Memory that the page's scripts hold when all garbage has been collected, bytes.
+  double heap();
   /// Errors of the console and refusals of the page's policy so far.
   const std::vector<std::string>& errors() const;
   /// Addresses that the page has asked for so far.

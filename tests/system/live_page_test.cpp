@@ -1,6 +1,7 @@
 #include <catch2/catch.hpp>
 
 #include "tests/system/browser.h"
+#include "tests/system/live_bench.h"
 #include "tests/system/program.h"
 #include "tests/waiting.h"
 
@@ -11,41 +12,11 @@ using Catch::Contains;
 
 namespace {
 
-/// `powbench serve` on a free port.
-struct Bench {
-  explicit Bench(const Folder& f, const std::string& rig = "sim:", const std::string& port = "0",
-                 const std::vector<std::string>& more = {})
-      : program(f, words(f, rig, port, more)) {
-    wait_until("the live bench", [&] {
-      const std::string text = program.err();
-      if (program.poll() != -1000) throw std::runtime_error("it ended: " + text);
-      const auto at = text.find("http://"), end = text.find("/,", at);
-      if (at == std::string::npos || end == std::string::npos) return false;
-      url = text.substr(at, end - at);
-      return true;
-    });
-  }
-  static std::vector<std::string> words(const Folder& f, const std::string& rig, const std::string& port,
-                                        const std::vector<std::string>& more) {
-    std::vector<std::string> all{
-        "serve", "--rig", rig, "--db", f.file("lab.db"), "--listen", "127.0.0.1:" + port};
-    all.insert(all.end(), more.begin(), more.end());
-    return all;
-  }
-  Program program;
-  std::string url;
-};
-
 const std::string text = "document.body.innerText";
 const auto says = [](const std::string& words) {
   return text + ".includes(" + nlohmann::json(words).dump() + ")";
 };
 const std::string no_job = "fetch('/api/bench').then(r=>r.json()).then(b=>b.job===null)";
-
-void press(Tab& tab, const std::string& id) {
-  tab.until("document.getElementById('" + id + "')");
-  tab.value("document.getElementById('" + id + "').click()");
-}
 
 void write_plan(Tab& tab, const std::string& plan) {
   press(tab, "tab-parameters");
@@ -67,7 +38,7 @@ const std::string long_plan =
 
 TEST_CASE("live page: a closing by keyboard alone, seen with its waveforms", "[.slow]") {
   const Folder folder;
-  Bench bench(folder);
+  LiveBench bench(folder);
   Browser browser(folder);
   Tab tab = browser.open(bench.url);
   tab.size(1200, 1000);
@@ -128,7 +99,7 @@ TEST_CASE("live page: a closing by keyboard alone, seen with its waveforms", "[.
 
 TEST_CASE("live page: three angles, documents, report, mistakes in a plan", "[.slow]") {
   const Folder folder;
-  Bench bench(folder);
+  LiveBench bench(folder);
   Browser browser(folder);
   Tab tab = browser.open(bench.url);
   write_plan(tab, "angels_deg = [0]\nrepeats = 0\n");
@@ -170,7 +141,7 @@ TEST_CASE("live page: parameters as text and key by key, stored where they came 
                         folder.write("lab.plan.toml",
                                      "# ours\nspecimen = \"one.specimen.toml\"\nangles_deg = [0, 90]  # few\n"
                                      "repeats = 2\n");
-  Bench bench(folder, "sim:", "0", {"--plan", plan});
+  LiveBench bench(folder, "sim:", "0", {"--plan", plan});
   Browser browser(folder);
   Tab tab = browser.open(bench.url + "/#parameters");
   tab.size(1200, 1000);
@@ -210,7 +181,7 @@ TEST_CASE("live page: parameters as text and key by key, stored where they came 
 
 TEST_CASE("live page: closing at touch, pause, two campaigns, PDF, exports", "[.slow]") {
   const Folder folder;
-  Bench bench(folder);
+  LiveBench bench(folder);
   Browser browser(folder);
   Tab tab = browser.open(bench.url);
   tab.size(1200, 1000);
@@ -262,7 +233,7 @@ TEST_CASE("live page: closing at touch, pause, two campaigns, PDF, exports", "[.
 
 TEST_CASE("live page: the raw channels with their trigger, the phase tracker, every attribute", "[.slow]") {
   const Folder folder;
-  Bench bench(folder);
+  LiveBench bench(folder);
   Browser browser(folder);
   Tab tab = browser.open(bench.url + "/#rig");
   tab.size(1200, 1400);
@@ -298,7 +269,7 @@ TEST_CASE("live page: axe-core finds nothing serious on any page", "[.slow]") {
   INFO("axe-core is missing: ./dev test --slow fetches it");
   REQUIRE(axe.size() > 100'000);
   const Folder folder;
-  Bench bench(folder);
+  LiveBench bench(folder);
   Browser browser(folder);
   Tab tab = browser.open(bench.url);
   tab.size(1200, 1000);
@@ -337,7 +308,7 @@ TEST_CASE("live page: its scripts are checked by TypeScript's compiler", "[.slow
 
 TEST_CASE("live page: a shot outside limits is said loudly", "[.slow]") {
   const Folder folder;
-  Bench bench(folder);
+  LiveBench bench(folder);
   Browser browser(folder);
   Tab tab = browser.open(bench.url);
   write_plan(tab, "name = \"tight\"\nangles_deg = [90]\nrepeats = 1\n[limits.t_ct1]\nmax_ms = 2\n");
@@ -348,7 +319,7 @@ TEST_CASE("live page: a shot outside limits is said loudly", "[.slow]") {
 
 TEST_CASE("live page: STOP in mid-plan from a second tab, and by Esc", "[.slow]") {
   const Folder folder;
-  Bench bench(folder);
+  LiveBench bench(folder);
   Browser browser(folder);
   Tab first = browser.open(bench.url), second = browser.open(bench.url);
   second.until(says("SIMULATED RIG"));
@@ -373,7 +344,7 @@ TEST_CASE("live page: STOP in mid-plan from a second tab, and by Esc", "[.slow]"
 
 TEST_CASE("live page: reload in mid-plan, the program killed and back", "[.slow]") {
   const Folder folder;
-  auto bench = std::make_unique<Bench>(folder);
+  auto bench = std::make_unique<LiveBench>(folder);
   const std::string url = bench->url, port = url.substr(url.rfind(':') + 1);
   Browser browser(folder);
   Tab tab = browser.open(url);
@@ -386,7 +357,7 @@ TEST_CASE("live page: reload in mid-plan, the program killed and back", "[.slow]
   tab.until(says("does not answer"));
   press(tab, "stop");
   tab.until(says("STOP FAILED"));
-  Bench again(folder, "sim:", port);
+  LiveBench again(folder, "sim:", port);
   tab.until("document.getElementById('state').textContent === 'idle'");
   // what was stored is there
   CHECK(tab.value("fetch('/api/campaigns').then(r=>r.json()).then(l=>l.length)") == 1);
@@ -398,7 +369,7 @@ TEST_CASE("live page: the rig gone and back", "[.slow]") {
   auto rig = std::make_unique<Program>(
       rig_folder, std::vector<std::string>{"rig", "--listen", address, "--boot-seed", "4"});
   wait_until("the rig", [&] { return rig->err().find("stop with Ctrl-C") != std::string::npos; });
-  Bench bench(folder, "ip:" + address);
+  LiveBench bench(folder, "ip:" + address);
   Browser browser(folder);
   Tab tab = browser.open(bench.url);
   tab.until("document.getElementById('state').textContent === 'idle'");

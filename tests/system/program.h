@@ -43,6 +43,7 @@ class Program {
   Program(const Program&) = delete;
   Program& operator=(const Program&) = delete;
 
+  int pid() const { return pid_; }
   void send(int signal) const { kill(pid_, signal); }
 
   /// Exit code; -signal when a signal ended it.

@@ -80,6 +80,7 @@ TEST_CASE("what an import does not show stays unknown, with the reason, from sto
   CHECK(shot.at("angle_deg").is_null());
   CHECK(shot.at("outcome") == "NOT JUDGED");
   CHECK_THAT(shot.at("reason").get<std::string>(), Contains("closing angle not found"));
+  CHECK_THAT(run(folder, {"show", "1", "--db", db}).out, Contains("ambient not known") && !Contains("nan"));
   for (const json& row : json::parse(run(folder, {"compare", "--db", db, "--json"}).out))
     CHECK(row.at("closing_angle_deg").is_null());
   CHECK(report(folder, db, 0).at("origin") == "IMPORT");

@@ -91,6 +91,7 @@ function drawTrend() {
         x: { axisLabelFormatter: (/** @type {number} */ v) => (Number.isInteger(v) ? String(v) : '') } } });
 }
 $('trend-of').addEventListener('change', drawTrend);
+matchMedia('(prefers-color-scheme: dark)').addEventListener('change', drawTrend);
 
 /** @param {boolean} _ */
 export function opened(_) {}

@@ -1,0 +1,56 @@
+#include <catch2/catch.hpp>
+#include <cstdlib>
+#include <sstream>
+
+#include "tests/system/browser.h"
+#include "tests/system/live_bench.h"
+
+using namespace powbench::test;
+
+namespace {
+
+/// Resident memory of a process, bytes.
+double resident(int pid) {
+  std::istringstream lines(read_file("/proc/" + std::to_string(pid) + "/status"));
+  for (std::string line; std::getline(lines, line);)
+    if (line.starts_with("VmRSS:")) return std::stod(line.substr(6)) * 1024;
+  return 0;
+}
+
+/// Waits until so many closings of the running plan are done; the page itself looks once a second.
+void reach(Tab& tab, int shots) {
+  const std::string look =
+      "new "
+      "Promise(r=>setTimeout(r,1000)).then(()=>fetch('/api/"
+      "bench')).then(r=>r.json()).then(b=>b.job?b.job.done:-1)";
+  for (int done = 0; done >= 0 && done < shots;) done = tab.value(look).get<int>();
+}
+
+}  // namespace
+
+/// POWBENCH_SHOTS sets how many closings it takes; 10 000 are those of docs/serve.md.
+TEST_CASE("live bench: shots come, the memory of program and page stays", "[.slow]") {
+  const char* wish = std::getenv("POWBENCH_SHOTS");
+  const int all = wish ? std::atoi(wish) : 160, first = all / 4;
+  const Folder folder;
+  const std::string plan = folder.write(
+      "long.plan.toml",
+      "name = \"long\"\nangles_deg = [0, 45, 90, 135]\nrepeats = " + std::to_string(all / 4) + "\n");
+  LiveBench bench(folder, "sim:", "0", {"--plan", plan});
+  Browser browser(folder);
+  Tab tab = browser.open(bench.url);
+  tab.until("document.getElementById('fire').disabled === false");
+  press(tab, "tab-parameters");
+  tab.until("document.getElementById('run').disabled === false");
+  press(tab, "run");
+  press(tab, "tab-test");
+  reach(tab, first);
+  const double page = tab.heap(), program = resident(bench.program.pid());
+  reach(tab, all);
+  const double page_after = tab.heap(), program_after = resident(bench.program.pid());
+  WARN(all - first << " more shots: page " << page / 1e6 << " -> " << page_after / 1e6 << " MB, program "
+                   << program / 1e6 << " -> " << program_after / 1e6 << " MB");
+  CHECK(page_after < page + 3e6);
+  CHECK(program_after < program + 12e6);
+  CHECK(tab.errors().empty());
+}
