@@ -145,7 +145,7 @@ int write_zero_capture(void* self, std::uint32_t, std::string_view value) {
   return to_errno(bench(self).capture_zero());
 }
 
-/// The latched fault: its number in docs/faults.md and its name, or "0 none".
+/// The latched fault: its number in docs/reference/faults.md and its name, or "0 none".
 int read_fault(const void* self, std::uint32_t, Text& out) {
   const Fault fault = control_of(self).fault();
   out.put_int(static_cast<int>(fault)).put(' ').put(fault == Fault::none ? "none" : info(fault).name);

@@ -6,7 +6,7 @@
 #include <string_view>
 
 /// The twenty-two faults of the bench, in one table: detection, reaction, time limit, and the message to the user.
-/// Enumeration, texts, latching and docs/faults.md derive from this table.
+/// Enumeration, texts, latching and docs/reference/faults.md derive from this table.
 /// Columns: number | name | reaction | limit in us from the cause | when it is watched | what clears it |
 ///          detection | reason (what happened and what to do)
 #define POWBENCH_FAULTS(X)                                                                                   \

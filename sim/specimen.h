@@ -7,7 +7,7 @@
 #include "sim/fields/magnet_shape.h"
 
 /// One contactor, as the simulator sees it. SI. The defaults are the reference contactor of
-/// `scenes/reference.specimen.toml`. Symbols are those of docs/notation.md.
+/// `scenes/reference.specimen.toml`. Symbols are those of docs/reference/notation.md.
 
 namespace powbench::sim {
 

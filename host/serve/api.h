@@ -9,7 +9,7 @@
 
 namespace powbench::host {
 
-/// Every HTTP call of the live bench; docs/serve.md lists them, `GET /api` describes them as OpenAPI. No text of a client ever becomes the
+/// Every HTTP call of the live bench; docs/how-to/serve.md lists them, `GET /api` describes them as OpenAPI. No text of a client ever becomes the
 /// name of a file.
 class Api {
  public:

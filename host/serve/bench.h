@@ -37,7 +37,7 @@ class Bench {
   Bench(const Bench&) = delete;
   Bench& operator=(const Bench&) = delete;
 
-  /// Everything a person wants to see of rig and job, as JSON (docs/serve.md).
+  /// Everything a person wants to see of rig and job, as JSON (docs/how-to/serve.md).
   std::string state() const;
   Scene scene() const;
   const std::string& database() const;

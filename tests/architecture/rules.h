@@ -4,7 +4,7 @@
 #include <vector>
 
 /// The rules of the house as data: which folder may include which, and where a third-party header may appear.
-/// docs/architecture.md explains them; this table is what the tests enforce.
+/// docs/explain/architecture.md explains them; this table is what the tests enforce.
 
 namespace powbench::architecture {
 
@@ -23,7 +23,7 @@ struct Allowance {
   std::string_view header;   ///< beginning of the name between the angle brackets
   std::string_view where;    ///< beginning of the path of the including file
   bool sources_only;         ///< in .cpp files only
-  std::string_view library;  ///< name in docs/dependencies.md
+  std::string_view library;  ///< name in docs/reference/dependencies.md
 };
 
 inline const std::vector<Folder>& folders() {

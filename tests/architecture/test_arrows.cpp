@@ -65,8 +65,8 @@ TEST_CASE("no test sleeps or reads a clock") {
   CHECK(wrong.empty());
 }
 
-TEST_CASE("every library of the table has its reason in docs/dependencies.md") {
-  const auto page = read_text(project_root() / "docs/dependencies.md");
+TEST_CASE("every library of the table has its reason in docs/reference/dependencies.md") {
+  const auto page = read_text(project_root() / "docs/reference/dependencies.md");
   for (const auto& allowance : allowances()) {
     INFO(allowance.library);
     CHECK(page.find(allowance.library) != std::string::npos);

@@ -1,4 +1,4 @@
-"""The page docs/ci.md runs as written."""
+"""The page docs/how-to/ci.md runs as written."""
 
 import os
 import re
@@ -11,7 +11,7 @@ import fixture
 
 class CiPageTest(unittest.TestCase):
     def setUp(self):
-        page = (fixture.SOURCE / "docs" / "ci.md").read_text()
+        page = (fixture.SOURCE / "docs" / "how-to" / "ci.md").read_text()
         self.plan = re.findall(r"^```toml\n(.*?)^```$", page, re.M | re.S)[0]
         self.job, self.keep_going = re.findall(r"^```sh\n(.*?)^```$", page, re.M | re.S)
         self.place = fixture.folder() / self.id()

@@ -55,7 +55,7 @@ std::string word(firmware::Clears c) {
   return c == Clears::nothing ? "does not latch" : c == Clears::acknowledge ? "abort" : "abort, cause gone";
 }
 
-/// A row of the table in docs/faults.md.
+/// A row of the table in docs/reference/faults.md.
 std::string page_row(const firmware::FaultInfo& f) {
   std::ostringstream out;
   out << "| " << static_cast<int>(f.fault) << " | `" << f.name << "` | " << f.detection << " | "
@@ -81,13 +81,13 @@ TEST_CASE("every fault is met within its limit in every state, at 360 phases", "
 }
 
 TEST_CASE("the page of the faults says what the table says", "[fault]") {
-  std::ifstream file(POWBENCH_SOURCE_DIR "/docs/faults.md");
+  std::ifstream file(POWBENCH_SOURCE_DIR "/docs/reference/faults.md");
   std::stringstream text;
   text << file.rdbuf();
   for (const auto& row : firmware::fault_table) {
-    INFO("docs/faults.md needs the line\n" << page_row(row));
+    INFO("docs/reference/faults.md needs the line\n" << page_row(row));
     CHECK(text.str().find(page_row(row) + "\n") != std::string::npos);
-    INFO("docs/faults.md needs the line\n- `" << row.name << "`: " << row.reason);
+    INFO("docs/reference/faults.md needs the line\n- `" << row.name << "`: " << row.reason);
     CHECK(text.str().find("- `" + std::string(row.name) + "`: " + std::string(row.reason) + "\n") !=
           std::string::npos);
   }

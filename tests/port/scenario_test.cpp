@@ -26,8 +26,8 @@ TEST_CASE("scenario files: what is no statement is refused with its line", "[por
   CHECK_THROWS(read_scenario(path));
 }
 
-TEST_CASE("scenario files: docs/porting.md lists each with its first line", "[port]") {
-  std::ifstream page(POWBENCH_SOURCE_DIR "/docs/porting.md");
+TEST_CASE("scenario files: docs/how-to/porting.md lists each with its first line", "[port]") {
+  std::ifstream page(POWBENCH_SOURCE_DIR "/docs/how-to/porting.md");
   std::string text;
   std::size_t rows = 0, files = 0;
   bool table = false;

@@ -1,4 +1,4 @@
-"""The page docs/python.md runs as written, and names, types and docstrings are complete."""
+"""The page docs/how-to/python.md runs as written, and names, types and docstrings are complete."""
 
 import ast
 import contextlib
@@ -21,13 +21,13 @@ class PageTest(unittest.TestCase):
         before, names, said, blocks = os.getcwd(), {}, "", 0
         os.chdir(place)
         try:
-            for kind, text in BLOCK.findall((SOURCE / "docs" / "python.md").read_text()):
+            for kind, text in BLOCK.findall((SOURCE / "docs" / "how-to" / "python.md").read_text()):
                 if kind == "text":
                     self.assertEqual([line.rstrip() for line in said.splitlines()], text.splitlines())
                     continue
                 out = io.StringIO()
                 with contextlib.redirect_stdout(out):
-                    exec(compile(text, "docs/python.md", "exec"), names)  # noqa: S102
+                    exec(compile(text, "docs/how-to/python.md", "exec"), names)  # noqa: S102
                 said, blocks = out.getvalue(), blocks + 1
         finally:
             os.chdir(before)

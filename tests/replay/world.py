@@ -1,4 +1,4 @@
-"""What stands around the chip: mains, coil, contact, sensors at the pins of docs/board.md; the host on the serial line."""
+"""What stands around the chip: mains, coil, contact, sensors at the pins of docs/how-to/board.md; the host on the serial line."""
 
 import math
 import random
@@ -6,7 +6,7 @@ import random
 from cpu import HERTZ, Hung
 
 BYTE = 850  # ticks: ten bits at 2 Mbaud
-# converter (0 .. 4), input -> channel, at the pin: volts at zero, volts a unit (docs/board.md, table of the pins)
+# converter (0 .. 4), input -> channel, at the pin: volts at zero, volts a unit (docs/how-to/board.md, table of the pins)
 PINS = {(0, 6): ("pvdf_a", 1.65, 6.36e-3), (1, 7): ("pvdf_b", 1.65, 6.36e-3), (2, 12): ("coil_current", 1.65, 0.75),
         (2, 5): ("aux", 1.65, 0.15), (3, 4): ("coil_voltage", 1.65, 2.5e-3), (3, 5): ("mains_voltage", 1.65, 2.5e-3),
         (4, 1): ("laser", 0.0, 300.0), (4, 2): ("contact_a", 0.0, 0.3)}

@@ -36,7 +36,7 @@ struct LiveBench {
 };
 
 inline void press(Tab& tab, const std::string& id) {
-  tab.until("document.getElementById('" + id + "')");
+  tab.until("document.getElementById('" + id + "') && !document.getElementById('" + id + "').disabled");
   tab.value("document.getElementById('" + id + "').click()");
 }
 

@@ -25,7 +25,7 @@ void write_plan(Tab& tab, const std::string& plan) {
             ";t.dispatchEvent(new Event('input'))})()");
 }
 
-/// A picture of the page where POWBENCH_PICTURES names a folder: those of docs/serve.md are made so.
+/// A picture of the page where POWBENCH_PICTURES names a folder: those of docs/how-to/serve.md are made so.
 void picture(Tab& tab, const std::string& name) {
   if (const char* pictures = std::getenv("POWBENCH_PICTURES"))
     tab.picture(std::string(pictures) + "/" + name);

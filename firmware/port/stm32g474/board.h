@@ -6,7 +6,7 @@
 #include "firmware/port/common/gate_timer.h"
 #include "firmware/port/common/scan_queue.h"
 
-/// The board as figures: clock, pins, converters, memory. docs/board.md explains them.
+/// The board as figures: clock, pins, converters, memory. docs/how-to/board.md explains them.
 
 namespace powbench::firmware::stm32g474 {
 

@@ -5,7 +5,7 @@
 #include "firmware/port/stm32g474/board.h"
 
 /// What stands between the bench and the converters, and the controller's configuration that follows from it. All of it
-/// is worked out by the compiler; the gains are those of docs/board.md, to be replaced by calibrated ones.
+/// is worked out by the compiler; the gains are those of docs/how-to/board.md, to be replaced by calibrated ones.
 
 namespace powbench::firmware::stm32g474 {
 

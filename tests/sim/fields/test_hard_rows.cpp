@@ -1,4 +1,4 @@
-// Rows of docs/field-hard-cases.md that print their figure: sheets, rings, noise, edges.
+// Rows of docs/validation/field-hard-cases.md that print their figure: sheets, rings, noise, edges.
 
 #include <algorithm>
 #include <catch2/catch.hpp>
