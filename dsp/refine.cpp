@@ -235,8 +235,8 @@ void doubt_stripping(std::vector<Contact>& contacts, const Signal& unaided, cons
       double moved = time_to(calm, stripped, edge.value, side, residue(edge.value));
       const EdgeQuestion q{edge.value, side, std::clamp(0.8 * free, 2 * stripped.dt, o.fit_margin),
                            std::max(std::min(closed, o.edge_window), 8 * stripped.dt), noise};
-      const EdgeAnswer with = locate_edge(unaided, q), without = locate_edge(stripped, q);
-      if (with.known && without.known) moved = std::hypot(moved, with.time.value - without.time.value);
+      if (const EdgeAnswer with = locate_edge(unaided, q); with.known)
+        moved = std::hypot(moved, with.time.value - edge.value);
       moved /= std::sqrt(3.0);
       if (moved > edge.u) c.flags |= flag_ring_overlap;
       edge.u = std::hypot(edge.u, moved);
