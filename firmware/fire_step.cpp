@@ -89,7 +89,7 @@ void FireControl::schedule(const Block& block) {
     return;
   }
   angle_deviation_ = target_deviation();
-  if (!angle_known()) return wait_for_phase(end);
+  if (!angle_known() || mains_->suspicious()) return wait_for_phase(end);
   commit(end);
 }
 

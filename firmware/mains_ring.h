@@ -29,9 +29,14 @@ class MainsRing {
   void push(float raw);
   /// Number of samples pushed since reset.
   std::int64_t count() const { return count_; }
-  /// Sample `age` before the newest (age 0). Range: 0 .. capacity - 1, and < count().
   /// Mean of |sample - what stands in for it| over about a cycle, units of nominal amplitude.
   float altered() const { return altered_; }
+  /// The newest sample as it came.
+  float newest() const { return open_ > 0 ? raw_[static_cast<std::uint32_t>(open_ - 1)] : back(0); }
+  /// The newest samples may be those of a notch, for one has been there lately.
+  bool notched() const { return recent_ > 0; }
+  bool notch_open() const { return open_ > 0; }
+  /// Sample `age` before the newest (age 0). Range: 0 .. capacity - 1, and < count().
   float back(int age) const { return samples_[static_cast<std::uint32_t>(count_ - 1 - age) & mask]; }
 
  private:

@@ -8,7 +8,7 @@ void PhaseFeed::reset() {
   dropped_ = 0;
   head_ = tail_ = 0;
   gaps_seen_ = gaps_done_ = 0;
-  newest_ = 0;
+  newest_ = suspicious_ = 0;
   published_[0] = {no_estimate(nominal_hertz_), 0};
 }
 
@@ -71,7 +71,9 @@ void PhaseFeed::work() {
       gaps_done_ = entry.gap;
       continue;
     }
-    if (!tracker_.push_sum(entry.value)) continue;
+    const bool due = tracker_.push_sum(entry.value);
+    store_shared(suspicious_, tracker_.suspicious() ? 1U : 0U);
+    if (!due) continue;
     tracker_.update();
     const std::uint32_t other = 1 - newest_;
     published_[other] = {tracker_.estimate(), gaps_done_};

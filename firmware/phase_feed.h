@@ -34,6 +34,8 @@ class PhaseFeed {
     const Published& newest = published_[load_shared(newest_)];
     return newest.gaps == gaps_seen_ ? newest.estimate : until_then_;
   }
+  /// The newest point that the lower level has taken does not look like the mains of a cycle ago: no edge now.
+  bool suspicious() const { return load_shared(suspicious_) != 0; }
   PhaseInstant next_instant(CentiDegrees target, std::int64_t earliest) const {
     return firmware::next_instant(estimate(), rate_, target, earliest);
   }
@@ -67,6 +69,7 @@ class PhaseFeed {
   PhaseEstimate until_then_;  ///< what is told from a gap to the next estimate
   std::array<Published, 2> published_{};
   std::uint32_t newest_ = 0;
+  std::uint32_t suspicious_ = 0;
 };
 
 }  // namespace powbench::firmware

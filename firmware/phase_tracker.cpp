@@ -67,6 +67,7 @@ void PhaseTracker::reset() {
 void PhaseTracker::restart() {
   ring_.reset();
   compare_.reset();
+  guard_.reset();
   entry_count_ = before_ = 0;
   bank_.reset();
   sum_ = 0;
@@ -115,8 +116,10 @@ bool PhaseTracker::take(std::int32_t sum) {
   }
   // The cycle between now and one cycle ago has the frequency of half a cycle ago.
   const float cycle = cycle_ * (1.0F + 0.5F * estimate_.frequency_rate * cycle_ * cycle_ / (rate_ * rate_));
-  if (ring_.count() > static_cast<std::int32_t>(cycle) + MainsRing::final_age + 2)
+  if (ring_.count() > static_cast<std::int32_t>(cycle) + MainsRing::final_age + 2) {
     compare_.push(ring_, cycle);
+    guard_.push(ring_, cycle);
+  }
   if (clean_ < longest_memory) ++clean_;
   if (spared_ < longest_memory) ++spared_;
   if (++since_update_ < update_step_) return false;
@@ -354,7 +357,7 @@ std::uint16_t PhaseTracker::gate(const WindowPhasor& phasor, int clean) const {
   faults |= bit(PhaseFault::third_opinion, !zero_cross_agrees);
   faults |= bit(PhaseFault::gap, gap_ && !enough);
   const bool judged = !event_ && since_change_ < changed_most;
-  faults |= bit(PhaseFault::disturbed, judged ? doubtful_ : !quiet_);
+  faults |= bit(PhaseFault::disturbed, (judged ? doubtful_ : !quiet_) || guard_.suspicious());
   return faults;
 }
 

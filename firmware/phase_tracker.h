@@ -4,6 +4,7 @@
 #include <cstdint>
 
 #include "firmware/cycle_compare.h"
+#include "firmware/jump_guard.h"
 #include "firmware/mains_ring.h"
 #include "firmware/phase_bank.h"
 #include "firmware/phase_estimate.h"
@@ -64,6 +65,9 @@ class PhaseTracker {
   void mark_gap(std::int64_t lost = 0);
 
   const PhaseEstimate& estimate() const { return estimate_; }
+  /// The newest point does not look like the mains of a cycle ago: no edge now. Renewed with each point, not only with
+  /// the estimate.
+  bool suspicious() const { return guard_.suspicious(); }
   /// Index of the newest sample: the first one pushed has index 0; -1 before it.
   std::int64_t sample() const { return sample_; }
 
@@ -100,6 +104,7 @@ class PhaseTracker {
   float scale_;      ///< sum of counts to units of nominal amplitude
   MainsRing ring_;
   CycleCompare compare_;
+  JumpGuard guard_;
   SogiPll pll_;
   ZeroCross zero_cross_;
   PhaseBank bank_;

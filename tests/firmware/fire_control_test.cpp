@@ -142,6 +142,26 @@ TEST_CASE("a shot is fired within the tolerance it was armed with, or not at all
   CHECK_FALSE(fired_on_hunting_mains(10));
 }
 
+TEST_CASE("no edge on a mains that has jumped half a millisecond before", "[fire][phase]") {
+  const auto edges = [](std::int64_t jump_at, double jump) {
+    Bench b;
+    armed(b);
+    REQUIRE(b.fire_control().fire() == Refusal::accepted);
+    while (b.history.empty() && b.next < jump_at) b.step();
+    b.phase += jump;
+    const auto before = b.history.size();
+    for (int i = 0; i < 50 && b.history.size() == before; ++i) b.step();
+    return b.history;
+  };
+  const auto undisturbed = edges(1 << 20, 0);
+  REQUIRE_FALSE(undisturbed.empty());
+  const std::int64_t due = undisturbed.front().at.sample;
+  for (int before = 60; before <= 400; before += 10) {
+    INFO(before << " samples before the edge");
+    CHECK(edges(due - before, 0.5).empty());
+  }
+}
+
 TEST_CASE("the gate has one door, and it is shut unless all conditions hold", "[fire]") {
   using firmware::Gate;
   const Gate::Permit good{true, true, true, true, 1000, 2000};

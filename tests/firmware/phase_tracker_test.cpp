@@ -271,3 +271,35 @@ TEST_CASE("the next instant is never early for any state and any distance", "[ph
     }
   }
 }
+
+TEST_CASE("a jump of the mains is suspicious within a millisecond, and notches and noise are not",
+          "[phase]") {
+  for (int start = 0; start < 24; ++start) {
+    PhaseTracker tracker{{}};
+    MainsSource source({.jump = 30}, 50.0, start / 24.0, 1);
+    bool before = false;
+    int late = 0;
+    for (int n = 0; n < 101000; ++n) {
+      const bool jumped = n / mains_rate >= event_start;
+      tracker.push(source.next());
+      before = before || (n > 50000 && !jumped && tracker.suspicious());
+      if (jumped && late < 1000 && !tracker.suspicious()) ++late;
+      if (tracker.suspicious() && jumped) break;
+    }
+    INFO("start " << start << " / 24: " << late << " samples");
+    CHECK_FALSE(before);
+    CHECK(late <= 110);
+  }
+  for (const MainsScenario& scenario : steady_scenarios()) {
+    PhaseTracker tracker{{}};
+    MainsSource source(scenario, 50.0, 0.2, 1);
+    feed(tracker, source, 50000);
+    int suspicious = 0;
+    for (int n = 0; n < 150000; ++n) {
+      tracker.push(source.next());
+      suspicious += tracker.suspicious() ? 1 : 0;
+    }
+    INFO(scenario.name);
+    CHECK(suspicious == 0);
+  }
+}
