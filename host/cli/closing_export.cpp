@@ -7,6 +7,7 @@
 #include "host/config/bad_input.h"
 #include "host/config/specimen_file.h"
 #include "host/export/closing_film.h"
+#include "host/export/write_file.h"
 #include "host/gather/gather.h"
 #include "host/store/store.h"
 #include "sim/solid/solid_closing.h"
@@ -40,12 +41,7 @@ Exit export_closing(const ExportArgs& args) {
   std::error_code error;
   fs::create_directories(folder, error);
   const auto write = [&](const std::string& name, const std::string& content) {
-    std::ofstream out(folder / name, std::ios::binary);
-    out << content;
-    out.close();
-    if (!out)
-      throw StoreError((folder / name).string() +
-                       ": cannot be written; check the folder, its permissions and the disk");
+    write_file(folder / name, content);
   };
   const bool vtu = args.to == "vtu";
   ClosingFilm film(vtu ? ClosingFilm::Format::vtu : ClosingFilm::Format::gltf, write);

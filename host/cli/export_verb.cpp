@@ -11,6 +11,7 @@
 #include "host/export/csv.h"
 #include "host/export/event_table.h"
 #include "host/export/waveforms.h"
+#include "host/export/write_file.h"
 #include "host/import/calibration.h"
 #include "host/store/json.h"
 #include "host/store/store.h"
@@ -20,14 +21,6 @@
 namespace powbench::host {
 
 namespace {
-
-void write_file(const std::filesystem::path& path, const std::string& text) {
-  std::ofstream out(path, std::ios::binary);
-  out << text;
-  out.close();
-  if (!out)
-    throw StoreError(path.string() + ": cannot be written; check the folder, its permissions and the disk");
-}
 
 std::string origin_of(const CampaignInfo& campaign, const StoredShot& shot) {
   return std::string(shot.kind == ShotKind::measured ? name(campaign.origin) : "SIMULATION ONLY");

@@ -13,6 +13,7 @@
 #include "host/config/specimen_file.h"
 #include "host/export/field_svg.h"
 #include "host/export/field_vtu.h"
+#include "host/export/write_file.h"
 #include "host/import/field_mesh.h"
 #include "host/store/field_table.h"
 #include "host/store/store.h"
@@ -33,13 +34,6 @@ sim::MagnetDesign design_of(const sim::Specimen& s, const std::string& steel) {
   }
 }
 
-void write(const fs::path& path, const std::string& text) {
-  std::ofstream out(path, std::ios::binary);
-  out << text;
-  out.close();
-  if (!out) throw StoreError(path.string() + ": cannot be written; choose another folder with -o");
-}
-
 /// Open, half way, closed: at the flux that gives 1.2 T in the closed centre leg.
 std::vector<fs::path> pictures(const fs::path& folder, const sim::MagnetDesign& design,
                                const sim::TableOptions& options, double travel) {
@@ -55,9 +49,9 @@ std::vector<fs::path> pictures(const fs::path& folder, const sim::MagnetDesign& 
     const std::string title = fmt::format("{}: gap {:.2f} mm, {:.3g} Wb, {:.3g} A, pull {:.3g} N", name,
                                           gap * 1e3, psi, point.response.current, point.response.pull);
     files.push_back(folder / fmt::format("field-{}.svg", name));
-    write(files.back(), field_svg(field, point, title));
+    write_file(files.back(), field_svg(field, point, title));
     files.push_back(folder / fmt::format("field-{}.vtu", name));
-    write(files.back(), to_vtu(field_grid(field.problem(), point.a)));
+    write_file(files.back(), to_vtu(field_grid(field.problem(), point.a)));
   }
   return files;
 }
@@ -99,8 +93,9 @@ Exit show_mesh(const FieldArgs& args, const sim::MagnetDesign& design) {
   double psi = 0;
   for (std::size_t k = 0; k < a.size(); ++k) psi += problem.winding(0)[k] * a[k];
   const fs::path file = fs::path(args.folder) / "field-mesh.vtu";
-  fs::create_directories(args.folder);
-  write(file, to_vtu(field_grid(problem, a)));
+  std::error_code ignored;  // the first file says it
+  fs::create_directories(args.folder, ignored);
+  write_file(file, to_vtu(field_grid(problem, a)));
   const double energy = newton.energy(), largest = problem.largest_field(a.data());
   const double beyond = problem.share_beyond_data(a.data());
   // towards positive y
@@ -158,7 +153,7 @@ Exit show_field(const FieldArgs& args) {
   const auto beyond = sim::extrapolated_share(choice.table);
   auto files = pictures(folder, design, options, specimen.core.travel);
   files.push_back(folder / "field-table.svg");
-  write(files.back(), table_svg(table, specimen.name + ": " + choice.table.description));
+  write_file(files.back(), table_svg(table, specimen.name + ": " + choice.table.description));
   if (args.json) {
     nlohmann::ordered_json list = nlohmann::ordered_json::array();
     for (const auto& f : files) list.push_back(f.string());

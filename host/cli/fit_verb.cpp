@@ -9,6 +9,7 @@
 
 #include "host/cli/picture.h"
 #include "host/cli/study.h"
+#include "host/export/write_file.h"
 #include "host/gather/gather.h"
 #include "host/gather/scene.h"
 #include "host/run/stop.h"
@@ -67,12 +68,10 @@ std::string text_of_file(const std::string& path) {
 /// In one piece: a state must never be half a state.
 void replace_file(const std::string& path, const std::string& text) {
   const std::string next = path + ".new";
-  std::ofstream out(next, std::ios::binary);
-  out << text;
-  out.close();
+  write_file(next, text);
   std::error_code failed;
-  if (out) std::filesystem::rename(next, path, failed);
-  if (!out || failed) throw StoreError(path + ": cannot be written; check the folder and the disk");
+  std::filesystem::rename(next, path, failed);
+  if (failed) throw BadInput({path + ": cannot be written; check the folder and the disk"});
 }
 
 struct Source {

@@ -12,6 +12,7 @@
 #include "host/compare/compare.h"
 #include "host/config/bad_input.h"
 #include "host/export/events_json.h"
+#include "host/export/write_file.h"
 #include "host/gather/scene.h"
 #include "host/gather/vibration.h"
 #include "host/import/foreign_table.h"
@@ -123,11 +124,7 @@ Exit suggest(const ImportArgs& args) {
   std::error_code ignored;
   if (std::filesystem::exists(args.output, ignored))
     throw BadInput({args.output + ": is there already and is not overwritten; name another file"});
-  std::ofstream out(args.output, std::ios::binary);
-  out << text;
-  out.close();
-  if (!out)
-    throw BadInput({args.output + ": cannot be written; check the folder, its permissions and the disk"});
+  write_file(args.output, text);
   fmt::print(stderr, "{}: check it, fill in the gains, then: powbench import {} --calibration {}\n",
              args.output, args.file, args.output);
   return Exit::pass;

@@ -6,6 +6,7 @@
 #include "host/cli/commands.h"
 #include "host/cli/manual.h"
 #include "host/cli/unknown_verb.h"
+#include "host/export/write_file.h"
 #include "host/store/store.h"
 
 namespace powbench::host {
@@ -15,10 +16,7 @@ namespace {
 void write(const std::filesystem::path& file, const std::string& text) {
   std::error_code ignored;
   std::filesystem::create_directories(file.parent_path(), ignored);
-  std::ofstream out(file, std::ios::binary);
-  out << text;
-  out.close();
-  if (!out) throw StoreError(file.string() + ": cannot be written; check the folder and its permissions");
+  write_file(file, text);
 }
 
 Exit write_manual(const CLI::App& program, const std::filesystem::path& folder) {

@@ -11,6 +11,7 @@
 #include "host/cli/show.h"
 #include "host/cli/verbs.h"
 #include "host/export/events_json.h"
+#include "host/export/write_file.h"
 #include "host/gather/gather.h"
 #include "host/gather/pdf.h"
 #include "host/gather/scene.h"
@@ -96,14 +97,6 @@ void print_curves(const std::vector<CurveRow>& rows) {
   }
   fmt::print(
       "%: of the measured value there; rms %: of the measured span; late: how much the simulated curve is\n");
-}
-
-void write_file(const std::filesystem::path& path, const std::string& text) {
-  std::ofstream out(path, std::ios::binary);
-  out << text;
-  out.close();
-  if (!out)
-    throw StoreError(path.string() + ": cannot be written; check the folder, its permissions and the disk");
 }
 
 }  // namespace

@@ -9,6 +9,7 @@
 #include "host/cli/show.h"
 #include "host/cli/verbs.h"
 #include "host/compare/pair.h"
+#include "host/export/write_file.h"
 #include "host/gather/gather.h"
 #include "host/report/number.h"
 #include "host/store/json.h"
@@ -60,13 +61,6 @@ std::string volts_and_hertz(const Conditions& c) {
 
 std::string commanded(const StoredShot& s) {
   return std::isfinite(s.angle_deg) ? fmt::format("{:.2f}", s.angle_deg) : "-";
-}
-
-void write_text(const std::string& path, const std::string& text) {
-  std::ofstream out(path, std::ios::binary);
-  out << text;
-  out.close();
-  if (!out) throw StoreError(path + ": cannot be written; check the folder, its permissions and the disk");
 }
 
 }  // namespace
@@ -173,7 +167,7 @@ Exit plot_shot(const ShotArgs& args) {
     throw BadInput({fmt::format("-o {}: a picture is .svg or .html", file)});
   const Store store(args.database, Store::Mode::read_only);
   const ReportInput input = gather_shot(store, args.shot);
-  write_text(file, kind == ".svg" ? render_shot_svg(input) : render_shot_html(input));
+  write_file(file, kind == ".svg" ? render_shot_svg(input) : render_shot_html(input));
   if (args.json) fmt::print("{}\n", Json{{"picture", file}, {"shot", args.shot}}.dump(2));
   fmt::print(stderr, "{}\n", file);
   return Exit::pass;

@@ -9,6 +9,8 @@
 #include "host/cli/verbs.h"
 #include "host/config/bad_input.h"
 #include "host/export/steel_svg.h"
+#include "host/export/write_file.h"
+#include "host/export/xml_text.h"
 #include "host/report/markup.h"
 #include "host/store/store.h"
 #include "sim/fields/steel_rows.h"
@@ -125,11 +127,8 @@ Exit show_steel(const SteelArgs& args) {
   if (named.sheet)
     for (const auto& note : named.sheet->notes) fmt::print(stderr, "{}: {}\n", args.steel, note);
   const std::string file = args.picture.empty() ? named.name + ".svg" : args.picture;
-  std::ofstream out(file, std::ios::binary);
-  out << steel_svg(named.steel, named.sheet ? named.sheet->measured : std::vector<sim::BhRow>{},
-                   escaped(named.name));
-  out.close();
-  if (!out) throw StoreError(file + ": cannot be written; choose another place with -o");
+  write_file(file, steel_svg(named.steel, named.sheet ? named.sheet->measured : std::vector<sim::BhRow>{},
+                             escaped(named.name)));
   args.json ? print_json(named, file) : print_text(named, file);
   return Exit::pass;
 }

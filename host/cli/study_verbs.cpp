@@ -8,6 +8,7 @@
 #include "host/cli/demo_end.h"
 #include "host/cli/scenes.h"
 #include "host/cli/verbs.h"
+#include "host/export/write_file.h"
 #include "host/gather/scene.h"
 #include "host/paper/contact_pressure.h"
 #include "host/paper/simulator.h"
@@ -64,14 +65,9 @@ Exit show_tables(const TablesArgs& args) {
 Exit demo(const DemoArgs& args) {
   namespace fs = std::filesystem;
   const fs::path folder(args.folder);
-  fs::create_directories(folder);
-  for (const auto& [file, text] : demo_scenes) {
-    std::ofstream out(folder / file, std::ios::binary);
-    out << text;
-    out.close();
-    if (!out)
-      throw StoreError((folder / file).string() + ": cannot be written; choose another folder with -o");
-  }
+  std::error_code ignored;  // the first file says it
+  fs::create_directories(folder, ignored);
+  for (const auto& [file, text] : demo_scenes) write_file(folder / file, text);
   const std::string plan = (folder / "demo.plan.toml").string();
   const std::string database = (folder / "demo.db").string();
   // a simulated rig that is not told otherwise is the one of the demo

@@ -8,6 +8,7 @@
 #include <stdexcept>
 
 #include "host/export/base64.h"
+#include "host/export/xml_text.h"
 
 namespace powbench::host {
 namespace {
@@ -32,23 +33,6 @@ int corners_of(VtkCell kind) {
       return 10;
   }
   throw std::invalid_argument("VTU cell kind: not one of those listed in VtkCell");
-}
-
-std::string escaped(const std::string& text) {
-  std::string out;
-  for (const char c : text) {
-    if (c == '&')
-      out += "&amp;";
-    else if (c == '<')
-      out += "&lt;";
-    else if (c == '>')
-      out += "&gt;";
-    else if (c == '"')
-      out += "&quot;";
-    else
-      out += c;
-  }
-  return out;
 }
 
 /// One array as bytes, preceded by their number as an unsigned 64-bit word, as VTK wants both encodings.

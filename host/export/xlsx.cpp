@@ -6,6 +6,7 @@
 
 #include "host/config/bad_input.h"
 #include "host/export/event_table.h"
+#include "host/export/xml_text.h"
 
 namespace powbench::host {
 namespace {
@@ -66,25 +67,6 @@ class Zip {
   std::string bytes_, directory_;
   std::uint32_t files_ = 0;
 };
-
-std::string escaped(const std::string& text) {
-  std::string out;
-  for (const char c : text) {
-    if (c == '&')
-      out += "&amp;";
-    else if (c == '<')
-      out += "&lt;";
-    else if (c == '>')
-      out += "&gt;";
-    else if (c == '"')
-      out += "&quot;";
-    else if (static_cast<unsigned char>(c) < ' ' && c != '\n' && c != '\t')
-      out += '?';
-    else
-      out += c;
-  }
-  return out;
-}
 
 std::string text_cell(const std::string& text) {
   return "<c t=\"inlineStr\"><is><t xml:space=\"preserve\">" + escaped(text) + "</t></is></c>";

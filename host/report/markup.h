@@ -8,10 +8,6 @@
 
 namespace powbench::host {
 
-/// Text made safe for element content and attribute values: & < > " ' become entities; bytes that are not UTF-8 and
-/// characters XML 1.0 forbids become U+FFFD.
-std::string escaped(std::string_view text);
-
 /// Writes HTML, SVG or XML that is well-formed by construction: every text and attribute is escaped, every element
 /// closed in order. Markup gets in only through `embed`, from another Markup.
 class Markup {

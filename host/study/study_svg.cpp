@@ -7,6 +7,7 @@
 #include <map>
 
 #include "core/units.h"
+#include "host/export/xml_text.h"
 #include "host/report/plot.h"
 #include "host/study/sweep_text.h"
 #include "sim/study/modes.h"
