@@ -22,13 +22,19 @@ bool equal(const std::string& a, const std::string& b) {
   return different == 0 && !b.empty();
 }
 
+std::string random_token() {
+  std::random_device entropy;
+  std::string token;
+  for (int i = 0; i < 4; ++i) token += fmt::format("{:08x}", entropy());
+  return token;
+}
+
 }  // namespace
 
 Access Access::made(std::vector<std::string> hosts) {
   Access a;
   a.hosts_ = std::move(hosts);
-  std::random_device entropy;
-  for (int i = 0; i < 4; ++i) a.page_token_ += fmt::format("{:08x}", entropy());
+  a.page_token_ = random_token();
   a.tokens_ = {{Right::fire, a.page_token_}, {Right::read, ""}};
   return a;
 }
@@ -57,6 +63,7 @@ Access Access::from_file(const std::string& file, std::vector<std::string> hosts
   }
   if (errors.empty() && a.tokens_.empty()) errors.push_back(file + ": holds no token");
   if (!errors.empty()) throw BadInput(errors);
+  a.link_token_ = random_token();
   return a;
 }
 
@@ -68,7 +75,12 @@ std::string Access::foreign(const Request& r) const {
   return {};
 }
 
-Right Access::right(const std::string& token) const {
+Right Access::right(const Request& r) const {
+  const bool by_link = equal(r.link_token, link_token_) || right_of(r.link_token) != Right::none;
+  return std::max(right_of(r.token), by_link ? Right::read : Right::none);
+}
+
+Right Access::right_of(const std::string& token) const {
   Right best = Right::none;
   for (const Token& t : tokens_)
     if (t.text.empty() || equal(token, t.text)) best = std::max(best, t.right);

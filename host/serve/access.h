@@ -28,14 +28,18 @@ class Access {
 
   /// A sentence where the request comes from elsewhere; empty: it does not.
   std::string foreign(const Request&) const;
-  Right right(const std::string& token) const;
+  /// By the header what its token may do; by the address reading at most, for an address is kept in histories and passed on.
+  Right right(const Request&) const;
+  /// A token for addresses: it may read, until the program ends. Empty: reading wants none.
+  const std::string& link_token() const { return link_token_; }
   /// For our own page; empty where tokens come from a file.
   const std::string& page_token() const { return page_token_; }
 
  private:
   std::vector<std::string> hosts_;  ///< as in the Host field: "127.0.0.1:8080"
   std::vector<Token> tokens_;
-  std::string page_token_;
+  Right right_of(const std::string& token) const;
+  std::string page_token_, link_token_;
 };
 
 }  // namespace powbench::host

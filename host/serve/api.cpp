@@ -37,7 +37,8 @@ Reply json_reply(std::string json, int status) {
 double number_of(const Body& body, const char* key, double low, double high) {
   const auto it = body.json.find(key);
   if (it == body.json.end() || !it->is_number())
-    throw Problem{400, fmt::format("'{}' is missing: a number from {:g} to {:g}", key, low, high)};
+    throw Problem{400, fmt::format("'{}' {}: a number from {:g} to {:g}", key,
+                                   it == body.json.end() ? "is missing" : "is no number", low, high)};
   const double x = it->get<double>();
   if (!(x >= low && x <= high))
     throw Problem{400, fmt::format("'{}' = {:g} is outside {:g} to {:g}", key, x, low, high)};
@@ -107,9 +108,9 @@ std::optional<std::int64_t> fits(std::string_view path, std::string_view pattern
   return id;
 }
 
-Reply act(const Route& route, const Call& call, Body& body, Right right) {
+Reply act(const Route& route, const Call& call, Body& body, const Access& access) {
   const Request& r = call.request;
-  if (route.right > right)
+  if (route.right > access.right(r))
     throw Problem{401, route.right == Right::fire
                            ? "this needs a token that may fire (Authorization: Bearer TOKEN)"
                            : "this needs a token (Authorization: Bearer TOKEN)"};
@@ -119,6 +120,16 @@ Reply act(const Route& route, const Call& call, Body& body, Right right) {
     body.json = Json::parse(r.body, nullptr, false);
     if (!body.json.is_object())
       throw Problem{400, fmt::format("the body is no JSON object; such as {}", route.body)};
+    // a word that is not understood may be what the closing was to be like
+    const Json example = Json::parse(route.body);
+    const std::string other = route.other_key ? route.other_key : "";
+    for (const auto& [key, value] : body.json.items())
+      if (!example.contains(key) && key != other) {
+        std::string known = other;
+        for (const auto& [word, unused] : example.items()) known += (known.empty() ? "" : ", ") + word;
+        throw Problem{400, fmt::format("unknown key '{}'; known: {}", key.substr(0, 40),
+                                       known.empty() ? "none" : known)};
+      }
   }
   return route.act(call);
 }
@@ -140,7 +151,7 @@ Reply Api::answer(const Request& r) const {
         known = true;
         if (r.method != route.method) continue;
         Body body;
-        return act(route, {bench_, facts_, plan_file_, r, *id, body}, body, access_.right(r.token));
+        return act(route, {bench_, facts_, access_, plan_file_, r, *id, body}, body, access_);
       }
     if (known) return refuse(405, r.method + " is not for this address; GET /api lists all calls");
     return refuse(404, "there is nothing at this address; GET /api lists all calls");
@@ -157,7 +168,7 @@ Reply Api::answer(const Request& r) const {
 
 Reply Api::listen(const Request& r) const {
   if (const std::string why = access_.foreign(r); !why.empty()) return refuse(403, why);
-  if (access_.right(r.token) < Right::read) return refuse(401, "this needs a token");
+  if (access_.right(r) < Right::read) return refuse(401, "this needs a token");
   return {};
 }
 
@@ -174,6 +185,13 @@ Json schema_of(const Json& example) {
     return {{"type", "array"}, {"items", example.empty() ? Json::object() : schema_of(example[0])}};
   if (example.is_null()) return {{"nullable", true}};
   return {{"type", example.is_string() ? "string" : example.is_boolean() ? "boolean" : "number"}};
+}
+
+/// The example of a body with every key that it may have.
+Json body_keys(const Route& route) {
+  Json keys = Json::parse(route.body);
+  if (route.other_key) keys[route.other_key] = 90;
+  return keys;
 }
 
 Json responses(const Route& route) {
@@ -213,7 +231,7 @@ std::string openapi() {
           {"required", true},
           {"content",
            {{"application/json",
-             {{"schema", schema_of(Json::parse(route.body))}, {"example", Json::parse(route.body)}}}}}};
+             {{"schema", schema_of(body_keys(route))}, {"example", Json::parse(route.body)}}}}}};
     paths[route.path][method] = operation;
   }
   return Json{{"openapi", "3.0.3"},

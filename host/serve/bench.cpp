@@ -203,7 +203,7 @@ StopAnswer Bench::Impl::stop() {
       const std::string state = stop_line->state();
       if (nobody && state != "armed" && state != "firing") {
         answer.off = true;
-        answer.text = "coil off, confirmed by the rig: " + state;
+        answer.text = "coil off, confirmed by the rig (its state: " + state + ")";
         break;
       }
     } catch (const rigs::RigError& e) {

@@ -119,7 +119,7 @@ std::string Bench::Impl::state() const {
                   {"done", job->done},
                   {"outside_limits", job->outside},
                   {"shots", total},
-                  {"seconds_left", job->single ? Json(nullptr) : Json(eta)},
+                  {"seconds_left", job->single || paused || job->done == total ? Json(nullptr) : Json(eta)},
                   {"aim", nullptr}};
     if (job->aim)
       out["job"]["aim"] = {{"closing_angle_deg", degrees(job->aim->closing_angle)},

@@ -25,6 +25,7 @@ struct Body;  ///< a JSON object
 struct Call {
   Bench& bench;
   CampaignFacts& facts;
+  const Access& access;
   const std::string& plan_file;  ///< that the bench was started with; "" = none
   const Request& request;
   std::int64_t id;   ///< of the path
@@ -40,6 +41,7 @@ struct Route {
   const char* reply;  ///< fields of the reply, or its media type
   Reply (*act)(const Call&);
   const char* query[2] = {nullptr, nullptr};  ///< whole numbers in the address; `after` may be left out
+  const char* other_key = nullptr;            ///< a number in the place of the body's first key
 };
 
 std::span<const Route> bench_calls();

@@ -25,9 +25,9 @@ Reply post_stop(const Call& c) {
 Reply post_fire(const Call& c) {
   if (has(c.body, "touch_deg")) {
     if (has(c.body, "angle_deg")) throw Problem{400, "'angle_deg' and 'touch_deg' exclude each other"};
-    c.bench.fire_at_touch(radians(number_of(c.body, "touch_deg", 0, 359.99)));
+    c.bench.fire_at_touch(radians(number_of(c.body, "touch_deg", 0, 360)));
   } else {
-    c.bench.fire(radians(number_of(c.body, "angle_deg", 0, 359.99)));
+    c.bench.fire(radians(number_of(c.body, "angle_deg", 0, 360)));
   }
   return started();
 }
@@ -54,7 +54,16 @@ Reply get_attributes(const Call& c) try {
   throw Problem{503, e.what()};
 }
 
+Reply get_access(const Call& c) {
+  return json_reply(
+      Json{{"may_fire", c.access.right(c.request) == Right::fire}, {"link_token", c.access.link_token()}}
+          .dump());
+}
+
 constexpr Route of_bench[] = {
+    {"GET", "/api/access", Right::read,
+     "What the token of this request may do, and one for addresses, which may read until the program ends.",
+     "", R"({"may_fire": true, "link_token": ""})", get_access},
     {"GET", "/api/bench", Right::read, "Rig, link, job, newest shot, log.", "",
      R"({"version": "", "rig": {}, "link": {}, "status": {}, "plan": {}, "job": {}, "newest_shot": 1, "newest_campaign": 1,
          "stop": {"off": true, "text": "", "ms": 1}, "log": [""]})",
@@ -62,11 +71,17 @@ constexpr Route of_bench[] = {
     {"POST", "/api/stop", Right::none,
      "Coil off and job over. `off` is true once the rig has confirmed it; 504 where it has not.", "",
      R"({"off": true, "text": "", "ms": 1})", post_stop},
-    {"POST", "/api/fire", Right::fire,
+    {"POST",
+     "/api/fire",
+     Right::fire,
      "One closing under the plan's conditions: the coil switched on at `angle_deg` of the mains, or the "
      "contacts touching at "
      "`touch_deg` after the simulator.",
-     R"({"angle_deg": 90})", R"({"started": true})", post_fire},
+     R"({"angle_deg": 90})",
+     R"({"started": true})",
+     post_fire,
+     {},
+     "touch_deg"},
     {"POST", "/api/plan/run", Right::fire, "Fires a plan and stores every shot.",
      R"({"text": "angles_deg = [0, 90]\nrepeats = 3"})", R"({"started": true})", post_run},
     {"POST", "/api/plan/pause", Right::fire, "Waits between two shots, or goes on.", R"({"on": true})",

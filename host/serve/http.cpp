@@ -47,7 +47,7 @@ Request request_of(const HttpRequest& in) {
   const std::string authorization = text(in[http::field::authorization]);
   if (authorization.starts_with("Bearer ")) r.token = authorization.substr(7);
   // a browser's WebSocket and a link to a report carry no header of ours
-  if (r.token.empty()) r.token = of_query(r.query, "token");
+  r.link_token = of_query(r.query, "token");
   return r;
 }
 

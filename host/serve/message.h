@@ -12,6 +12,7 @@ struct Request {
   std::string body;
   std::string host, origin, content_type;  ///< header fields, empty where absent
   std::string token;                       ///< of `Authorization: Bearer`
+  std::string link_token;                  ///< `token` of the query: it can do no more than read
 };
 
 /// The value of `name` in a query, as it stands there; "" = absent.

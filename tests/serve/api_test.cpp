@@ -84,7 +84,7 @@ TEST_CASE("live bench: closing at touch", "[serve]") {
     CHECK(std::fabs(std::remainder(reached - wanted, 360)) < 6);
   }
   CHECK(s.ask("POST", "/api/fire", R"({"touch_deg": 90, "angle_deg": 90})").status == 400);
-  CHECK(s.ask("POST", "/api/fire", R"({"touch_deg": 360})").status == 400);
+  CHECK(s.ask("POST", "/api/fire", R"({"touch_deg": 361})").status == 400);
 }
 
 TEST_CASE("live bench: a record as the scope gets it is the record", "[serve]") {
@@ -221,6 +221,14 @@ TEST_CASE("live bench: who may do what", "[serve]") {
       CHECK(s.api.answer(r).status == 401);
     }
   }
+  SECTION("the right one in the address: it reads, and fires nothing") {
+    r.link_token = good;
+    CHECK(s.api.answer(r).status == 401);
+    r.method = "GET", r.path = "/api/access", r.body = "";
+    CHECK_THAT(s.api.answer(r).body, Contains("\"may_fire\":false"));
+    r.token = good;
+    CHECK_THAT(s.api.answer(r).body, Contains("\"may_fire\":true"));
+  }
   SECTION("a foreign name that points here") {
     r.token = good;
     for (const char* name :
@@ -258,10 +266,21 @@ TEST_CASE("live bench: tokens from a file", "[serve]") {
       "tokens", "# the lab\nfire 0123456789abcdef\nread fedcba9876543210  # the screen in the hall\n");
   const host::Access a = host::Access::from_file(file, {here});
   CHECK(a.page_token().empty());
-  CHECK(a.right("0123456789abcdef") == host::Right::fire);
-  CHECK(a.right("fedcba9876543210") == host::Right::read);
-  CHECK(a.right("") == host::Right::none);
-  CHECK(a.right("0123456789abcdeF") == host::Right::none);
+  const auto right = [&](const std::string& header, const std::string& address) {
+    host::Request r;
+    r.token = header, r.link_token = address;
+    return a.right(r);
+  };
+  CHECK(right("0123456789abcdef", "") == host::Right::fire);
+  CHECK(right("fedcba9876543210", "") == host::Right::read);
+  CHECK(right("", "") == host::Right::none);
+  CHECK(right("0123456789abcdeF", "") == host::Right::none);
+  // an address is kept in histories and passed on: whatever its token may do elsewhere, it reads
+  CHECK(right("", "0123456789abcdef") == host::Right::read);
+  CHECK(right("", a.link_token()) == host::Right::read);
+  CHECK(right(a.link_token(), "") == host::Right::none);
+  CHECK(a.link_token().size() == 32);
+  CHECK(host::Access::made({here}).link_token().empty());
   for (const auto& [text, why] : {std::pair{"fire short\n", "16 to 128"},
                                   {"shoot 0123456789abcdef\n", "a line is"},
                                   {"fire 0123456789abcdef more\n", "a line is"},
@@ -282,8 +301,12 @@ TEST_CASE("live bench: bad input is one sentence and changes nothing", "[serve]"
       {"POST", "/api/fire", "{", 400, "no JSON object"},
       {"POST", "/api/fire", "[90]", 400, "no JSON object"},
       {"POST", "/api/fire", "{}", 400, "angle_deg"},
-      {"POST", "/api/fire", R"({"angle_deg": "90"})", 400, "angle_deg"},
-      {"POST", "/api/fire", R"({"angle_deg": 360})", 400, "outside 0 to 359.99"},
+      {"POST", "/api/fire", R"({"angle_deg": "90"})", 400, "'angle_deg' is no number"},
+      {"POST", "/api/fire", R"({"angle_deg": 360.1})", 400, "outside 0 to 360"},
+      {"POST", "/api/fire", R"({"angle_deg": 90, "supply_volts": 50})", 400,
+       "unknown key 'supply_volts'; known: touch_deg, angle_deg"},
+      {"POST", "/api/plan/run", R"({"text": "angles_deg = [0]\nrepeats = 1", "dry": true})", 400,
+       "unknown key 'dry'"},
       {"POST", "/api/fire", R"({"angle_deg": -0.01})", 400, "outside"},
       {"POST", "/api/fire", R"({"angle_deg": 1e999})", 400, "no JSON object"},
       {"POST", "/api/plan/run", R"({"text": ""})", 422, "angles_deg"},

@@ -34,7 +34,7 @@ struct Server {
                 [](const Request& r) { return r.path == "/api/stop"; },
                 [](const Request& r) {
                   Reply reply;
-                  reply.status = r.token == "good" ? 200 : 401;
+                  reply.status = r.link_token == "good" ? 200 : 401;
                   return reply;
                 },
                 [this] { return "state " + std::to_string(number.load()); },
@@ -57,7 +57,7 @@ struct Server {
     }
     Reply reply;
     reply.type = "text/plain";
-    reply.body = r.method + " " + r.path + " " + std::to_string(r.body.size()) + " " + r.token;
+    reply.body = r.method + " " + r.path + " " + std::to_string(r.body.size()) + " " + r.link_token;
     return reply;
   }
 

@@ -43,7 +43,8 @@ TEST_CASE("live bench: shots come, the memory of program and page stays", "[.slo
   press(tab, "tab-parameters");
   press(tab, "run");
   press(tab, "tab-test");
-  tab.until("fetch('/api/bench').then(r=>r.json()).then(b=>b.job!==null&&b.job.planned===" + std::to_string(all / 4 * 4) + ")");
+  tab.until("fetch('/api/bench').then(r=>r.json()).then(b=>b.job!==null&&b.job.shots===" +
+            std::to_string(all / 4 * 4) + ")");
   reach(tab, first);
   const double page = tab.heap(), program = resident(bench.program.pid());
   reach(tab, all);

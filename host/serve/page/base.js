@@ -37,28 +37,50 @@ let tokenGiven = () => {};
 /** @param {() => void} act */
 export const whenTokenGiven = (act) => { tokenGiven = act; };
 
-function askToken() {
-  const given = window.prompt('This bench wants a token:');
-  if (!given) return;
-  token = given.trim();
-  sessionStorage.setItem('powbench-token', token);
-  tokenGiven();
-}
+/** What the token may do, and one for addresses, which can only read: links are kept in histories and passed on. */
+export const access = { may_fire: false, link_token: '' };
 
-/** An address with the token, for what carries no header: links and WebSockets.
+/** Asks what the token may do; false: nothing at all. */
+export async function learnAccess() {
+  const reply = await fetch('/api/access', { headers: token ? { Authorization: 'Bearer ' + token } : {} });
+  $('token-form').hidden = reply.status !== 401;
+  if (reply.ok) Object.assign(access, await reply.json());
+  return reply.ok;
+}
+/** The token of a bench that was started anew comes with its page; one that a person has is asked for in the page, where Esc stays STOP. */
+async function renewToken() {
+  const page = new DOMParser().parseFromString(await (await fetch('/')).text(), 'text/html');
+  const fresh = /** @type {HTMLMetaElement} */ (page.querySelector('meta[name="powbench-token"]')).content;
+  if (!fresh || fresh === token) return false;
+  token = fresh;
+  await learnAccess();
+  return true;
+}
+field('token-form').addEventListener('submit', async (e) => {
+  e.preventDefault();
+  token = field('token').value.trim();
+  sessionStorage.setItem('powbench-token', token);
+  $('token-says').textContent = await learnAccess() ? '' : 'The bench does not know this token.';
+  tokenGiven();
+});
+
+/** An address with a token that may read, for what carries no header: links and WebSockets.
  * @param {string} path */
-export const link = (path) => path + (token ? (path.includes('?') ? '&' : '?') + 'token=' + encodeURIComponent(token) : '');
+export const link = (path) => path + (access.link_token ? (path.includes('?') ? '&' : '?') + 'token=' + encodeURIComponent(access.link_token) : '');
 
 /** One HTTP call; throws the server's sentences.
- * @param {string} method @param {string} path @param {object} [body] @returns {Promise<any>} */
-export async function call(method, path, body) {
+ * @param {string} method @param {string} path @param {object} [body] @param {boolean} [again] @returns {Promise<any>} */
+export async function call(method, path, body, again) {
   /** @type {Record<string, string>} */
   const headers = {};
   if (token) headers.Authorization = 'Bearer ' + token;
   if (body) headers['Content-Type'] = 'application/json';
   const reply = await fetch(path, { method, headers, body: body ? JSON.stringify(body) : undefined });
   const json = await reply.json();
-  if (reply.status === 401) askToken();
+  if (reply.status === 401) {
+    if (!again && await renewToken()) return call(method, path, body, true);
+    $('token-form').hidden = false;
+  }
   if (!reply.ok && path !== '/api/stop') throw json.errors || [json.error];
   return json;
 }

@@ -29,7 +29,7 @@ async function load() {
   for (const id of ['first', 'second']) {
     const select = /** @type {HTMLSelectElement} */ (/** @type {unknown} */ ($(id))), before = select.value;
     select.textContent = '';
-    for (const c of campaigns) select.add(new Option(c.id + ' ' + c.name + ', ' + c.created.slice(0, 10), String(c.id)));
+    for (const c of campaigns) select.add(new Option(c.id + ' ' + c.name + ', ' + c.created.slice(0, 16).replace('T', ' ') + ', ' + c.shots + ' shots', String(c.id)));
     if (before) select.value = before;
     else if (id === 'first' && campaigns.length > 1) select.selectedIndex = 1;
   }
@@ -48,7 +48,7 @@ function showCampaigns() {
     links.append(anchor('/api/campaigns/' + c.id + '/report.html', 'report'), ' ', anchor('/api/campaigns/' + c.id + '/report.pdf', 'PDF'),
       ' ', anchor('/api/campaigns/' + c.id + '/shots.csv', 'CSV'), ' ', anchor('/api/campaigns/' + c.id + '/junit.xml', 'JUnit'));
     cells(newRow('campaigns'), [button(String(c.id), () => open(c.id)), c.name, c.created.slice(0, 16).replace('T', ' '), c.specimen, c.origin,
-      [c.shots, 'n'], [c.outside_limits, c.outside_limits ? 'n bad' : 'n'], links]);
+      [c.shots + (c.finished ? '' : ', unfinished'), 'n'], [c.outside_limits, c.outside_limits ? 'n bad' : 'n'], links]);
   }
   $('found').textContent = campaigns.length === 0 ? 'No campaign yet: fire one closing on the page Test.' : n + ' of ' + campaigns.length + ' campaigns';
 }

@@ -1,6 +1,6 @@
 // @ts-check
 // The live bench. State arrives over one WebSocket; everything a person does is an HTTP call.
-import { $, call, duration, field, known, link, sentences, whenTokenGiven } from './base.js';
+import { $, call, duration, field, known, learnAccess, link, sentences, whenTokenGiven } from './base.js';
 import * as documents from './documents.js';
 import * as parameters from './parameters.js';
 import * as rig from './rig.js';
@@ -14,13 +14,31 @@ let socket = null;
 
 // ---- stop: from every page, with one key ----
 
+/** When a stop was asked for that nothing has confirmed yet; unheard: the bench program has not even got it. */
+let unconfirmed = '', unheard = false;
+
 async function stop() {
+  unconfirmed = new Date().toLocaleTimeString();
   alarm('stopping …');
   try {
     const answer = await call('POST', '/api/stop');
-    alarm('STOP: ' + answer.text + ' (' + Math.round(answer.ms) + ' ms)', answer.off);
+    unheard = false;
+    if (answer.off) unconfirmed = '';
+    alarm('STOP: ' + answer.text + ' (' + (answer.ms < 1 ? 'in less than 1' : 'in ' + Math.round(answer.ms)) + ' ms)', answer.off);
   } catch (e) {
+    unheard = true;
     alarm('STOP FAILED: the bench program does not answer. Use the emergency switch of the rig.');
+  }
+}
+/** A stop that failed is true of its moment only: what did not get it is told again, and the rig's own word ends the alarm. @param {State} s */
+function stopAgain(s) {
+  if (!unconfirmed) return;
+  if (unheard) {
+    unheard = false;
+    stop();
+  } else if (s.stop && !s.stop.off && s.status && !s.status.live) {
+    alarm('The STOP of ' + unconfirmed + ' was not confirmed in time. The rig answers again: ' + s.status.state + ', its coil is off.', true);
+    unconfirmed = '';
   }
 }
 /** @param {string} text @param {boolean} [done] */
@@ -48,6 +66,7 @@ function open(name) {
   }
   if (location.hash !== '#' + name) history.replaceState(null, '', '#' + name);
   for (const [key, page] of Object.entries(pages)) page.opened(key === name);
+  if (state) for (const page of Object.values(pages)) page.show(state, state);
 }
 tabs.forEach((t, i) => {
   t.addEventListener('click', () => open(t.getAttribute('aria-controls') || 'test'));
@@ -98,10 +117,18 @@ function show(next) {
   $('rig-name').textContent = next.rig.model + ' ' + next.rig.serial;
   document.title = next.rig.origin + ', ' + (next.job ? next.job.doing : next.status ? next.status.state : 'no answer') + ': powbench';
   showJob(next);
-  if (next.stop && !(before && before.stop)) alarm('STOP: ' + next.stop.text, next.stop.off);
+  if (next.stop && !(before && before.stop)) {
+    if (!next.stop.off && !unconfirmed) unconfirmed = new Date().toLocaleTimeString();
+    alarm('STOP: ' + next.stop.text, next.stop.off);
+  }
   if (!next.stop && before && before.stop) alarm('');
-  const outside = next.job ? next.job.outside_limits : 0;
-  if (outside > (before && before.job ? before.job.outside_limits : 0)) alarm('Outside limits: ' + outside + ' of ' + (next.job ? next.job.done : 0) + ' shots of ' + (next.job ? next.job.name : ''));
+  stopAgain(next);
+  // stays until the next job begins: a stop or a pause takes nothing back
+  if (next.job && !(before && before.job)) $('outside').hidden = true;
+  if (next.job && next.job.outside_limits) {
+    $('outside').hidden = false;
+    $('outside').textContent = 'Outside limits: ' + next.job.outside_limits + ' of ' + next.job.done + (next.job.kind === 'single' ? ' single closings' : ' shots of ' + next.job.name);
+  }
   for (const page of Object.values(pages)) page.show(next, before);
 }
 
@@ -112,8 +139,14 @@ function listen() {
   socket.onclose = () => {
     $('state').textContent = 'no bench';
     $('state').className = 'state gone';
-    $('job').textContent = 'the bench program does not answer; trying again';
-    window.setTimeout(listen, 500);
+    const again = () => window.setTimeout(listen, 500);
+    learnAccess().then((known) => {
+      if (!known) $('job').textContent = 'the bench answers, and wants a token';
+      again();
+    }, () => {
+      $('job').textContent = 'the bench program does not answer; trying again';
+      again();
+    });
   };
 }
 whenTokenGiven(listen);
@@ -122,5 +155,4 @@ documents.whenShot((id) => { open('test'); test.showShot(id); });
 
 const wanted = location.hash.slice(1);
 open(wanted in pages ? wanted : 'test');
-call('GET', '/api/bench').then(show).catch(() => {});
-listen();
+learnAccess().then(() => call('GET', '/api/bench')).then(show).catch(() => {}).then(listen);

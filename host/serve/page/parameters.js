@@ -1,6 +1,6 @@
 // @ts-check
 // Parameters: plan, specimen and rig file as text and as a list of keys, with the checks of the files.
-import { $, call, cells, clear, duration, field, list, newRow, sentences } from './base.js';
+import { $, access, call, cells, clear, duration, field, list, newRow, sentences } from './base.js';
 
 /** @typedef {{section: string, section_meaning: string, key: string, unit: string, allowed: string, meaning: string, value: string,
  *   default: string, required: boolean}} Key */
@@ -9,7 +9,7 @@ import { $, call, cells, clear, duration, field, list, newRow, sentences } from 
 
 const mostShots = 500;
 const texts = /** @type {{[kind: string]: {text: string, saved: string, template: string, file: string|null}}} */ ({});
-let kind = 'plan', checks = 0, timer = 0;
+let kind = 'plan', checks = 0, timer = 0, mistakes = true, why = '';
 /** @type {Key[]} */
 let keys = [];
 /** @type {() => void} */
@@ -53,6 +53,10 @@ function showFired(p) {
   $('more-planned').textContent = p.shots.length > mostShots ? 'and ' + (p.shots.length - mostShots) + ' more' : '';
 }
 
+function mayRun() {
+  field('run').disabled = mistakes || why !== '';
+  field('run').title = mistakes ? 'the plan has mistakes' : why;
+}
 /** Every mistake at once, or the keys and what would be fired. */
 async function check() {
   const mine = ++checks;
@@ -64,12 +68,14 @@ async function check() {
   }
   if (mine !== checks) return;
   list('errors', reply.errors);
-  field('run').disabled = reply.errors.length > 0;
+  mistakes = reply.errors.length > 0;
+  mayRun();
   area.setAttribute('aria-invalid', String(reply.errors.length > 0));
   $('fired').hidden = true;
   $('planned').textContent = reply.errors.length ? reply.errors.length + (reply.errors.length === 1 ? ' mistake' : ' mistakes') : 'No mistakes found.';
   if (reply.fired) showFired(reply.fired);
-  if (reply.keys) keys = reply.keys;
+  keys = reply.keys || [];
+  $('keys-none').hidden = keys.length > 0;
   showKeys();
 }
 
@@ -149,5 +155,6 @@ export function opened(on) {
 }
 /** @param {import('./base.js').State} state */
 export function show(state) {
-  field('run').title = state.job ? 'a job is on' : '';
+  why = state.job ? 'a job is on' : !state.status ? 'the rig does not answer' : access.may_fire ? '' : 'the token may not fire';
+  mayRun();
 }

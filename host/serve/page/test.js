@@ -1,6 +1,6 @@
 // @ts-check
 // Test: one closing, drawn at once; its quantities; the trend over its campaign.
-import { $, button, call, cells, clear, field, known, measured, newRow, rounded, scaled, sentences, unitOf } from './base.js';
+import { $, access, button, call, cells, clear, field, known, measured, newRow, rounded, scaled, sentences, unitOf } from './base.js';
 
 /** @typedef {import('./base.js').State} State */
 /** @typedef {import('./base.js').Shot} Shot */
@@ -25,6 +25,10 @@ $('stripped').addEventListener('change', () => closing && panels && panels.draw(
 $('fire-form').addEventListener('submit', async (e) => {
   e.preventDefault();
   clear('refused');
+  if (field('fire').disabled) {
+    $('refused').textContent = 'Not now: ' + field('fire').title + '.';
+    return;
+  }
   const angle = Number(field('angle').value);
   try {
     await call('POST', '/api/fire', field('at').value === 'touch' ? { touch_deg: angle } : { angle_deg: angle });
@@ -45,7 +49,7 @@ function showQuantities(shot) {
 /** Events in words first: where a person who has never seen a closing finds touch and bounce. @param {number} id */
 export async function showShot(id) {
   const shot = /** @type {Shot} */ (await call('GET', '/api/shots/' + id));
-  const angle = known(shot.angle_deg) ? shot.angle_deg.toFixed(1) + '°' : 'an angle not known';
+  const angle = known(shot.angle_deg) ? String(Math.round(100 * shot.angle_deg) / 100) + '°' : 'an angle not known';
   /** @param {string} s @param {number} factor */
   const value = (s, factor) => {
     const q = shot.quantities.find((one) => one.symbol === s);
@@ -98,11 +102,12 @@ export function opened(_) {}
 
 /** The newest shot, one at a time: what arrives while one is drawn is drawn next. @param {State} state @param {State|null} before */
 export function show(state, before) {
-  field('fire').disabled = !!state.job;
+  field('fire').disabled = !!state.job || !state.status || !access.may_fire;
+  field('fire').title = state.job ? 'a job is on' : !state.status ? 'the rig does not answer' : access.may_fire ? '' : 'the token may not fire';
   $('conditions').textContent = state.plan.supply_volts + ' V, ' + state.plan.mains_hertz + ' Hz, coil on for ' + state.plan.hold_time_ms +
     ' ms, specimen ' + state.plan.specimen + ' (from the plan)';
   const aim = state.job && state.job.aim;
-  if (aim) $('refused').textContent = 'To touch there the coil is switched on at ' + aim.closing_angle_deg.toFixed(1) + '°; touch is predicted ' + (1e3 * aim.touch_s).toFixed(2) + ' ms later.';
+  $('aimed').textContent = !aim ? '' : 'To touch there the coil is switched on at ' + aim.closing_angle_deg.toFixed(1) + '°; touch is predicted ' + (1e3 * aim.touch_s).toFixed(2) + ' ms later.';
   if (before && before.job && !state.job) stale = true;  // the simulation is there now
   newest = state.newest_shot || 0;
   drawNewest();
