@@ -136,6 +136,12 @@ InputSpread input_uncertainty(const ClosingInputs& in, const sim::Specimen& spec
   return out;
 }
 
+std::int64_t keep_simulated(Store& store, StoredShot shot, const rigs::SimulatedClosing& closing,
+                            const Events& events, const RunOptions& options) {
+  shot.outcome = Outcome::not_judged;
+  return store.store_shot(shot, &closing.record, &events, extraction_info(options));
+}
+
 std::size_t simulate_campaign(Store& store, std::int64_t campaign, std::span<const PlannedShot> plan,
                               const sim::Specimen& specimen, const rigs::SimRigConfig& rig,
                               const RunOptions& options, int threads, Progress& progress,
@@ -164,9 +170,7 @@ std::size_t simulate_campaign(Store& store, std::int64_t campaign, std::span<con
   const auto store_one = [&](std::size_t i) {
     const Simulated result = std::exchange(results[i], {});
     if (!result.closing) return;
-    shots[i].outcome = Outcome::not_judged;
-    const std::int64_t id =
-        store.store_shot(shots[i], &result.closing->record, &result.events, extraction_info(options));
+    const std::int64_t id = keep_simulated(store, shots[i], *result.closing, result.events, options);
     if (!result.prediction.empty()) store.store_prediction(id, result.prediction);
     ++stored_shots;
   };

@@ -37,6 +37,10 @@ ClosingInputs inputs_of(const Conditions& asked, std::span<const Events> measure
 InputSpread input_uncertainty(const ClosingInputs&, const sim::Specimen&, const rigs::SimRigConfig&,
                               const RunOptions&);
 
+/// Stores a simulated closing with its record and events; the number of its shot.
+std::int64_t keep_simulated(Store&, StoredShot, const rigs::SimulatedClosing&, const Events&,
+                            const RunOptions&);
+
 /// One closing for each angle of the plan, on `threads` threads, stored with record and events. Where the campaign has measured
 /// closings and not `nominal`: under their conditions, with its uncertainty. Each is stored as soon as those of the angles before
 /// it are; what is stored already is kept. An angle that fails is thrown at the end, the others are stored.

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <future>
 
 #include "core/origin.h"
@@ -87,6 +88,12 @@ rigs::RigInfo Bench::Impl::rig_now() const {
   return look.info ? *look.info : info;
 }
 
+/// True where the closing that would stand beside a shot is stored already.
+static bool simulated(const Store& store, const StoredShot& beside) {
+  const auto all = store.shots(beside.campaign, ShotKind::simulated);
+  return std::any_of(all.begin(), all.end(), [&](const auto& s) { return s.angle_deg == beside.angle_deg; });
+}
+
 std::string Bench::Impl::run_job(const Job& now) {
   Store store(database);
   const rigs::RigInfo found = rig_now();
@@ -109,19 +116,28 @@ std::string Bench::Impl::run_job(const Job& now) {
   RunOptions options = run_options(now.scene.plan);
   options.watcher = this;
   Progress silent("", now.shots.size(), Progress::Style::none);
-  // a single closing is simulated as asked, which is known beforehand: both at once
-  std::future<rigs::SimulatedClosing> ahead;
-  if (now.single)
-    ahead = std::async(std::launch::async, rigs::simulate_record, now.scene.specimen,
-                       now.shots.front().conditions, sensors.config);
-  const RecordMaker single = [&](const sim::Specimen&, const Conditions&, const rigs::SimRigConfig&) {
-    return ahead.get();
+  // a single closing is simulated as asked, which is known beforehand: both at once, and once for an angle
+  struct Ahead {
+    rigs::SimulatedClosing closing;
+    Events events;
   };
+  std::future<Ahead> ahead;
+  const StoredShot beside = powbench::host::stored(campaign, ShotKind::simulated, now.shots.front());
+  if (now.single && !simulated(store, beside))
+    ahead = std::async(std::launch::async, [&] {
+      Ahead a{rigs::simulate_record(now.scene.specimen, now.shots.front().conditions, sensors.config), {}};
+      a.events = extract_checked(a.closing.record, options);
+      return a;
+    });
   const RunSummary summary = run_campaign(store, campaign, now.shots, *rig, options, silent);
   if (!stopped() && summary.done() > 0) {
     doing("simulating");
-    simulate_campaign(store, campaign, now.shots, now.scene.specimen, sensors.config, options, 1, silent,
-                      now.single ? single : RecordMaker(rigs::simulate_record), now.single);
+    if (!now.single)
+      simulate_campaign(store, campaign, now.shots, now.scene.specimen, sensors.config, options, 1, silent);
+    else if (ahead.valid()) {
+      const Ahead a = ahead.get();
+      keep_simulated(store, beside, a.closing, a.events, options);
+    }
   }
   if (!now.single)
     say(fmt::format("plan {}: {} of {} shots recorded, {} outside limits{}{}", now.scene.plan.name,
