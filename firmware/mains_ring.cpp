@@ -34,6 +34,11 @@ float MainsRing::threshold() const {
   return among_others < alone ? among_others : alone;
 }
 
+float MainsRing::hidden() const {
+  const float beyond = repeated_factor * usual_ - repeated_threshold;
+  return repeated() && beyond > 0.0F ? beyond : 0.0F;
+}
+
 void MainsRing::push(float raw) {
   ++count_;
   slot(0) = raw;

@@ -31,6 +31,9 @@ class MainsRing {
   std::int64_t count() const { return count_; }
   /// Mean of |sample - what stands in for it| over about a cycle, units of nominal amplitude.
   float altered() const { return altered_; }
+  /// Depth below which notches among others are not seen for the roughness of the wave, beyond what is usual; units of
+  /// nominal amplitude. 0 without notches.
+  float hidden() const;
   /// The newest sample as it came.
   float newest() const { return open_ > 0 ? raw_[static_cast<std::uint32_t>(open_ - 1)] : back(0); }
   /// The newest samples may be those of a notch, for one has been there lately.

@@ -11,10 +11,16 @@ constexpr float longest_count = 200.0F;       ///< errors that the slow mean rem
 constexpr float quick_gain = 0.04F, quick_gain_mixed = 0.02F;
 constexpr float largest_square = 1.7e-5F;   ///< turns^2: beyond 1.5 deg nothing is valid anyway
 constexpr float deviation_unit = 0x1p-22F;  ///< turns
+constexpr PhaseWord half_turn = 1U << 31;
+constexpr float swing_gain = 0.02F;     ///< an update: 50 ms
+constexpr float least_swing = 7.0e-9F;  ///< turns^2: (0.03 deg)^2
+constexpr float largest_swing = 4.0e-7F;
+constexpr float truth_share = 0.35F;  ///< of the variance of a window: that of the mean of two, a cycle apart
 constexpr float least_variance = 5.0e-13F;
 constexpr float test_factor = 9.0F;    ///< of the innovation test: squares
 constexpr float surprise_gain = 9.0F;  ///< from the newest cycle to 20 ms ahead, squared
-constexpr float least_share = 0.15F;   ///< of the mean square that a long memory is left with
+constexpr float least_share = 0.15F,
+                swing_share = 0.27F;  ///< of the mean square that a long memory is left with
 constexpr float revision_factor = 6.0F, revision_share = 0.35F, alarm_decay = 0.95F;
 constexpr float now_share = 0.04F;      ///< of an alarm 20 ms ahead, now
 constexpr float step_square = 1.9e-4F;  ///< turns^2: (5 deg)^2
@@ -48,7 +54,7 @@ void PhaseBank::Track::add(float square, float least_gain) {
 }
 
 void PhaseBank::reset() {
-  history_.newest = history_.newest_late = history_.late_count = 0;
+  history_ = {};
   forget_predictions();
   track_ = {};
   kept_ = {};
@@ -57,7 +63,11 @@ void PhaseBank::reset() {
   scatter_ = scatter_count_ = 0.0F;
   said_count_ = 0;
   revision_.fill(0.0F);
-  alarm_ = level_doubt_ = 0.0F;
+  alarm_ = level_doubt_ = swing_ = 0.0F;
+  swings_ = false;
+  swing_of_.fill(0.0F);
+  step_ = 1U << 26;
+  bend_ = 0.0F;
 }
 
 void PhaseBank::event() {
@@ -94,11 +104,41 @@ void PhaseBank::push_late(PhaseWord phase, int after) {
   if (history_.late_count < phase_memory) ++history_.late_count;
 }
 
-/// The window has come to a place that was predicted.
-void PhaseBank::judge(PhaseWord phase) {
-  if (history_.newest % 2 != 0) return;
+/// The window has come to a place that was predicted. If the windows swing to and fro from cycle to cycle, what it was is
+/// the mean of the two half a cycle before and after it, less what the mains bends meanwhile: a tone half an order away
+/// from the fundamental has its zero there, and would else be taken for a movement that repeats itself.
+void PhaseBank::judge() {
+  const float half = 0.5F * 4294967296.0F / static_cast<float>(step_);
+  const auto whole = static_cast<std::int32_t>(half) + 1;
+  const std::int32_t place = history_.newest - whole;
+  const float part = static_cast<float>(whole) - half;
+  const auto between = [&](std::int32_t end, std::int32_t towards) {
+    const PhaseWord word = history_.at(end);
+    return word + to_word(part * to_turns(history_.at(towards) - word));
+  };
+  const PhaseWord newer = between(history_.newest, history_.newest - 1);
+  const PhaseWord older = between(place - whole, place - whole + 1);
+  const PhaseWord mean =
+      older + half_turn + to_word(0.5F * to_turns(newer - older)) - to_word(0.5F * half * half * bend_);
+  const float swing = to_turns(history_.at(place) - mean);
+  const auto at = static_cast<std::uint32_t>(place);
+  const float before = swing_of_[(at - static_cast<std::uint32_t>(2.0F * half + 0.5F)) % swing_of_.size()];
+  swing_of_[at % swing_of_.size()] = swing;
+  const float turned = -swing * before;
+  const float bounded =
+      turned > -largest_swing ? (turned < largest_swing ? turned : largest_swing) : -largest_swing;
+  if (history_.newest > 4 * whole) swing_ += (bounded - swing_) * swing_gain;
+  swings_ = swing_ > (swings_ ? 0.5F : 1.0F) * least_swing;
+  if (swings_)
+    judge(place, mean);
+  else
+    judge(history_.newest, history_.at(history_.newest));
+}
+
+void PhaseBank::judge(std::int32_t place, PhaseWord phase) {
+  if (place % 2 != 0) return;
   for (unsigned h = 0; h < 2; ++h) {
-    Predicted& then = predicted(h, history_.newest);
+    Predicted& then = predicted(h, place);
     const std::uint32_t known = then.known;
     then.known = 0;
     if (known == 0) continue;
@@ -185,8 +225,8 @@ void PhaseBank::weigh(const Predictions& said, bool judged) {
 float PhaseBank::variance(unsigned horizon) const {
   const float recent = track_[horizon][mixed].fast;
   const float seen = recent > expected_[horizon] ? recent : expected_[horizon];
-  const float own = seen - scatter_;
-  const float least = least_share * seen;
+  const float own = seen - (swings_ ? truth_share : 1.0F) * scatter_;
+  const float least = (swings_ ? swing_share : least_share) * seen;
   return (own > least ? own : least) + level_doubt_ + least_variance;
 }
 
@@ -224,6 +264,7 @@ void PhaseBank::keep_tracks() {
 
 BankSay PhaseBank::say(int clean, PhaseWord step, int now, int ahead) {
   const bool judged = clean >= fewest;
+  step_ = step;
   level_doubt_ *= level_decay;
   const std::array<int, 2> reach = {now, ahead};
   const Predictions said = predict(history_, clean, step, reach);
@@ -243,6 +284,7 @@ BankSay PhaseBank::say(int clean, PhaseWord step, int now, int ahead) {
     }
     if (judged) note_predictions(said, base, h, value[h], history_.newest + reach[h]);
   }
+  bend_ = out.rate;
   out.now = value[0];
   out.ahead = value[1];
   out.variance_now = variance(0);

@@ -38,7 +38,7 @@ class PhaseBank {
   /// Next phase of two cycles.
   void push(PhaseWord phase) {
     history_.push(phase, phase);
-    judge(phase);
+    judge();
   }
   /// While a window spans a change: `expected` stands in for what was seen.
   void push_expected(PhaseWord expected, PhaseWord seen) { history_.push(expected, seen); }
@@ -59,7 +59,7 @@ class PhaseBank {
 
  private:
   /// Every second place is predicted and judged: neighbouring windows share 39 of 40 ms.
-  static constexpr std::uint32_t slots = 24, said_slots = 32;
+  static constexpr std::uint32_t slots = 32, said_slots = 32;
   static constexpr std::uint32_t mixed = predictor_count;  ///< index of the average's own errors
   /// Mean square of errors, turns^2.
   struct Track {
@@ -81,7 +81,8 @@ class PhaseBank {
     std::int32_t place = 0;
   };
 
-  void judge(PhaseWord phase);
+  void judge();
+  void judge(std::int32_t place, PhaseWord phase);
   void note_scatter();
   void weigh(const Predictions&, bool judged);
   float variance(unsigned horizon) const;
@@ -92,6 +93,11 @@ class PhaseBank {
   void keep_tracks();
 
   PhaseHistory history_;
+  PhaseWord step_ = 1U << 26;         ///< reference frequency of the last estimate, 2^-32 turns an update ...
+  std::array<float, 32> swing_of_{};  ///< windows less the mean of those half a cycle off, turns
+  float swing_ = 0;                   ///< mean square of what turns its sign within a cycle, turns^2
+  bool swings_ = false;
+  float bend_ = 0;  ///< ... and its rate, turns an update^2
   /// What was predicted for one place.
   struct Predicted {
     PhaseWord mixed = 0;

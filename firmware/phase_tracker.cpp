@@ -17,15 +17,17 @@ constexpr float largest_residual = 0.15F;  ///< rms, of the fundamental's
 constexpr float cross_check_limit = 3.0F / 360;
 constexpr float third_opinion_limit = 5.0F / 360;
 constexpr float repair_doubt = 0.7F / 360;  ///< turns for a mean repair of the nominal amplitude
-constexpr float clip_doubt = 0.6F / 360;    ///< turns for an input that always clips
-constexpr float least_clip_level = 0.5F;    ///< of nominal
-constexpr float clip_gain = 0.005F;         ///< a point of the history
-constexpr int fewest_level = 4;             ///< equal points after the first: 9 deg of 50 Hz
-constexpr int fewest_entries = 18;          ///< phasors a valid estimate rests on
-constexpr int longest_memory = 1 << 14;     ///< samples of the history
-constexpr int longest_coast = 96;           ///< updates
-constexpr int keep_interval = 12;           ///< updates
-constexpr int longest_change = 1 << 10;     ///< updates
+constexpr float hidden_doubt =
+    1.8F / 360;  ///< turns for notches of the nominal amplitude that are not repaired
+constexpr float clip_doubt = 0.5F / 360;  ///< turns for an input that always clips
+constexpr float least_clip_level = 0.5F;  ///< of nominal
+constexpr float clip_gain = 0.005F;       ///< a point of the history
+constexpr int fewest_level = 4;           ///< equal points after the first: 9 deg of 50 Hz
+constexpr int fewest_entries = 18;        ///< phasors a valid estimate rests on
+constexpr int longest_memory = 1 << 14;   ///< samples of the history
+constexpr int longest_coast = 96;         ///< updates
+constexpr int keep_interval = 12;         ///< updates
+constexpr int longest_change = 1 << 10;   ///< updates
 /// Updates since a change that moved no phase: sooner it cannot be told, and later it should be over.
 constexpr int changed_least = 8, changed_most = 50;
 constexpr int notice_delay = 4;        ///< updates
@@ -70,6 +72,7 @@ void PhaseTracker::restart() {
   guard_.reset();
   entry_count_ = before_ = 0;
   bank_.reset();
+  beat_.reset();
   sum_ = 0;
   summed_ = since_update_ = clean_ = spared_ = 0;
   coast_ = since_kept_ = 0;
@@ -296,6 +299,7 @@ void PhaseTracker::update() {
   if (changed_) compare_windows(behind);
   const auto step = static_cast<std::uint32_t>(static_cast<float>(update_step_) / cycle_ * 4294967296.0F);
   if (!changed_ && entry_count_ >= fewest_entries) learn(entries_within(spared_), step);
+  watch_beat(phasor.amplitude, step);
   const int clean = entries_within(event_ ? clean_ : spared_);
   if (magnitude(cycle_ - window_cycle) > wrong_cycle * cycle_) bank_.forget_late();
   if (magnitude(cycle_ - window_cycle) > stale_window * cycle_) entry_count_ = 0, before_ = 0;
@@ -326,17 +330,24 @@ void PhaseTracker::publish(const BankSay& say, std::uint32_t step, int now, int 
   estimate_.frequency = hertz;
   estimate_.frequency_rate = rate;
   const float model = model_variance();
-  estimate_.variance = say.variance_now + model;
-  estimate_.variance_ahead = say.variance_ahead + model;
+  const float tone = beat_.variance();
+  estimate_.variance = (say.variance_now > tone ? say.variance_now : tone) + model;
+  estimate_.variance_ahead = (say.variance_ahead > tone ? say.variance_ahead : tone) + model;
   cycle_ = rate_ / hertz;
 }
 
 /// A bias that does not change is not seen in errors of predictions. It comes from what has been put in the place of
-/// samples and from an input that clips; turns^2.
+/// samples, from notches too shallow to be told from noise, and from an input that clips; turns^2.
 float PhaseTracker::model_variance() const {
   const float repaired = repair_doubt * ring_.altered();
   const float clipped = clip_doubt * clipped_;
-  return repaired * repaired + clipped * clipped;
+  const float hidden = hidden_doubt * ring_.hidden();
+  return repaired * repaired + hidden * hidden + clipped * clipped;
+}
+
+void PhaseTracker::watch_beat(float amplitude, std::uint32_t step) {
+  if (changed_) return beat_.skip();
+  beat_.push(amplitude, newest_seen_, step);
 }
 
 std::uint16_t PhaseTracker::gate(const WindowPhasor& phasor, int clean) const {

@@ -3,6 +3,7 @@
 #include <array>
 #include <cstdint>
 
+#include "firmware/beat_watch.h"
 #include "firmware/cycle_compare.h"
 #include "firmware/jump_guard.h"
 #include "firmware/mains_ring.h"
@@ -80,6 +81,7 @@ class PhaseTracker {
   bool take(std::int32_t sum);
   void note_clipping(std::int32_t sum);
   float model_variance() const;
+  void watch_beat(float amplitude, std::uint32_t step);
   void restart();
   void absent();
   void place_window();  ///< chooses middle_
@@ -108,6 +110,7 @@ class PhaseTracker {
   SogiPll pll_;
   ZeroCross zero_cross_;
   PhaseBank bank_;
+  BeatWatch beat_;
   int middle_ = 0;  ///< samples of the history from the middle of the window to the newest: whole updates
   int before_ = 0;  ///< middle_ of the newest phasor, 0 = none
   int entry_count_ = 0;                  ///< phasors since the memory started
