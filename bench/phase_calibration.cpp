@@ -149,9 +149,7 @@ int main(int count, char** words) {
       "(decision 21, 8), "
       "as SOGI has another;\nin 'sag' and 'capacitor' the errors where valid are those of the milliseconds "
       "before a "
-      "jump is noticed. interharmonic: one within 5 % of the\nfundamental moves the phase as slowly as the "
-      "mains may, and u does "
-      "not show it.");
+      "jump is noticed.");
   report["all"] = to_json(all);
   report["cases"] = a.cases;
   if (a.json_path.empty()) return 0;

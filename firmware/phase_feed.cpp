@@ -72,7 +72,7 @@ void PhaseFeed::work() {
       continue;
     }
     const bool due = tracker_.push_sum(entry.value);
-    store_shared(suspicious_, static_cast<std::uint32_t>(tracker_.suspicious()));
+    store_shared(suspicious_, std::uint32_t{tracker_.suspicious()});
     if (!due) continue;
     tracker_.update();
     const std::uint32_t other = 1 - newest_;

@@ -26,6 +26,7 @@ constexpr int fewest_level = 4;           ///< equal points after the first: 9 d
 constexpr int fewest_entries = 18;        ///< phasors a valid estimate rests on
 constexpr int longest_memory = 1 << 14;   ///< samples of the history
 constexpr int longest_coast = 96;         ///< updates
+constexpr int longest_kept = 60;          ///< updates
 constexpr int keep_interval = 12;         ///< updates
 constexpr int longest_change = 1 << 10;   ///< updates
 /// Updates since a change that moved no phase: sooner it cannot be told, and later it should be over.
@@ -75,7 +76,7 @@ void PhaseTracker::restart() {
   beat_.reset();
   sum_ = 0;
   summed_ = since_update_ = clean_ = spared_ = 0;
-  coast_ = since_kept_ = 0;
+  coast_ = since_kept_ = keep_hertz_ = 0;
   changed_ = event_ = false;
   since_change_ = longest_change;
   quiet_ = false;
@@ -156,6 +157,7 @@ void PhaseTracker::notice_changes() {
   if (changed_ && (coast_ <= 0 || (event_ && since_change_ == cycle && compare_.slips()) ||
                    (event_ && since_change_ > 2 * cycle + changed_least && compare_.evidence() > leap))) {
     bank_.resume(0.0F, 1.0F, since_change_);
+    if (event_) keep_hertz_ = 0;
     restart_memory();
   }
 }
@@ -264,7 +266,11 @@ void PhaseTracker::learn(int clean, std::uint32_t step) {
   const int newer = static_cast<int>(cycle_) + MainsRing::final_age;
   if (say.broken && clean_ > newer) begin_change(newer, true);
   if (changed_) return coast();
-  publish(say, step, now, ahead);
+  // windows that span a change would give any frequency: for a while the one from before it stays
+  if (clean < fewest_entries && clean < entry_count_ && keep_hertz_ > 0)
+    --keep_hertz_;
+  else
+    publish(say, step, now, ahead);
   if (clean < fewest_entries && coast_ > 0) coast();
   if (clean < fewest_entries) return;
   if (++since_kept_ < keep_interval) return;
@@ -304,7 +310,10 @@ void PhaseTracker::update() {
   if (magnitude(cycle_ - window_cycle) > wrong_cycle * cycle_) bank_.forget_late();
   if (magnitude(cycle_ - window_cycle) > stale_window * cycle_) entry_count_ = 0, before_ = 0;
   estimate_.faults = gate(phasor, clean);
-  if (estimate_.valid()) gap_ = false;
+  if (estimate_.valid()) {
+    gap_ = false;
+    keep_hertz_ = longest_kept;
+  }
 }
 
 void PhaseTracker::absent() {

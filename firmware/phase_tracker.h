@@ -118,6 +118,7 @@ class PhaseTracker {
   std::uint32_t newest_seen_ = 0;        ///< of the window; the same but behind a change
   std::array<PhaseEstimate, 2> kept_{};  ///< older estimates: what goes on after a change is from before it
   int since_kept_ = 0;
+  int keep_hertz_ = 0;           ///< updates for which windows that span a change do not change the frequency
   int coast_ = 0;                ///< updates that the estimate may still go on without new phases
   bool changed_ = false;         ///< the waveform has changed, and the windows behind that are not enough yet
   bool event_ = false;           ///< ... and its phase may have jumped
