@@ -21,7 +21,7 @@ struct ComparisonRow {
   double scatter = 0.0;  ///< standard deviation over repeats; NaN for fewer than two
   double dof = std::numeric_limits<double>::infinity();  ///< effective degrees of freedom of measured.u
   double coverage =
-      std::numeric_limits<double>::quiet_NaN();  ///< k: expanded uncertainty U = k u covers 95 %
+      std::numeric_limits<double>::quiet_NaN();  ///< k: expanded uncertainty U = k u covers 95.45 %
   double lowest = std::numeric_limits<double>::quiet_NaN();
   double highest = std::numeric_limits<double>::quiet_NaN();
   bool two_modes = false;  ///< the repeats fall into two groups: the mean describes neither
@@ -37,7 +37,7 @@ struct ComparisonRow {
   Outcome against_simulation =
       Outcome::not_judged;  ///< against the plan's largest difference from the simulation
 
-  /// U of simulated - measured, 95 %: k sqrt(u^2 + u_simulated^2); NaN when u is unknown.
+  /// U of simulated - measured, 95.45 %: k sqrt(u^2 + u_simulated^2); NaN when u is unknown.
   double expanded_difference() const {
     if (u_simulated_unknown) return std::numeric_limits<double>::quiet_NaN();
     const double s = std::isfinite(u_simulated) ? u_simulated : 0.0;

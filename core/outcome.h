@@ -44,7 +44,7 @@ enum class Decision : std::uint8_t {
 /// Exit codes of the command line.
 enum class Exit : int {
   pass = 0,
-  outside_limits = 1,  ///< or a limited quantity was not observed
+  outside_limits = 1,  ///< not passed: outside limits, a limited quantity not observed, or shots missing
   bad_input = 2,
   rig_fault = 3,  ///< rig unreachable or at fault
   timeout = 4,
@@ -53,5 +53,10 @@ enum class Exit : int {
   not_known = 7,  ///< whether a wanted accuracy is reached: nothing to compare the model with
   interrupted = 130,
 };
+
+/// Of what looks at a campaign: 1 for all that is neither PASS nor NOT JUDGED.
+constexpr Exit exit_of(Outcome verdict) {
+  return verdict == Outcome::pass || verdict == Outcome::not_judged ? Exit::pass : Exit::outside_limits;
+}
 
 }  // namespace powbench

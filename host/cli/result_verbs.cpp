@@ -15,6 +15,7 @@
 #include "host/gather/gather.h"
 #include "host/gather/pdf.h"
 #include "host/gather/scene.h"
+#include "host/gather/verdict.h"
 #include "host/gather/vibration.h"
 #include "host/store/json.h"
 
@@ -40,12 +41,6 @@ std::string shown_unit(const std::string& unit) {
 
 std::string degrees_text(double angle) {
   return std::isfinite(angle) ? fmt::format("{:.1f}", degrees(angle)) : "-";
-}
-
-bool limited(const std::vector<Limit>& limits, const std::string& quantity) {
-  for (const Limit& l : limits)
-    if (l.quantity == quantity) return true;
-  return false;
 }
 
 Json row_json(const ComparisonRow& r) {
@@ -243,16 +238,15 @@ Exit compare_campaign(const ResultArgs& args) {
   const CampaignInfo campaign = store.campaign(args.campaign);
   const Comparison comparison = compare_stored(store, campaign);
   const std::vector<CurveRow> curves = gather_curves(store, campaign);
-  const std::vector<Limit> limits = plan_limits(stored_plan(campaign));
-  bool failed = false;
   Json list = Json::array();
   if (!args.json)
-    fmt::print("{}, campaign {}, {}\n{:<9} {:>7}  {:>3} {:>10} {:>8} {:>8} {:>10} {:>7} {:<9} {:>4} {}\n",
-               name(campaign.origin), campaign.id, campaign.name, "quantity", "deg", "n", "measured", "u",
-               "scatter", "simulated", "diff./U", "", "", "limits");
+    fmt::print(
+        "{}, campaign {}, {}; U covers 95.45 % (k = 2 and more)\n{:<9} {:>7}  {:>3} {:>10} {:>8} {:>8} "
+        "{:>10} "
+        "{:>7} {:<9} {:>4} {}\n",
+        name(campaign.origin), campaign.id, campaign.name, "quantity", "deg", "n", "measured", "U", "scatter",
+        "simulated", "diff./U", "", "", "limits");
   for (const ComparisonRow& r : comparison.rows) {
-    failed = failed || r.outcome == Outcome::fail || r.against_simulation == Outcome::fail ||
-             (r.outcome == Outcome::not_observed && limited(limits, r.quantity));
     if (args.json) {
       list.push_back(row_json(r));
       continue;
@@ -260,7 +254,7 @@ Exit compare_campaign(const ResultArgs& args) {
     const double E = r.difference_over_U();
     fmt::print("{:<9} {:>7}  {:>3} {:>10} {:>8} {:>8} {:>10} {:>7} {:<9} {:>4} {}{}\n", r.quantity,
                degrees_text(r.closing_angle), r.repeats, shown(r.measured.value, r.unit),
-               shown(r.measured.u, r.unit), shown(r.scatter, r.unit), shown(r.simulated, r.unit),
+               shown(r.coverage * r.measured.u, r.unit), shown(r.scatter, r.unit), shown(r.simulated, r.unit),
                std::isfinite(E) ? fmt::format("{:.2f}", E) : "-",
                std::isfinite(r.simulated) ? agreement(E) : "", shown_unit(r.unit), name(r.outcome),
                r.against_simulation == Outcome::fail ? ", FAIL against the simulation" : "");
@@ -271,7 +265,7 @@ Exit compare_campaign(const ResultArgs& args) {
   } else {
     print_curves(curves);
   }
-  return failed ? Exit::outside_limits : Exit::pass;
+  return exit_of(campaign_verdict(store, campaign));
 }
 
 Exit write_report(const ReportArgs& args) {
@@ -293,7 +287,7 @@ Exit write_report(const ReportArgs& args) {
                            .dump(2));
   fmt::print(stderr, "{}, {}: {}; {} and {}\n", campaign.name, name(campaign.origin), name(outcome),
              (folder / "report.html").string(), (folder / "junit.xml").string());
-  return outcome == Outcome::fail || outcome == Outcome::not_observed ? Exit::outside_limits : Exit::pass;
+  return exit_of(outcome);
 }
 
 }  // namespace powbench::host

@@ -10,7 +10,7 @@
 #include "host/cli/verbs.h"
 #include "host/compare/pair.h"
 #include "host/export/write_file.h"
-#include "host/gather/gather.h"
+#include "host/gather/verdict.h"
 #include "host/report/number.h"
 #include "host/store/json.h"
 #include "rigs/sealed_shot.h"
@@ -27,12 +27,19 @@ Json number(double x) {
   return std::isfinite(x) ? Json(x) : Json(nullptr);
 }
 
-/// "12.345 +- 0.004", in units of 1/scale of SI, to the digits of U = 2 u; a dash where it is not known.
-std::string plain(const Measured& m, double scale, int decimals) {
+/// With so many decimals, and no sign on a zero; a dash where it is not known.
+std::string digits_of(double value, int decimals) {
+  if (!std::isfinite(value)) return "-";
+  const double one = std::pow(10.0, decimals);
+  return fmt::format("{:.{}f}", std::round(value * one) / one + 0.0, decimals);
+}
+
+/// "12.345 +- 0.004", in units of 1/scale of SI, to the digits of U = k u; a dash where it is not known.
+std::string plain(const Measured& m, double scale, int decimals, double k = 2) {
   if (!m.known()) return "-";
-  const double U = 2 * m.u * scale;
-  const int digits = std::isfinite(U) && U > 0 ? decimals_for(U, decimals) : decimals;
-  std::string text = fmt::format("{:.{}f}", m.value * scale, digits);
+  const double U = k * m.u * scale;
+  const int digits = decimals_for(U, decimals);
+  std::string text = digits_of(m.value * scale, digits);
   if (std::isfinite(U)) text += fmt::format(" +- {:.{}f}", U, digits);
   return text;
 }
@@ -204,13 +211,16 @@ Exit compare_campaigns(const CompareArgs& args) {
   const Store store(args.database, Store::Mode::read_only);
   const CampaignInfo first = store.campaign(args.pair[0]), second = store.campaign(args.pair[1]);
   const auto rows = compare_pair(compare_stored(store, first), compare_stored(store, second));
+  const Outcome verdicts[] = {campaign_verdict(store, first), campaign_verdict(store, second)};
   Json list = Json::array();
+  std::size_t differ = 0, judged = 0;
   if (!args.json)
     fmt::print(
-        "campaign {}, {} ({}), against campaign {}, {} ({}); U for 95 %\n{:<9} {:>7} {:>7} {:>10} {:>10} "
-        "{:>11} {:>9} {:>7}\n",
-        second.id, second.name, name(second.origin), first.id, first.name, name(first.origin), "quantity",
-        "deg", "n", "first", "second", "difference", "U", "diff./U");
+        "campaign {}, {} ({}, {}), against campaign {}, {} ({}, {}); +- is U, 95.45 % (k = 2 and more)\n"
+        "{:<9} {:>7} {:>7} {:>19} {:>19} {:>11} {:>9} {:>7}\n",
+        second.id, second.name, name(second.origin), name(verdicts[1]), first.id, first.name,
+        name(first.origin), name(verdicts[0]), "quantity", "deg", "n", "first", "second", "difference", "U",
+        "diff./U");
   for (const PairRow& r : rows) {
     const ReadableUnit unit = readable_unit(r.unit);
     if (args.json) {
@@ -225,19 +235,21 @@ Exit compare_campaigns(const CompareArgs& args) {
                       {"agreement", agreement(r.over_U())}});
       continue;
     }
-    const auto text = [&](double v) {
-      if (!std::isfinite(v)) return std::string("-");
-      return fmt::format("{:.3f}", std::round(v * unit.per_si * 1e3) / 1e3 + 0.0);  // no -0.000
-    };
-    fmt::print("{:<9} {:>7} {:>7} {:>10} {:>10} {:>11} {:>9} {:>7} {:<9} {}\n", r.quantity,
+    const int digits = decimals_for(r.U * unit.per_si, 3);
+    fmt::print("{:<9} {:>7} {:>7} {:>19} {:>19} {:>11} {:>9} {:>7} {:<9} {}\n", r.quantity,
                std::isfinite(r.closing_angle) ? fmt::format("{:.2f}", degrees(r.closing_angle)) : "-",
-               fmt::format("{}, {}", r.n[0], r.n[1]), text(r.first.value), text(r.second.value),
-               text(r.difference), text(r.U),
-               std::isfinite(r.over_U()) ? fmt::format("{:.2f}", r.over_U()) : "-", agreement(r.over_U()),
+               fmt::format("{}, {}", r.n[0], r.n[1]), plain(r.first, unit.per_si, 3, r.k[0]),
+               plain(r.second, unit.per_si, 3, r.k[1]), digits_of(r.difference * unit.per_si, digits),
+               digits_of(r.U * unit.per_si, digits), digits_of(r.over_U(), 2), agreement(r.over_U()),
                unit.name);
+    judged += std::isfinite(r.over_U()) ? 1U : 0U;
+    differ += r.over_U() > 1 ? 1U : 0U;
   }
-  if (args.json) fmt::print("{}\n", list.dump(2));
-  return Exit::pass;
+  if (args.json)
+    fmt::print("{}\n", list.dump(2));
+  else
+    fmt::print("{} of {} differ, {} not known\n", differ, judged, rows.size() - judged);
+  return exit_of(worse(verdicts[0], verdicts[1]));
 }
 
 }  // namespace powbench::host

@@ -19,11 +19,12 @@ PairRow row_of(const ComparisonRow* a, const ComparisonRow* b) {
   const ComparisonRow& any = a != nullptr ? *a : *b;
   PairRow row;
   row.closing_angle = any.closing_angle, row.quantity = any.quantity, row.unit = any.unit;
-  if (a != nullptr) row.first = a->measured, row.n[0] = a->repeats;
-  if (b != nullptr) row.second = b->measured, row.n[1] = b->repeats;
+  if (a != nullptr) row.first = a->measured, row.n[0] = a->repeats, row.k[0] = a->coverage;
+  if (b != nullptr) row.second = b->measured, row.n[1] = b->repeats, row.k[1] = b->coverage;
   if (a == nullptr || b == nullptr) return row;
   row.difference = b->measured.value - a->measured.value;
   const double va = a->measured.u * a->measured.u, vb = b->measured.u * b->measured.u;
+  if (!std::isfinite(va + vb)) return row;  // of one at least no uncertainty is known
   const double parts =
       (std::isfinite(a->dof) ? va * va / a->dof : 0) + (std::isfinite(b->dof) ? vb * vb / b->dof : 0);
   const double dof = parts > 0 ? (va + vb) * (va + vb) / parts : std::numeric_limits<double>::infinity();

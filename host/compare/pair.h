@@ -14,10 +14,13 @@ namespace powbench::host {
 struct PairRow {
   double closing_angle = 0;  ///< rad; NaN = not known
   std::string quantity, unit;
-  int n[2] = {0, 0};                                             ///< measured values behind each mean
-  Measured first, second;                                        ///< unknown where the campaign has none
+  int n[2] = {0, 0};       ///< measured values behind each mean
+  Measured first, second;  ///< unknown where the campaign has none
+  double k[2] = {std::numeric_limits<double>::quiet_NaN(),
+                 std::numeric_limits<double>::quiet_NaN()};      ///< coverage factors of the two
   double difference = std::numeric_limits<double>::quiet_NaN();  ///< second - first
-  double U = std::numeric_limits<double>::quiet_NaN();           ///< of the difference, 95 %
+  double U = std::numeric_limits<
+      double>::quiet_NaN();  ///< of the difference, 95.45 %; NaN where either u is not known
 
   /// |difference| / U, as ComparisonRow's.
   double over_U() const;

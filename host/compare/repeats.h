@@ -16,7 +16,7 @@ namespace powbench::host {
 ///          does not shrink with n. Its random share is in s as well: u errs to the safe side
 ///   u      sqrt(u_A^2 + u_B^2)
 ///   dof    Welch-Satterthwaite with u_B of infinite dof: (n - 1) (u / u_A)^4
-///   k      two-sided 95 % quantile of Student's t with dof; U = k u
+///   k      two-sided 95.45 % quantile of Student's t with dof; U = k u
 struct Repeats {
   int n = 0;  ///< known values
   double mean = std::numeric_limits<double>::quiet_NaN();

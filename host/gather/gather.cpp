@@ -13,6 +13,7 @@
 #include "dsp/prepare.h"
 #include "dsp/signal.h"
 #include "host/gather/scene.h"
+#include "host/gather/verdict.h"
 #include "host/gather/vibration.h"
 #include "host/report/view.h"
 #include "rigs/sealed_shot.h"
@@ -308,12 +309,7 @@ ReportInput gather_report(const Store& store, const CampaignInfo& c, const std::
       input.simulated.push_back({radians(s.angle_deg), *events, std::move(waves), spread_of(prediction)});
       continue;
     }
-    // judged anew by the plan that is stored, so that a store of an earlier program says what is known today
-    Judgement judged{s.outcome, s.reason};
-    if (events && measured(s.outcome)) {
-      judged = judge_shot(*events, s.conditions, options);
-      if (judged.reason.empty() && judged.outcome == Outcome::not_judged) judged.reason = s.reason;
-    }
+    const Judgement judged = judged_anew(s, events, options);
     input.shots.push_back({.index = static_cast<int>(s.id),
                            .conditions = s.conditions,
                            .outcome = judged.outcome,

@@ -253,7 +253,7 @@ Markup chart_section(const ReportInput& input) {
   chart(out, "Closing angle: reached minus commanded", reached_chart(input));
   out.close();
   out.element("p",
-              "Points: mean of the repeats; bar: expanded uncertainty U (95 %); pale column: smallest to "
+              "Points: mean of the repeats; bar: expanded uncertainty U (95.45 %); pale column: smallest to "
               "largest repeat; bar of the simulation: what its inputs' uncertainty moves it by (k = 2). The "
               "angle reached is fitted to the recorded mains and read at the step of the coil voltage.",
               {{"class", "fine"}});

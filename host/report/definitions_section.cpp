@@ -82,13 +82,15 @@ Markup definitions_section(const ReportInput& input) {
        "resolved. Pulsation of the force after settling, at twice the mains frequency, is not bounce.");
   term(out, "Contact times from", timing_channels(input));
   term(out, "Extraction", fmt::format("{}; parameters {}", joined(methods), joined(hashes)));
-  term(out, "Uncertainty U",
-       "U = k u with the standard uncertainty u combined from the scatter of the mean (type A, s / "
-       "\xE2\x88\x9An) and the "
-       "events' own uncertainty, taken as common to all repeats (type B). k is the two-sided 95 % quantile "
-       "of Student's "
-       "t at the effective degrees of freedom after Welch and Satterthwaite. s: standard deviation of the "
-       "repeats.");
+  term(
+      out, "Uncertainty U",
+      "U = k u with the standard uncertainty u combined from the scatter of the mean (type A, s / "
+      "\xE2\x88\x9An) and the "
+      "events' own uncertainty, taken as common to all repeats (type B). k is the two-sided 95.45 % quantile "
+      "of Student's "
+      "t at the effective degrees of freedom after Welch and Satterthwaite: 2.000 where they are infinite. "
+      "s: standard deviation of the "
+      "repeats.");
   term(out, "Limits",
        fmt::format("{} Every single repeat counts; of one shot U = 2 u. A quantity without a limit is NOT "
                    "JUDGED, a limited one "

@@ -24,19 +24,31 @@ ComparisonRow row(double angle, double value, double u, double dof, int n) {
 
 TEST_CASE("pair: U of the difference from both uncertainties, k by the combined degrees of freedom",
           "[compare]") {
-  // equal u and 4 degrees of freedom each: 8 together, k = 2.306004
+  // equal u and 4 degrees of freedom each: 8 together, k = 2.366416
   const auto rows =
       compare_pair({{row(1, 10e-3, 3e-6, 4, 5)}}, {{row(1, 10.02e-3, 3e-6, 4, 5), row(2, 9e-3, 1e-6, 4, 5)}});
   REQUIRE(rows.size() == 2);
   CHECK(rows[0].difference == Approx(20e-6));
-  CHECK(rows[0].U == Approx(2.306004 * std::sqrt(2.0) * 3e-6).epsilon(1e-6));
+  CHECK(rows[0].U == Approx(2.366416 * std::sqrt(2.0) * 3e-6).epsilon(1e-6));
   CHECK(rows[0].over_U() == Approx(20e-6 / rows[0].U));
   CHECK(rows[1].n[0] == 0);  // only the second campaign has this angle
   CHECK(std::isnan(rows[1].difference));
   CHECK(std::isnan(rows[1].over_U()));
 }
 
-TEST_CASE("pair: of two campaigns of one device 5 % are told apart", "[compare]") {
+TEST_CASE("pair: a value without an uncertainty, or none at all, leaves the difference open", "[compare]") {
+  const double none = std::nan("");
+  const double known = std::numeric_limits<double>::infinity();
+  for (const ComparisonRow& other : {row(1, 10e-3, none, known, 1), row(1, none, none, known, 0)})
+    for (const auto& rows : {compare_pair({{row(1, 10e-3, 3e-6, 4, 5)}}, {{other}}),
+                             compare_pair({{other}}, {{row(1, 10e-3, 3e-6, 4, 5)}})}) {
+      REQUIRE(rows.size() == 1);
+      CHECK(std::isnan(rows[0].U));
+      CHECK(agreement(rows[0].over_U()) == "not known");
+    }
+}
+
+TEST_CASE("pair: of two campaigns of one device 4.55 % are told apart", "[compare]") {
   Random random(5);
   const int trials = 4000;
   int told = 0;

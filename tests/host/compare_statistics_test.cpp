@@ -35,17 +35,21 @@ const ComparisonRow& row(const Comparison& all, const std::string& quantity, dou
 
 TEST_CASE("coverage factors of Student's t, against closed forms and tables", "[compare]") {
   const double p = 0.95;
-  CHECK(coverage_factor(1) == Approx(std::tan(0.5 * pi * p)).epsilon(1e-10));          // Cauchy
-  CHECK(coverage_factor(2) == Approx(p * std::sqrt(2 / (1 - p * p))).epsilon(1e-10));  // closed form, 2 dof
-  CHECK(coverage_factor(4) == Approx(2.7764451052).epsilon(1e-9));
-  CHECK(coverage_factor(10) == Approx(2.2281388520).epsilon(1e-9));
-  CHECK(coverage_factor(100) == Approx(1.9839715185).epsilon(1e-9));
-  CHECK(coverage_factor(std::numeric_limits<double>::infinity()) == Approx(1.9599639845).epsilon(1e-9));
-  CHECK(coverage_factor(9.9e6) ==
-        Approx(coverage_factor(1.1e7)).epsilon(1e-6));  // no step where the normal takes over
+  CHECK(coverage_factor(1, p) == Approx(std::tan(0.5 * pi * p)).epsilon(1e-10));  // Cauchy
+  CHECK(coverage_factor(2, p) ==
+        Approx(p * std::sqrt(2 / (1 - p * p))).epsilon(1e-10));  // closed form, 2 dof
+  CHECK(coverage_factor(4, p) == Approx(2.7764451052).epsilon(1e-9));
+  CHECK(coverage_factor(10, p) == Approx(2.2281388520).epsilon(1e-9));
+  CHECK(coverage_factor(100, p) == Approx(1.9839715185).epsilon(1e-9));
+  CHECK(coverage_factor(std::numeric_limits<double>::infinity(), p) == Approx(1.9599639845).epsilon(1e-9));
+  CHECK(coverage_factor(9.9e6, p) ==
+        Approx(coverage_factor(1.1e7, p)).epsilon(1e-6));  // no step where the normal takes over
   CHECK(coverage_factor(5, 0.99) == Approx(4.0321429836).epsilon(1e-9));
+  // the default: 2 u of a normal distribution, and no other factor beside it
+  CHECK(coverage_factor(std::numeric_limits<double>::infinity()) == Approx(2.0).epsilon(1e-12));
+  CHECK(coverage_factor(1) == Approx(std::tan(0.5 * pi * std::erf(std::sqrt(2.0)))).epsilon(1e-10));
   CHECK(student_probability(0, 3) == Approx(0).margin(1e-12));
-  CHECK_THROWS_AS(coverage_factor(0), std::invalid_argument);
+  CHECK_THROWS_AS(coverage_factor(0, p), std::invalid_argument);
   CHECK_THROWS_AS(coverage_factor(3, 1.0), std::invalid_argument);
 }
 
@@ -57,7 +61,7 @@ TEST_CASE("repeats: numbers worked out by hand", "[compare]") {
   CHECK(r.scatter == Approx(std::sqrt(5.0 / 3)));
   CHECK(r.u == Approx(std::sqrt(5.0 / 12 + 1.0 / 4)));
   CHECK(r.dof == Approx(3 * std::pow((5.0 / 12 + 1.0 / 4) / (5.0 / 12), 2)));  // 7.68
-  CHECK(r.coverage == Approx(2.3226).epsilon(2e-4));
+  CHECK(r.coverage == Approx(2.38432).epsilon(2e-4));
   CHECK(r.lowest == 1);
   CHECK(r.highest == 4);
   CHECK_FALSE(r.two_modes);
@@ -73,7 +77,7 @@ TEST_CASE("repeats: none, one, equal, and without uncertainty", "[compare]") {
   CHECK(one.mean == 3);
   CHECK(one.u == Approx(0.2));
   CHECK(std::isinf(one.dof));
-  CHECK(one.coverage == Approx(1.95996).epsilon(1e-5));
+  CHECK(one.coverage == Approx(2.0).epsilon(1e-9));
   CHECK(std::isnan(one.scatter));
 
   const Repeats bare = repeats_of({{3, std::nan("")}});

@@ -3,11 +3,14 @@
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
 
+#include "host/store/store.h"
 #include "tests/system/program.h"
 
 /// What a lab does with a campaign behind the run: look at single shots, complete the test record, compare before and after.
 
 using namespace powbench::test;
+using namespace powbench;
+using namespace powbench::host;
 using Catch::Contains;
 using nlohmann::json;
 
@@ -131,6 +134,38 @@ TEST_CASE("two campaigns: difference over its own U, at the angles of either", "
   CHECK(run(folder, {"compare", "1", "--db", db}).status == 2);
   CHECK(run(folder, {"compare", "1", "7", "--db", db}).status == 2);
   CHECK(run(folder, {"compare", "1", "2", "--campaign", "1", "--db", db}).status == 2);
+}
+
+TEST_CASE("compare A B: an angle that gave no measurement is not known, never an end of the program",
+          "[system]") {
+  Folder folder;
+  const std::string db = folder.file("lab.db");
+  const std::string plan = folder.write("a.plan.toml", "angles_deg = [30, 90]\nrepeats = 2\n");
+  REQUIRE(run(folder, {"run", plan, "--rig", "sim:", "--db", db}).status == 0);
+  {
+    Store store(db);
+    CampaignInfo other = store.campaign();
+    const std::vector<StoredShot> shots = store.shots(other.id);
+    other.name = "after", other.plan_hash = "another";
+    const std::int64_t id = store.create_campaign(other);
+    for (StoredShot s : shots) {
+      const std::optional<Events> events = store.load_events(s.id);
+      const Record record = store.load_record(s.id);
+      s.campaign = id;
+      const bool lost = s.angle_deg > 60;
+      if (lost) s.outcome = Outcome::error, s.reason = "the rig did not answer";
+      store.store_shot(s, lost ? nullptr : &record, lost ? nullptr : &*events, {"", "test"});
+    }
+  }
+  for (const auto& [a, b] : {std::pair{"1", "2"}, {"2", "1"}}) {
+    const Finished r = run(folder, {"compare", a, b, "--db", db});
+    INFO(r.out << r.err);
+    CHECK(r.status == 1);  // campaign 2 did not pass: shots failed
+    CHECK_THAT(r.out, Contains("0 of 9 differ, 9 not known") && Contains("ERROR") && !Contains("-0.00"));
+    CHECK_THAT(r.out, Contains(" +- ") && Contains("+- is U"));
+    const json rows = json::parse(run(folder, {"compare", a, b, "--db", db, "--json"}).out);
+    CHECK(rows.size() == 18);
+  }
 }
 
 TEST_CASE("report --pdf: by a browser that is there, and a sentence where none is", "[system]") {
