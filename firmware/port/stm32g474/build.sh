@@ -26,6 +26,8 @@ compile() {
   # what only talks to a host is built small, what a sample waits for is built fast
   case $2 in
     */control_device.cpp | */source_device.cpp | */identity.cpp | */sealed_shot.cpp | */calibration.cpp | */controller_calibration.cpp | */bench_devices.cpp | */iiod/*.cpp) small=(-Os) ;;
+    # once a millisecond or less
+    */fire_control.cpp | */fire_step.cpp | */calibration_store.cpp | */stm32g474/main.cpp) small=(-Os) ;;
   esac
   shift 2
   "$@" "${small[@]}" -o "${object%.cpp}.o"
