@@ -59,6 +59,8 @@ Scene imported_scene(const Imported& in) {
   scene.plan.name = "imported";
   scene.plan.angles = {0.0};
   scene.plan.repeats = 1;
+  scene.plan.order = Order::by_hand;
+  scene.plan.test.recorded = in.recorded;
   scene.plan.mains_hertz = in.options.mains_hertz;
   scene.plan.crosstalk_a = in.options.crosstalk_a;
   scene.plan.crosstalk_b = in.options.crosstalk_b;
@@ -136,7 +138,8 @@ Exit import_waveform_file(const ImportArgs& args) {
   if (args.suggest) return suggest(args);
   Imported in = read(args.file, args.calibration);
   const Scene scene = imported_scene(in);
-  const RunOptions options = run_options(scene.plan);
+  RunOptions options = run_options(scene.plan);
+  options.angle_tolerance = 0;  // nobody set one
   const Events events = extract_imported(in, options);
   const std::string no_angle = no_angle_reason(in, events);
   Record& record = in.record;

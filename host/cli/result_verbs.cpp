@@ -208,7 +208,7 @@ Exit show_events(const EventsArgs& args) {
   const Store store(args.database, Store::Mode::read_only);
   const StoredShot shot = store.shot(id);
   const CampaignInfo campaign = store.campaign(shot.campaign);
-  RunOptions options = run_options(stored_plan(campaign));
+  RunOptions options = stored_options(campaign, stored_plan(campaign));
   const LabRule rule{args.force_percent, args.voltage_percent, args.min_opening_us};
   set_rule(options.extract, rule);
   Record record = store.load_record(id);

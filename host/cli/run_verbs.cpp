@@ -37,6 +37,9 @@ void print_summary(const RunSummary& s, std::int64_t campaign, Origin origin, bo
 
 Exit run_plan(const RunArgs& args) {
   const Scene scene = load_scene(args.plan, args.seed);
+  if (scene.plan.order == Order::by_hand)
+    throw BadInput(
+        {args.plan + ": order = \"by_hand\" marks closings that nobody planned; allowed random, sequential"});
   if (args.rig.empty())
     throw BadInput(
         {"run: no rig is named; --rig sim: is a simulated one, ip:ADDRESS, serial:PORT,BAUD and usb:... fire "

@@ -5,6 +5,7 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
+#include "core/phase.h"
 #include "core/quantities.h"
 #include "host/cli/show.h"
 #include "host/cli/verbs.h"
@@ -137,19 +138,29 @@ Exit show_shot(const ShotArgs& args) {
   };
   fmt::print("{}, {} shot {} of campaign {}, {}\n", name(origin), name(s.kind), s.id, s.campaign,
              campaign.name);
-  line("asked", fmt::format("{}, {}, hold {:g} ms, {}",
-                            std::isfinite(s.angle_deg) ? fmt::format("{:.2f} deg", s.angle_deg)
-                                                       : std::string("closing angle not known"),
-                            volts_and_hertz(s.conditions), s.conditions.hold_time * 1e3,
-                            std::isfinite(s.conditions.ambient)
-                                ? fmt::format("{:.1f} degC", s.conditions.ambient - zero_celsius)
-                                : std::string("ambient not known")));
+  // an import was not commanded: its angle is one that the file gave, unless it is the one found
+  const bool imported = origin == Origin::import;
+  const bool found =
+      imported && events && events->coil.closing_angle.known() &&
+      std::fabs(wrap_half_turn(events->coil.closing_angle.value - s.conditions.closing_angle)) < 1e-9;
+  line(imported ? "given" : "asked",
+       fmt::format("{}, {}, {}, {}",
+                   !found && std::isfinite(s.angle_deg) ? fmt::format("{:.2f} deg", s.angle_deg)
+                   : found                              ? std::string("no closing angle")
+                                                        : std::string("closing angle not known"),
+                   volts_and_hertz(s.conditions),
+                   std::isfinite(s.conditions.hold_time)
+                       ? fmt::format("hold {:g} ms", s.conditions.hold_time * 1e3)
+                       : std::string("hold not known"),
+                   std::isfinite(s.conditions.ambient)
+                       ? fmt::format("{:.1f} degC", s.conditions.ambient - zero_celsius)
+                       : std::string("ambient not known")));
   if (events)
     line("reached", plain(events->coil.closing_angle, degrees(1.0), 2) + " deg, " +
                         plain(events->coil.supply_volts, 1, 1) + " V, " +
                         plain(events->coil.mains_hertz, 1, 3) + " Hz");
   line("outcome", fmt::format("{}{}{}", name(s.outcome), s.reason.empty() ? "" : ": ", s.reason));
-  line("begun", fmt::format("{}, attempt {}", s.started, s.attempt));
+  line(imported ? "imported" : "begun", fmt::format("{}, attempt {}", s.started, s.attempt));
   if (seal) {
     line("rig",
          fmt::format("{} {}, boot {}, its shot {}", seal->model, seal->serial, seal->boot, seal->shot));

@@ -42,8 +42,7 @@ Outcome outcome_of(const ComparisonRow& row, const std::vector<Measured>& values
     if (values.empty()) return Outcome::error;
     for (const auto& m : values) worst = worse(worst, limit.of(m, rule));
   }
-  if (limited) return worst;
-  return row.repeats == 0 ? Outcome::not_observed : Outcome::not_judged;
+  return limited ? worst : Outcome::not_judged;
 }
 
 /// The mean against the simulation; guarded: with the U of their difference.

@@ -38,7 +38,7 @@ AngleGroup& group_at(std::vector<AngleGroup>&, double closing_angle);
 /// One row per quantity of the quantity table and angle, ordered by quantity, then angle; see `Repeats` for the
 /// statistics. Published values come from rows with the same symbol and the same angle, excluded ones included (the
 /// report marks them). outcome: the worst of the repeats against the limit of their quantity, ERROR when the angle has no
-/// valid measurement at all; without a limit NOT JUDGED, or NOT OBSERVED when no repeat shows the quantity. `most_from_simulation`: largest
+/// valid measurement at all; without a limit NOT JUDGED. `most_from_simulation`: largest
 /// |simulated - measured| as a share of the measured mean; NaN = no such limit.
 Comparison compare(std::vector<AngleGroup> groups, std::span<const PublishedRow> published,
                    const std::vector<Limit>& limits, Decision = Decision::simple,

@@ -17,6 +17,11 @@ const Quantity& quantity_of(const Limit& limit) {
   return *q;
 }
 
+/// A measured value: all five digits, so that 5.9000 does not read 5.9.
+std::string digits(double value) {
+  return fmt::format("{:#.5g}", value);
+}
+
 std::string plain(double value) {
   return fmt::format("{:.5g}", value);
 }
@@ -71,12 +76,12 @@ Judgement judge(const Events& events, const std::vector<Limit>& limits, Decision
     if (!m.known())
       j.reason += " not observed";
     else if (o == Outcome::not_judged)
-      j.reason += fmt::format(" = {} {} without an uncertainty", plain(shown(q, m.value)), unit_shown(q));
+      j.reason += fmt::format(" = {} {} without an uncertainty", digits(shown(q, m.value)), unit_shown(q));
     else if (rule == Decision::guarded)
-      j.reason +=
-          fmt::format(" = {} {} with U = {:.2g}", plain(shown(q, m.value)), unit_shown(q), shown(q, 2 * m.u));
+      j.reason += fmt::format(" = {} {} with U = {:.2g} {}", digits(shown(q, m.value)), unit_shown(q),
+                              shown(q, 2 * m.u), unit_shown(q));
     else
-      j.reason += fmt::format(" = {} {}", plain(shown(q, m.value)), unit_shown(q));
+      j.reason += fmt::format(" = {} {}", digits(shown(q, m.value)), unit_shown(q));
     j.reason += fmt::format(", allowed {}", range_text(limit));
   }
   return j;

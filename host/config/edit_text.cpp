@@ -137,4 +137,8 @@ std::string with_value(const std::string& text, std::string_view section, std::s
   return out;
 }
 
+std::string by_hand_plan(const std::string& plan_text) {
+  return with_value(plan_text, "", "order", "\"by_hand\"");
+}
+
 }  // namespace powbench::host

@@ -11,4 +11,7 @@ namespace powbench::host {
 std::string with_value(const std::string& text, std::string_view section, std::string_view key,
                        const std::string& value);
 
+/// A plan's text with order = "by_hand": nothing of it was planned, its shots are single closings.
+std::string by_hand_plan(const std::string& plan_text);
+
 }  // namespace powbench::host

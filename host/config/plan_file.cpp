@@ -29,8 +29,10 @@ FileKind kind_of(Plan& p) {
              "closing angles (0 = rising zero crossing): a list, or { start = 0, stop = 180, step = 30 }",
              Need::required);
   kind.integer("repeats", p.repeats, {1, 10'000}, "closings at each angle", Need::required);
-  kind.choice("order", p.order, {"random", "sequential"},
-              "of the angles within each repeat; random keeps coil heating out of the angle's effect");
+  kind.choice(
+      "order", p.order, {"random", "sequential", "by_hand"},
+      "of the angles within each repeat; random keeps coil heating out of the angle's effect; by_hand marks "
+      "single closings that nobody planned");
   kind.seed("seed", p.seed, "of the order and of everything random in the shots");
   kind.number("supply_volts", p.supply_volts, {1, 1000}, "rms, at the coil terminals");
   kind.number("mains_hertz", p.mains_hertz, {10, 1000}, "mains frequency");
@@ -145,6 +147,8 @@ void check(FileReader& reader, Plan& p) {
   check_rung(reader, "fields", p.fields, sim::field_names);
   check_rung(reader, "mechanics", p.mechanics, sim::mechanics_names);
   check_channels(reader, p.channels);
+  if (!p.test.recorded.empty() && !is_day(p.test.recorded))
+    reader.fail("test", "recorded", "is no day", "a day as 2030-12-31");
   for (std::size_t i = 0; i < p.limits.size(); ++i) {
     if (!(p.limits[i].low > p.limits[i].high)) continue;
     const Quantity& q = quantity_table[i];

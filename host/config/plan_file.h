@@ -20,7 +20,11 @@
 
 namespace powbench::host {
 
-enum class Order : std::uint8_t { random, sequential };
+enum class Order : std::uint8_t {
+  random,
+  sequential,
+  by_hand,  ///< nothing was planned: single closings, or imported waveforms; `run` refuses it
+};
 enum class Polarity : std::uint8_t { positive, negative, alternate };
 
 /// Allowed interval of one quantity (the Limit of that quantity once it is named), SI; NaN = not limited on that side.

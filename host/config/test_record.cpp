@@ -19,6 +19,8 @@ std::string trimmed(std::string_view text) {
   return std::string(text.substr(first, text.find_last_not_of(" \t") - first + 1));
 }
 
+}  // namespace
+
 bool is_day(std::string_view text) {
   if (text.size() != 10 || text[4] != '-' || text[7] != '-') return false;
   const auto number = [&](std::size_t at, std::size_t n) {
@@ -31,8 +33,6 @@ bool is_day(std::string_view text) {
   return y >= 1900 && m > 0 && d > 0 &&
          year_month_day(year(y), month(static_cast<unsigned>(m)), day(static_cast<unsigned>(d))).ok();
 }
-
-}  // namespace
 
 std::string read_instrument(std::string_view text, Instrument& out) {
   std::vector<std::string> parts;
@@ -58,6 +58,8 @@ void complete(TestRecord& record, std::string_view key, const std::string& text)
     record.instruments.push_back(text);
     return;
   }
+  if (key == "recorded" && !is_day(text))
+    throw BadInput({"recorded: '" + text + "' is no day; allowed a day as 2030-12-31"});
   std::vector<std::string> known{"instrument"};
   for (const RecordField& f : record_fields) {
     known.emplace_back(f.key);

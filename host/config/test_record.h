@@ -18,7 +18,7 @@ struct Instrument {
 };
 
 struct TestRecord {
-  std::string customer, order, device, serial, rating, standard, operator_name, remarks;
+  std::string customer, order, device, serial, rating, standard, operator_name, recorded, remarks;
   std::vector<std::string> instruments;  ///< "NAME; CERTIFICATE; LAST DAY" each, see `instrument`
 };
 
@@ -27,7 +27,7 @@ struct RecordField {
   std::string_view key, label, meaning;
   std::string TestRecord::*place;
 };
-inline constexpr std::array<RecordField, 8> record_fields{{
+inline constexpr std::array<RecordField, 9> record_fields{{
     {"customer", "Customer", "who ordered the test", &TestRecord::customer},
     {"order", "Order", "number of the order or of the test", &TestRecord::order},
     {"device", "Device", "type of the device under test", &TestRecord::device},
@@ -35,14 +35,19 @@ inline constexpr std::array<RecordField, 8> record_fields{{
     {"rating", "Rating", "of the device, such as 230 V 50 Hz, AC-3 32 A", &TestRecord::rating},
     {"standard", "Standard", "that the test follows, with its clause", &TestRecord::standard},
     {"operator", "Operator", "who tested", &TestRecord::operator_name},
+    {"recorded", "Recorded", "day on which imported records were taken, as 2030-12-31",
+     &TestRecord::recorded},
     {"remarks", "Remarks", "anything else that the report's reader has to know", &TestRecord::remarks},
 }};
 
 /// What is wrong with the text of an instrument; "" = nothing, and `out` is filled.
 std::string read_instrument(std::string_view text, Instrument& out);
 
+/// A day of the calendar as 2030-12-31.
+bool is_day(std::string_view);
+
 /// Completes the record: a later word replaces an earlier one; remarks and instruments are added. Throws BadInput for a key that is
-/// none, an empty text, or an instrument that cannot be read.
+/// none, an empty text, a day that is none, or an instrument that cannot be read.
 void complete(TestRecord&, std::string_view key, const std::string& text);
 
 /// Instruments whose last day lies before `day` (2030-12-31).

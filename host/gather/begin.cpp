@@ -20,6 +20,9 @@ std::int64_t begin_campaign(Store& store, const Scene& scene, const std::string&
   info.origin = origin_of_kind(rig.kind);
   const std::int64_t campaign = store.create_campaign(info);
   if (const std::string late = note_calibration(store, campaign, rig); !late.empty()) say(late);
+  for (const Instrument& i : expired(scene.plan.test, store.campaign(campaign).created.substr(0, 10)))
+    say("calibration expired: " + i.name + ", certificate " + i.certificate + ", was valid until " +
+        i.valid_until + "; the report says so on page 1");
   return campaign;
 }
 

@@ -59,9 +59,11 @@ Provenance provenance(const Store& store, const CampaignInfo& c, const Plan& pla
   p.plan_hash = c.plan_hash;
   p.specimen_hash = c.specimen_hash;
   p.extraction_hash = dsp::parameters_hash(run_options(plan).extract);
-  p.seed = std::to_string(plan.seed);
-  p.order = plan.order == Order::random ? fmt::format("random within each repeat, seed {}", plan.seed)
-                                        : "as listed";
+  if (c.origin != Origin::import) p.seed = std::to_string(plan.seed);
+  p.order = c.origin == Origin::import     ? "imported; nothing was planned"
+            : plan.order == Order::by_hand ? "single closings, fired by hand"
+            : plan.order == Order::random  ? fmt::format("random within each repeat, seed {}", plan.seed)
+                                           : "as listed";
   p.started = c.created;
   p.database = std::filesystem::path(database).filename().string();
   for (const StoredShot& s : shots) {
@@ -103,6 +105,16 @@ Plan stored_plan(const CampaignInfo& c) {
 
 sim::Specimen stored_specimen(const CampaignInfo& c) {
   return stored_text(c, [&] { return parse_specimen(c.specimen, "stored specimen"); });
+}
+
+bool unplanned(const CampaignInfo& c, const Plan& plan) {
+  return plan.order == Order::by_hand || c.origin == Origin::import;
+}
+
+RunOptions stored_options(const CampaignInfo& c, const Plan& plan) {
+  RunOptions options = run_options(plan);
+  if (c.origin == Origin::import) options.angle_tolerance = 0;
+  return options;
 }
 
 std::vector<AngleGroup> gather_angles(const Store& store, std::int64_t campaign) {
@@ -264,17 +276,18 @@ std::optional<DeviceShape> shape_of(const sim::Specimen& s) {
 ReportInput gather_report(const Store& store, const CampaignInfo& c, const std::string& database) {
   const Plan plan = stored_plan(c);
   const sim::Specimen specimen = stored_specimen(c);
-  const RunOptions options = run_options(plan);
+  const RunOptions options = stored_options(c, plan);
   const std::vector<StoredShot> shots = store.shots(c.id);
   ReportInput input;
   input.campaign = c.name;
   input.specimen = specimen.name;
   input.device = shape_of(specimen);
-  input.planned = expand(plan, specimen.name).size();
+  input.unplanned = unplanned(c, plan);
+  input.planned = input.unplanned ? 0 : expand(plan, specimen.name).size();
   input.origin = c.origin;
   input.decision = plan.decision;
   input.most_from_simulation = plan.limits_vs_simulation;
-  input.angle_tolerance = plan.angle_tolerance;
+  input.angle_tolerance = options.angle_tolerance;
   input.test = gather_test_record(store, c);
   const auto annotations = store.annotations(c.id);
   input.annotations = annotations.size();

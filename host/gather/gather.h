@@ -5,6 +5,7 @@
 #include "host/config/plan_file.h"
 #include "host/config/specimen_file.h"
 #include "host/report/report.h"
+#include "host/run/campaign.h"
 #include "host/store/store.h"
 
 /// From the store to what comparison and report are made of.
@@ -14,6 +15,12 @@ namespace powbench::host {
 /// What a campaign was begun with. Throws StoreError when it cannot be read: the file is damaged.
 Plan stored_plan(const CampaignInfo&);
 sim::Specimen stored_specimen(const CampaignInfo&);
+
+/// Nothing was planned: single closings by hand, or imported waveforms.
+bool unplanned(const CampaignInfo&, const Plan&);
+
+/// Options of the stored plan; of imports without a tolerance of the angle, which nobody set.
+RunOptions stored_options(const CampaignInfo&, const Plan&);
 
 /// Measured and simulated events of a campaign, by closing angle.
 std::vector<AngleGroup> gather_angles(const Store&, std::int64_t campaign);

@@ -16,9 +16,10 @@ Judgement judged_anew(const StoredShot& shot, const std::optional<Events>& event
 
 Outcome campaign_verdict(const Store& store, const CampaignInfo& c) {
   const Plan plan = stored_plan(c);
-  const RunOptions options = run_options(plan);
+  const RunOptions options = stored_options(c, plan);
   ReportInput input;
-  input.planned = expand(plan, stored_specimen(c).name).size();
+  input.unplanned = unplanned(c, plan);
+  input.planned = input.unplanned ? 0 : expand(plan, stored_specimen(c).name).size();
   input.most_from_simulation = plan.limits_vs_simulation;
   input.limits = options.limits;
   for (const StoredShot& s : store.shots(c.id, ShotKind::measured)) {

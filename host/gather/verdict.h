@@ -3,7 +3,6 @@
 #include <optional>
 
 #include "host/gather/gather.h"
-#include "host/run/campaign.h"
 
 namespace powbench::host {
 

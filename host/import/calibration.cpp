@@ -66,8 +66,8 @@ FileKind kind_of(Calibration& k, const std::vector<Channel>& channels, bool fore
               "instead of the time column's stamps; the first sample keeps its time", Need::optional);
   kind.number("mains_hertz", k.mains_hertz, {40, 70},
               "nominal mains frequency; without it 50 Hz is assumed to look for it", Need::optional);
-  kind.number("closing_angle_deg", k.closing_angle, {0, 360}, "commanded; without it none is checked",
-              Need::optional);
+  kind.number("closing_angle_deg", k.closing_angle, {0, 360},
+              "commanded; stands where the record does not show it", Need::optional);
   if (foreign) declare_columns(kind, k.columns);
   for (const Channel c : channels) declare_channel(kind, c, k.channels[index(c)]);
   return kind;

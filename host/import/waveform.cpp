@@ -281,8 +281,8 @@ class Importer {
     c.mains_hertz = k_.mains_hertz;  // what nobody gave stays unknown
     c.supply_volts = c.ambient = c.closing_angle = std::numeric_limits<double>::quiet_NaN();
     c.specimen = "imported";
-    const double end = r.samples() ? r.time(r.samples() - 1) : 0.0;
-    c.hold_time = std::isnan(k_.hold_time) ? std::max(end, 1e-3) : k_.hold_time;
+    c.hold_time = k_.hold_time;
+    out_.recorded = k_.recorded;
     out_.angle_commanded = !std::isnan(k_.closing_angle);
     if (out_.angle_commanded) c.closing_angle = k_.closing_angle;
     r.rig = "imported: " + std::filesystem::path(file_).filename().string();

@@ -16,6 +16,7 @@ namespace powbench::host {
 struct Imported {
   Record record;
   dsp::ExtractOptions options;     ///< defaults with what the calibration says
+  std::string recorded;            ///< day of the record, 2030-12-31; "" = not given
   bool angle_commanded = false;    ///< the calibration file names the closing angle
   std::vector<std::string> notes;  ///< what was done to the numbers, one sentence each
 };

@@ -14,7 +14,7 @@ constexpr std::uint64_t order_stream =
 std::vector<std::size_t> block_order(const Plan& plan, int repeat) {
   std::vector<std::size_t> order(plan.angles.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
-  if (plan.order == Order::sequential) return order;
+  if (plan.order != Order::random) return order;
   std::uint64_t state = plan.seed ^ order_stream;
   const std::uint64_t base = splitmix64(state);
   Random random(base + static_cast<std::uint64_t>(repeat));

@@ -38,7 +38,7 @@ void event_row(Markup& out, const ReportInput& input, const Quantity& quantity, 
   out.element("td", simulated_text(row), {{"class", "sim"}});
   out.element("td", signed_fixed((row.simulated - row.measured.value) * unit.per_si,
                                  decimals_for(row.expanded_difference() * unit.per_si, unit.decimals)));
-  out.element("td", fixed(E, E < 9.95 ? 1 : 0));
+  out.element("td", fixed(E, E < 9.995 ? 2 : 0));
   out.element("td", std::isfinite(row.simulated) ? agreement(E) : no_value,
               {{"class", E > 1 ? "warn" : "unit"}});
   out.open("td").element("span", name(row.outcome), {{"class", badge_class(row.outcome)}}).close();
@@ -55,7 +55,7 @@ Markup event_table(const ReportInput& input, const AngleView& view) {
   out.open("thead").open("tr");
   out.element("th", "Quantity", {{"scope", "col"}, {"colspan", "3"}});
   for (const std::string_view head :
-       {"measured \xC2\xB1 U", "n", "s", "simulated", "difference", "/ U", "", "limits"})
+       {"measured \xC2\xB1 U", "n", "s", "simulated", "sim. \xE2\x88\x92 meas.", "/ U", "", "limits"})
     out.element("th", head, {{"scope", "col"}});
   if (!input.published.empty()) {
     out.element("th", "published meas.", {{"scope", "col"}});

@@ -25,7 +25,8 @@ void answer(Markup& out, std::string_view question, std::string_view main, const
 
 void verdict_answer(Markup& out, const ReportInput& input) {
   const Counts c = count(input);
-  std::string detail = fmt::format("{} of {} planned closings measured", c.done, c.planned);
+  std::string detail = input.unplanned ? fmt::format("{} closings measured, none was planned", c.done)
+                                       : fmt::format("{} of {} planned closings measured", c.done, c.planned);
   const auto add = [&](std::size_t n, std::string_view what) {
     if (n > 0) detail += fmt::format(", {} {}", n, what);
   };
@@ -44,6 +45,12 @@ void verdict_answer(Markup& out, const ReportInput& input) {
 
 void best_answer(Markup& out, const ReportInput& input) {
   const BestAngle b = best_angle(input.comparison);
+  const bool bounced =
+      std::any_of(input.comparison.rows.begin(), input.comparison.rows.end(),
+                  [](const auto& r) { return r.quantity == "t_ct_bon" && r.measured.known(); });
+  if (b.angles == 0 && bounced)
+    return answer(out, "Best closing angle", "not known",
+                  "Bounce was measured, but the closing angle of none of these closings is known.");
   if (b.angles == 0) return answer(out, "Best closing angle", "not observed", "No bounce time was measured.");
   const std::string bounce = with_uncertainty(b.bounce, b.coverage, 1e3, 2) + " ms of contact bounce";
   if (b.angles == 1)
@@ -75,7 +82,7 @@ std::vector<const ComparisonRow*> ranked(const ReportInput& input) {
 }
 
 std::string times_text(double E) {
-  return E < 9.95 ? fixed(E, 1) : fixed(E, 0);
+  return E < 9.995 ? fixed(E, 2) : fixed(E, 0);
 }
 
 void agreement_answer(Markup& out, const std::vector<const ComparisonRow*>& rows) {
@@ -98,16 +105,26 @@ void agreement_answer(Markup& out, const std::vector<const ComparisonRow*>& rows
 
 void ranking(Markup& out, const std::vector<const ComparisonRow*>& rows) {
   if (rows.empty()) return;
-  out.element("h3", "Where simulation and measurement part");
+  out.element("h3", "Where simulation and measurement differ");
+  const ComparisonRow& largest = *rows.front();
+  if (largest.difference_over_U() <= 1) {
+    out.element("p",
+                fmt::format("Nowhere: the largest difference is {} U, of {} at {}.",
+                            times_text(largest.difference_over_U()), largest.quantity,
+                            angle_text(largest.closing_angle)),
+                {{"class", "fine"}});
+    return;
+  }
   out.open("table", {{"class", "ranking"}}).open("thead").open("tr");
-  for (const std::string_view head :
-       {"quantity", "angle", "measured \xC2\xB1 U", "simulated", "difference", "difference / U", ""})
+  for (const std::string_view head : {"quantity", "angle", "measured \xC2\xB1 U", "simulated",
+                                      "simulated \xE2\x88\x92 measured", "its U", "difference / U"})
     out.element("th", head, {{"scope", "col"}});
   out.close().close().open("tbody");
   for (std::size_t i = 0; i < std::min(most_ranked, rows.size()); ++i) {
     const ComparisonRow& r = *rows[i];
     const ReadableUnit unit = readable_unit(r.unit);
     const double E = r.difference_over_U();
+    if (!(E > 1)) break;
     out.open("tr");
     out.element("th", fmt::format("{} / {}", r.quantity, unit.name), {{"scope", "row"}, {"class", "sym"}});
     out.element("td", angle_text(r.closing_angle));
@@ -116,7 +133,9 @@ void ranking(Markup& out, const std::vector<const ComparisonRow*>& rows) {
     out.element("td", simulated_text(r), {{"class", "sim"}});
     out.element("td", signed_fixed((r.simulated - r.measured.value) * unit.per_si,
                                    decimals_for(r.expanded_difference() * unit.per_si, unit.decimals)));
-    out.element("td", times_text(E)).element("td", agreement(E), {{"class", E > 1 ? "warn" : "unit"}});
+    const double U = r.expanded_difference() * unit.per_si;
+    out.element("td", fixed(U, decimals_for(U, unit.decimals)));
+    out.element("td", times_text(E), {{"class", "warn"}});
     out.close();
   }
   out.close().close();

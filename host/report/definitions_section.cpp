@@ -1,6 +1,8 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <charconv>
+#include <cmath>
 #include <set>
 #include <sstream>
 
@@ -44,7 +46,8 @@ std::string shortest(const std::string& text) {
   return error == std::errc() && rest == end ? fmt::format("{}", value) : text;
 }
 
-void parameter_table(Markup& out, const std::string& text) {
+/// `hertz_given`: somebody said what the mains frequency was; else the value is where the search for it begins.
+void parameter_table(Markup& out, const std::string& text, bool hertz_given) {
   out.element("h3", "Extraction parameters");
   out.open("div", {{"class", "columns"}}).open("table", {{"class", "parameters"}}).open("tbody");
   std::istringstream lines(text);
@@ -52,7 +55,8 @@ void parameter_table(Markup& out, const std::string& text) {
     const auto equal = line.find('=');
     if (equal == std::string::npos) continue;
     out.open("tr").element("th", line.substr(0, equal), {{"scope", "row"}});
-    out.element("td", shortest(line.substr(equal + 1))).close();
+    const bool assumed = !hertz_given && line.substr(0, equal) == "mains_hertz";
+    out.element("td", shortest(line.substr(equal + 1)) + (assumed ? ", assumed: not given" : "")).close();
   }
   out.close().close().close();
 }
@@ -119,7 +123,10 @@ Markup definitions_section(const ReportInput& input) {
        "The repeats fall into two separate groups, as happens near a closing angle where the device "
        "just fails to close within one half-wave; their mean describes neither.");
   out.close();
-  if (!input.extraction_parameters.empty()) parameter_table(out, input.extraction_parameters);
+  if (!input.extraction_parameters.empty())
+    parameter_table(out, input.extraction_parameters,
+                    std::all_of(input.shots.begin(), input.shots.end(),
+                                [](const ReportShot& s) { return std::isfinite(s.conditions.mains_hertz); }));
   return out.close();
 }
 

@@ -70,7 +70,11 @@ Markup header_section(const ReportInput& input) {
       fmt::format("Specimen {}", input.specimen.empty() ? no_value : std::string_view(input.specimen));
   const std::string conditions = conditions_text(input);
   if (!conditions.empty()) line += fmt::format("  \xC2\xB7  {}", conditions);
-  const std::string span = time_span(input.provenance.started, input.provenance.finished);
+  std::string span = time_span(input.provenance.started, input.provenance.finished);
+  if (input.origin == Origin::import)  // when the record was taken only its owner knows
+    span = fmt::format("recorded: {}; imported on {}",
+                       input.test.recorded.empty() ? "not known" : input.test.recorded,
+                       input.provenance.started.substr(0, 10));
   if (!span.empty()) line += "  \xC2\xB7  " + span;
   out.element("p", line, {{"class", "subtitle"}});
   out.open("p", {{"class", "origin"}}).element("b", name(input.origin));

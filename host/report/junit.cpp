@@ -92,7 +92,8 @@ Case completeness_case(const ReportInput& input) {
 }  // namespace
 
 std::string render_junit(const ReportInput& input) {
-  std::vector<Case> cases{completeness_case(input)};
+  std::vector<Case> cases;
+  if (!input.unplanned || input.shots.empty()) cases.push_back(completeness_case(input));
   for (const auto& shot : input.shots) cases.push_back(shot_case(shot));
   for (const auto& limit : input.limits) cases.push_back(limit_case(input, limit));
   if (std::isfinite(input.most_from_simulation)) cases.push_back(simulation_case(input));

@@ -81,6 +81,7 @@ struct ReportInput {
   std::string campaign;     ///< name
   std::string specimen;     ///< name
   std::size_t planned = 0;  ///< shots the plan asks for
+  bool unplanned = false;   ///< single closings by hand, or imports: none is missing
   Origin origin = Origin::unknown;
   Decision decision = Decision::simple;  ///< of the limits
   double most_from_simulation =

@@ -86,7 +86,9 @@ Markup limits_section(const ReportInput& input) {
 Markup record_section(const ReportInput& input) {
   Markup out;
   const TestRecord& test = input.test;
-  const auto late = expired(test, input.provenance.started.substr(0, 10));
+  const bool imported = input.origin == Origin::import;
+  const std::string day = imported ? test.recorded : input.provenance.started.substr(0, 10);
+  const auto late = day.empty() ? std::vector<Instrument>() : expired(test, day);
   bool told = !test.instruments.empty();
   for (const RecordField& f : record_fields) told = told || !(test.*f.place).empty();
   out.open("section", {{"id", "record"}}).element("h3", "Test record");
@@ -96,11 +98,15 @@ Markup record_section(const ReportInput& input) {
     return out.close();
   }
   for (const Instrument& i : late)
+    out.element("p",
+                fmt::format("Calibration expired: {}, certificate {}, was valid until {}; {} on {}.", i.name,
+                            i.certificate, i.valid_until, imported ? "recorded" : "the test began", day),
+                {{"class", "warn"}});
+  if (imported && day.empty() && !test.instruments.empty())
     out.element(
         "p",
-        fmt::format("Calibration expired: {}, certificate {}, was valid until {}; the test began on {}.",
-                    i.name, i.certificate, i.valid_until, input.provenance.started.substr(0, 10)),
-        {{"class", "warn"}});
+        "Whether the calibrations were in force cannot be judged: when the records were taken is not known.",
+        {{"class", "fine"}});
   out.open("dl", {{"class", "provenance"}});
   const auto item = [&](std::string_view key, std::string_view value) {
     out.open("div").element("dt", key).element("dd", value).close();
@@ -110,8 +116,9 @@ Markup record_section(const ReportInput& input) {
   for (const std::string& text : test.instruments) {
     Instrument i;
     if (!read_instrument(text, i).empty()) continue;
-    item("Instrument", fmt::format("{}, certificate {}{}", i.name, i.certificate,
-                                   i.valid_until.empty() ? "" : ", valid until " + i.valid_until));
+    item("Instrument",
+         fmt::format("{}, certificate {}{}", i.name, i.certificate,
+                     i.valid_until.empty() ? ", validity not stated" : ", valid until " + i.valid_until));
   }
   out.close();
   if (input.annotations > 0)

@@ -31,6 +31,7 @@ void count(std::vector<LimitTally>& list, const Events& events, Decision rule, d
     };
     if (std::isfinite(t.worst) && outside(m.value) <= outside(t.worst)) continue;
     t.worst = m.value;
+    if (rule == Decision::guarded) t.worst_u = m.u;
     t.worst_angle_deg = angle_deg;
   }
 }
@@ -41,10 +42,16 @@ std::string sentence(const LimitTally& t) {
   if (t.failed > 0) {
     const Quantity* q = find_quantity(t.limit.quantity);
     const bool milli = q != nullptr && q->unit == "s";
-    text += fmt::format(" {} FAIL, furthest {:.5g} {}", t.failed, milli ? t.worst * 1e3 : t.worst,
+    text += fmt::format(" {} FAIL, furthest {:#.5g} {}", t.failed, milli ? t.worst * 1e3 : t.worst,
                         milli          ? "ms"
                         : q != nullptr ? q->unit
                                        : "");
+    if (std::isfinite(t.worst_u))
+      text +=
+          fmt::format(" with U = {:.2g} {} (guarded: must be inside by U)", (milli ? 2e3 : 2.0) * t.worst_u,
+                      milli          ? "ms"
+                      : q != nullptr ? q->unit
+                                     : "");
     if (std::isfinite(t.worst_angle_deg)) text += fmt::format(" at {:g} deg", t.worst_angle_deg);
   }
   if (t.not_observed > 0) text += fmt::format("{} {} NOT OBSERVED", t.failed > 0 ? ";" : "", t.not_observed);

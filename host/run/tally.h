@@ -12,7 +12,8 @@ namespace powbench::host {
 struct LimitTally {
   Limit limit;
   int failed = 0, not_observed = 0;
-  double worst = std::numeric_limits<double>::quiet_NaN();            ///< value furthest outside, SI
+  double worst = std::numeric_limits<double>::quiet_NaN();    ///< value furthest outside, SI
+  double worst_u = std::numeric_limits<double>::quiet_NaN();  ///< of that value, where the rule is guarded
   double worst_angle_deg = std::numeric_limits<double>::quiet_NaN();  ///< commanded, where that was
 };
 
@@ -20,7 +21,7 @@ struct LimitTally {
 std::vector<LimitTally> tally_of(const std::vector<Limit>&);
 /// Counts one shot.
 void count(std::vector<LimitTally>&, const Events&, Decision, double angle_deg);
-/// "t_ct_bon, allowed ≤ 9 ms: 12 FAIL, furthest 11.2 ms at 60 deg; 1 NOT OBSERVED"; "" where every shot met it.
+/// "t_ct_bon, allowed ≤ 9 ms: 12 FAIL, furthest 11.200 ms at 60 deg; 1 NOT OBSERVED"; "" where every shot met it.
 std::string sentence(const LimitTally&);
 
 }  // namespace powbench::host

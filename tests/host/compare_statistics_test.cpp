@@ -144,8 +144,8 @@ TEST_CASE("rows carry measurement, simulation and publication in SI", "[compare]
   CHECK(r.published_simulation == Approx(11.65e-3));
   CHECK(r.outcome == Outcome::fail);  // the mean is inside, one repeat is not
 
-  CHECK(row(all, "t_ct2", 30).outcome == Outcome::not_judged);    // no limit
-  CHECK(row(all, "t_xt1", 30).outcome == Outcome::not_observed);  // nor seen
+  CHECK(row(all, "t_ct2", 30).outcome == Outcome::not_judged);  // no limit
+  CHECK(row(all, "t_xt1", 30).outcome == Outcome::not_judged);  // nor seen, which only a limit minds
   CHECK(r.against_simulation == Outcome::not_judged);
   CHECK(r.difference_over_U() == Approx(0.6e-3 / (r.coverage * r.measured.u)));
   const ComparisonRow& only_simulated = row(all, "t_ct1", 45);
@@ -193,7 +193,7 @@ TEST_CASE("guarded acceptance takes U = 2 u off the limits; without an uncertain
   CHECK(l.of({1.1e-3, 0.06e-3}, Decision::guarded) == Outcome::fail);
   CHECK(l.of({5e-3, std::nan("")}, Decision::guarded) == Outcome::not_judged);
   CHECK(judge(touching(8.9e-3, 0.06e-3), {l}, Decision::guarded).reason ==
-        "t_ct1 = 8.9 ms with U = 0.12, allowed 1 to 9 ms");
+        "t_ct1 = 8.9000 ms with U = 0.12 ms, allowed 1 to 9 ms");
 }
 
 TEST_CASE("difference over U, in a word", "[compare]") {

@@ -68,3 +68,11 @@ TEST_CASE("edit: every key of every file, in its template and in a short file", 
   every_key(host::rig_template(), "\n",
             [](const std::string& t) { return host::keys_of(host::parse_rig(t, "t")); });
 }
+
+TEST_CASE("edit: a plan by hand is the plan with another order, and reads back", "[config]") {
+  const std::string text = "angles_deg = [60]\nrepeats = 2  # each\n\n[limits.t_ct1]\nmax_ms = 20\n";
+  const std::string hand = host::by_hand_plan(text);
+  CHECK(host::parse_plan(hand, "p").order == host::Order::by_hand);
+  CHECK(hand.find("repeats = 2  # each") != std::string::npos);
+  CHECK(host::by_hand_plan(hand) == hand);
+}

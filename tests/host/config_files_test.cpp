@@ -83,7 +83,7 @@ TEST_CASE("all mistakes of a plan are told at once, by line", "[config]") {
                       "p.toml:3: angles_deg = [0, 400]: item 2 out of range; allowed 0..360 deg",
                       "p.toml:4: repeats = 0: out of range; allowed 1..10000",
                       "p.toml:5: order = \"randm\": no such word; did you mean 'random'?; allowed "
-                      "\"random\", \"sequential\"",
+                      "\"random\", \"sequential\", \"by_hand\"",
                       "p.toml:6: supply_volts = \"230 V\": is text, must be a number in V; allowed 1..1000 V",
                       "p.toml:7: mains_hertz = nan: not finite; allowed 10..1000 Hz",
                       "p.toml:9: [limits.t_ct1] min_ms = 20: is above max_ms",

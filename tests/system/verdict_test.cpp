@@ -90,6 +90,60 @@ TEST_CASE("what an import does not show stays unknown, with the reason, from sto
   CHECK_THAT(read_file(folder.file("out/junit.xml")), Contains("name=\"origin\" value=\"IMPORT\""));
 }
 
+TEST_CASE("an import claims no date, no plan and no command; without a limit nothing is NOT OBSERVED",
+          "[system]") {
+  Folder folder;
+  std::string text = "time [ms],contact_a [V]\n";
+  for (int i = -200; i < 600; ++i) text += std::to_string(0.1 * i) + "," + (i < 130 ? "5" : "0") + "\n";
+  folder.write("scope.csv", text);
+  for (const std::string& calibration :
+       {std::string(), std::string("closing_angle_deg = 90\nrecorded = \"2020-05-04\"\n")}) {
+    const bool given = !calibration.empty();
+    const std::string db = folder.file(given ? "given.db" : "bare.db");
+    folder.write("scope.toml", calibration);
+    REQUIRE(run(folder, {"import", folder.file("scope.csv"), "--db", db}).status == 0);
+    REQUIRE(run(folder, {"annotate", "instrument", "clamp; Z-1; 2021-01-01", "--db", db}).status == 0);
+    CHECK(report(folder, db, 0).at("verdict") == "NOT JUDGED");
+    CHECK(run(folder, {"compare", "--db", db}).status == 0);
+    const std::string html = read_file(folder.file("out/report.html"));
+    CHECK_THAT(html, !Contains("NOT OBSERVED</span>") && !Contains("the test began on") &&
+                         !Contains("Calibration expired") && !Contains("planned closings"));
+    CHECK_THAT(html,
+               Contains(given ? "recorded: 2020-05-04; imported on " : "recorded: not known; imported on "));
+    CHECK_THAT(html, Contains("imported; nothing was planned") && Contains("50, assumed: not given"));
+    CHECK((html.find("cannot be judged: when the records") != std::string::npos) == !given);
+    CHECK_THAT(read_file(folder.file("out/junit.xml")),
+               Contains("failures=\"0\"") && Contains("errors=\"0\""));
+    if (!given) CHECK_THAT(html, Contains("the closing angle of none of these closings is known"));
+    const std::string shown = run(folder, {"show", "1", "--db", db}).out;
+    CHECK_THAT(shown, !Contains("asked") && Contains("hold not known"));
+    CHECK_THAT(shown, Contains(given ? "given        90.00 deg" : "given        closing angle not known"));
+    REQUIRE(run(folder, {"annotate", "recorded", "2022-01-01", "--db", db}).status == 0);
+    report(folder, db, 0);
+    CHECK_THAT(read_file(folder.file("out/report.html")),
+               Contains("was valid until 2021-01-01; recorded on 2022-01-01"));
+    CHECK(run(folder, {"annotate", "recorded", "yesterday", "--db", db}).status == 2);
+  }
+}
+
+TEST_CASE("a plan by hand is not fired, and an expired instrument is said before the first shot",
+          "[system]") {
+  Folder folder;
+  const std::string hand = folder.write("h.toml", "angles_deg = [60]\nrepeats = 1\norder = \"by_hand\"\n");
+  const Finished refused = run(folder, {"run", hand, "--rig", "sim:", "--db", folder.file("h.db")});
+  CHECK(refused.status == 2);
+  CHECK_THAT(refused.err, Contains("nobody planned; allowed random, sequential"));
+  CHECK_FALSE(std::filesystem::exists(folder.file("h.db")));
+  const std::string late = folder.write(
+      "l.toml",
+      "angles_deg = [60]\nrepeats = 1\n[test]\ninstruments = [\"clamp; Z-1; 2021-01-01\", \"laser; L-9\"]\n");
+  CHECK_THAT(run(folder, {"run", late, "--rig", "sim:", "--db", folder.file("l.db")}).err,
+             Contains("calibration expired: clamp, certificate Z-1, was valid until 2021-01-01"));
+  report(folder, folder.file("l.db"), 0);
+  CHECK_THAT(read_file(folder.file("out/report.html")),
+             Contains("laser, certificate L-9, validity not stated"));
+}
+
 TEST_CASE("nothing is fired on a rig that was not named, and a store that is not there is called that",
           "[system]") {
   Folder folder;
