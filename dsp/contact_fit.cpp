@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <optional>
 
 #include "core/units.h"
 #include "dsp/least_squares.h"
@@ -321,20 +320,17 @@ ContactFit coarse_contact(const FitInput& in, const Interval& c) {
   return out;
 }
 
-/// Start of a long contact's fit, found on a few rows at a fraction of the price. Nothing where even with skew far more is left than
-/// what makes a pulse be given up.
-std::optional<PulseShape> start_from_rows(const Samples& s, const PulseShape& guess, const FitInput& in) {
+/// A long contact that no pulse comes near, even with skew, found on a few rows at a fraction of the price of its fit.
+bool no_pulse(const Samples& s, const PulseShape& guess, const FitInput& in) {
   constexpr std::size_t rows = 60;
   constexpr double hopeless = 6;  // reduced sum of squares of the samples; 3 is given up
   std::size_t per_row = 1;
   const Samples few = thinned(s, rows, in.force.dt, per_row);
-  if (per_row < 3 || 2 * few.t.size() < rows) return guess;
+  if (in.quick || per_row < 3 || 2 * few.t.size() < rows) return false;
   const double n = static_cast<double>(per_row), noise = in.noise / std::sqrt(n);
   const auto left = [&](const PulseFit& f) { return 1 + (f.reduced() - 1) / n; };
-  const PulseFit plain = fit_pulse(few, guess, noise, in.options, false, in.quick ? 10 : 40);
-  if (left(plain) < hopeless || in.quick) return plain.shape;
-  const PulseFit skewed = fit_pulse(few, plain.shape, noise, in.options, true);
-  return left(skewed) < hopeless ? std::optional(plain.shape) : std::nullopt;
+  const PulseFit plain = fit_pulse(few, guess, noise, in.options, false);
+  return left(plain) >= hopeless && left(fit_pulse(few, plain.shape, noise, in.options, true)) >= hopeless;
 }
 
 }  // namespace
@@ -348,9 +344,9 @@ ContactFit fit_contact(const FitInput& in, const Interval& c, const Neighbours& 
   const Samples s = good_samples(in.force, c.touch - before, c.release + after);
   if (s.t.size() < 7) return in.quick ? coarse_contact(in, c) : fit_by_edges(in, c, nb);
   const double peak = std::max(largest(in.smooth, in.force, c.touch, c.release), in.levels.touch);
-  const auto start = start_from_rows(s, {c.touch, c.release, peak, 1.2, 1.0}, in);
-  if (!start) return fit_by_edges(in, c, nb);
-  PulseFit best = fit_pulse(s, *start, in.noise, o, false, in.quick ? 10 : 40);
+  const PulseShape guess{c.touch, c.release, peak, 1.2, 1.0};
+  if (no_pulse(s, guess, in)) return fit_by_edges(in, c, nb);
+  PulseFit best = fit_pulse(s, guess, in.noise, o, false, in.quick ? 10 : 40);
   if (!in.quick && outside_band(best.reduced(), best.dof, o.chi2_confidence) && s.t.size() > 8) {
     const PulseFit skewed = fit_pulse(s, best.shape, in.noise, o, true);
     if (skewed.chi2 + std::log(static_cast<double>(s.t.size())) < best.chi2) best = skewed;

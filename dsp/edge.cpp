@@ -7,6 +7,7 @@
 #include <limits>
 #include <vector>
 
+#include "dsp/amplifier.h"
 #include "dsp/least_squares.h"
 
 namespace powbench::dsp {
@@ -30,10 +31,13 @@ struct Rows {
   std::vector<double> t, y;  // s, in units of the row's noise
   double step = 0, noise = 0, top = 0;
   std::size_t closed = 0;
+  double delay = 0;  // s
+  int side = +1;
 };
 
 Rows rows_of(const Signal& s, const EdgeQuestion& q, double span) {
   Rows r;
+  r.delay = q.delay, r.side = q.side;
   const double dt = s.dt;
   const auto per_row = std::max<std::size_t>(1, static_cast<std::size_t>(span / dt / most_rows));
   r.step = static_cast<double>(per_row) * dt;
@@ -70,9 +74,9 @@ struct Evidence {
   double chi2 = 0;  ///< only where it was asked for
 };
 
-/// Sums of one law: powers tau^(2 q + m), tau^(q + k), and y tau^(q + k).
+/// Sums of one law over the rows: products of its terms j >= k, the terms, and y times the terms.
 struct Sums {
-  std::array<double, 2 * terms - 1> square{};
+  std::array<std::array<double, terms>, terms> square{};
   std::array<double, terms> plain{}, data{};
 };
 
@@ -93,7 +97,7 @@ Evidence evidence_of(const Sums& s, const Totals& all, double scale, double zero
   std::array<std::array<double, unknowns>, unknowns> m{};
   std::array<double, unknowns> b{};
   for (int j = 0; j < terms; ++j) {
-    for (int k = 0; k <= j; ++k) m[j][k] = scale * scale * s.square[j + k] + (j == k ? 1.0 : 0.0);
+    for (int k = 0; k <= j; ++k) m[j][k] = scale * scale * s.square[j][k] + (j == k ? 1.0 : 0.0);
     m[terms][j] = scale * zero * s.plain[j];
     b[j] = scale * s.data[j];
   }
@@ -206,19 +210,52 @@ POWBENCH_WIDE SharedSums shared_sums(const Rows& r, double t0, double span) {
 Sums sums_of(const SharedSums& s, double law) {
   Sums out;
   const auto q = static_cast<std::size_t>(4 * law);
-  for (std::size_t m = 0; m < out.square.size(); ++m) out.square[m] = s.half[q + 2 * m];
+  for (std::size_t j = 0; j < terms; ++j)
+    for (std::size_t k = 0; k <= j; ++k) out.square[j][k] = s.half[q + 2 * (j + k)];
   for (std::size_t k = 0; k < terms; ++k)
     out.plain[k] = s.quarter[q + 4 * k], out.data[k] = s.data[q + 4 * k];
   return out;
 }
 
+/// Rows near the edge as the amplifier shows them, in place of the bare powers.
+void smooth(std::array<Sums, laws.size()>& sums, const Rows& r, double t0, double span) {
+  const double from = r.side > 0 ? smoothed_from_touch : smoothed_from_release, unit = r.delay / span;
+  QuarterPowers scale, shown, bare;
+  const double root = std::sqrt(std::sqrt(unit));
+  scale[0] = 1;
+  for (std::size_t p = 1; p < scale.size(); ++p) scale[p] = scale[p - 1] * root;
+  auto i = static_cast<std::size_t>(
+      std::partition_point(r.t.begin(), r.t.end(), [&](double t) { return t < t0 + from * r.delay; }) -
+      r.t.begin());
+  for (; i < r.t.size() && r.t[i] < t0 + smoothed_to * r.delay; ++i) {
+    smoothed_powers((r.t[i] - t0) / r.delay, r.side, shown);
+    const double tau = std::max((r.t[i] - t0) / span, 0.0), fourth = std::sqrt(std::sqrt(tau));
+    bare[0] = tau > 0;
+    for (std::size_t p = 1; p < bare.size(); ++p) bare[p] = bare[p - 1] * fourth;
+    for (std::size_t p = 0; p < shown.size(); ++p) shown[p] *= scale[p];
+    for (std::size_t l = 0; l < laws.size(); ++l) {
+      const auto q = static_cast<std::size_t>(4 * laws[l]);
+      Sums& s = sums[l];
+      for (std::size_t j = 0; j < terms; ++j) {
+        const double g = shown[q + 4 * j], b = bare[q + 4 * j];
+        s.plain[j] += g - b;
+        s.data[j] += r.y[i] * (g - b);
+        for (std::size_t k = 0; k <= j; ++k) s.square[j][k] += g * shown[q + 4 * k] - b * bare[q + 4 * k];
+      }
+    }
+  }
+}
+
 /// Of all laws with the edge at `t0`: log of the summed evidence, and what the best one leaves.
 Evidence evidence_at(const Rows& r, const Totals& all, double t0, double span, bool breaks, bool with_chi2) {
   const SharedSums shared = shared_sums(r, t0, span);
+  std::array<Sums, laws.size()> sums;
+  for (std::size_t l = 0; l < laws.size(); ++l) sums[l] = sums_of(shared, laws[l]);
+  if (r.delay > 0) smooth(sums, r, t0, span);
   Evidence best;
   std::array<double, laws.size()> logs{};
   for (std::size_t l = 0; l < laws.size(); ++l) {
-    const Evidence e = evidence_of(sums_of(shared, laws[l]), all, largest_term * r.top / r.noise, zero_error,
+    const Evidence e = evidence_of(sums[l], all, largest_term * r.top / r.noise, zero_error,
                                    breaks && laws[l] == 0, with_chi2);
     logs[l] = e.log + log_before[l];
     if (logs[l] > best.log) best = {logs[l], e.chi2};
@@ -282,11 +319,41 @@ EdgeAnswer within(const Signal& s, const EdgeQuestion& q, double span) {
   out.known = true;
   out.reduced_chi2 = p.chi2 / dof;
   out.followed = out.reduced_chi2 < 1 + 3 * std::sqrt(2 / dof);
-  out.time = {q.near + q.side * p.mean, std::hypot(p.sigma, s.dt / 12)};
+  out.time = {q.near + q.side * p.mean,
+              std::hypot(p.sigma, std::hypot(s.dt / 12, amplifier_share * q.delay))};
   return out;
 }
 
 }  // namespace
+
+EdgeAnswer locate_edge_beyond(const Signal& s, const EdgeQuestion& q, double foot) {
+  EdgeAnswer out;
+  const auto beyond = [&](const EdgeQuestion& asked) {
+    Rows r = rows_of(s, asked, q.closed);
+    std::size_t kept = 0;
+    r.closed = 0;
+    for (std::size_t i = 0; i < r.t.size(); ++i) {
+      if (r.t[i] > 0 && r.t[i] < foot) continue;
+      r.t[kept] = r.t[i], r.y[kept] = r.y[i];
+      r.closed += r.t[kept++] > 0;
+    }
+    r.t.resize(kept), r.y.resize(kept);
+    out.known = r.closed >= least_rows && kept >= least_rows + 3;
+    if (!out.known) return;
+    const Posterior p = posterior_of(r, -0.3 * q.open, foot, q.closed, false);
+    const double dof = std::max(1.0, static_cast<double>(kept) - unknowns - 1);
+    out.reduced_chi2 = p.chi2 / dof;
+    out.followed = out.reduced_chi2 < 1 + 3 * std::sqrt(2 / dof);
+    out.span = q.closed;
+    out.time = {q.near + q.side * p.mean, std::hypot(p.sigma, s.dt / 12)};
+  };
+  beyond(q);
+  if (!out.known || out.followed) return out;
+  EdgeQuestion noisier = q;
+  noisier.noise *= std::sqrt(out.reduced_chi2);
+  beyond(noisier);
+  return out;
+}
 
 EdgeAnswer locate_edge(const Signal& s, const EdgeQuestion& q) {
   const double shortest = 8 * s.dt;
