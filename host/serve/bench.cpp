@@ -7,9 +7,11 @@
 
 #include "core/origin.h"
 #include "core/phase.h"
+#include "host/config/edit_text.h"
 #include "host/run/simulate.h"
 #include "host/serve/bench_impl.h"
 #include "host/serve/frame.h"
+#include "host/store/hash.h"
 #include "rigs/iio_rig.h"
 
 namespace powbench::host {
@@ -100,6 +102,11 @@ std::string Bench::Impl::run_job(const Job& now) {
   std::int64_t campaign = now.campaign;
   if (campaign == 0) {
     CampaignInfo c = campaign_info(now.scene, uri, found.model + ", " + found.serial);
+    if (now.single) {  // nothing was planned: none of its closings is missing
+      c.plan = by_hand_plan(c.plan);
+      c.plan_hash = sha256_hex(c.plan);
+      c.name += ", single closings";
+    }
     c.origin = origin_of_kind(found.kind);
     campaign = store.create_campaign(c);
     if (const std::string late = note_calibration(store, campaign, found); !late.empty()) say(late);

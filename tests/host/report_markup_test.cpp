@@ -2,8 +2,8 @@
 #include <cmath>
 
 #include "core/units.h"
-#include "host/paper/published.h"
 #include "host/export/xml_text.h"
+#include "host/paper/published.h"
 #include "host/report/markup.h"
 #include "host/report/number.h"
 #include "tests/host/report_xml_check.h"

@@ -55,7 +55,8 @@ void start_supply_monitor() {
 std::string_view option_byte_error() {
   const std::uint32_t options = flash().optr.read();
   if ((options & Flash::optr_bor) != Flash::optr_bor_level_4)
-    return "option bytes: the brown-out level is not 4 (2.8 V): set it as docs/how-to/board.md says, then restart";
+    return "option bytes: the brown-out level is not 4 (2.8 V): set it as docs/how-to/board.md says, then "
+           "restart";
   if ((options & Flash::optr_no_parity) != 0)
     return "option bytes: the RAM parity check is off: set it as docs/how-to/board.md says, then restart";
   if ((options & Flash::optr_dual_bank) == 0)
