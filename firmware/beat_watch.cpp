@@ -60,16 +60,4 @@ void BeatWatch::push(float amplitude, std::uint32_t phase, std::uint32_t step) {
   variance_ = likeness_ * own_ / ((1.0F + fast * fast) * (two_pi * two_pi));
 }
 
-float BeatWatch::beat(float update) const {
-  const float q = ratio_ < 0.0F ? -ratio_ : ratio_;
-  const float sine = q < 4.0F ? 0.5F * square_root(q) : 1.0F;
-  const float turns = atan2_turns(sine, square_root(1.0F - sine * sine));
-  const float hertz = 2.0F * turns / (static_cast<float>(lag) * update);
-  return ratio_ < 0.0F ? -hertz : hertz;
-}
-
-float BeatWatch::share() const {
-  return square_root(2.0F * own_);
-}
-
 }  // namespace powbench::firmware

@@ -23,11 +23,6 @@ class BeatWatch {
   void skip() { filled_ = 0; }
   /// Square of the standard uncertainty of the phase by a tone that the estimate follows, turns^2.
   float variance() const { return variance_; }
-  bool found() const { return likeness_ > 0.0F; }
-  /// Beat, Hz, for `update` s between windows: above 0 for a tone above the fundamental; |.| <= 1 / (2 D).
-  float beat(float update) const;
-  /// Share of the fundamental's amplitude that the window lets through.
-  float share() const;
 
  private:
   static constexpr unsigned slots = 32;
