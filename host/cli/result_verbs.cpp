@@ -176,19 +176,21 @@ void print_train(const char* title, const ContactTrain& train) {
                  shown(part->to.value, "s"));
   for (const Contact& c : train.contacts)
     fmt::print("    touch {:>9} ms +- {:>4} us  release {:>9} ms +- {:>4} us  peak {:>8} N  real {:>5}  {}\n",
-               shown(c.touch.value, "s"), micro(c.touch.u), shown(c.release.value, "s"), micro(c.release.u),
-               shown(c.peak.value, "N"), probability(c.probability), flag_names(c.flags));
+               shown(c.touch.value, "s"), micro(2 * c.touch.u), shown(c.release.value, "s"),
+               micro(2 * c.release.u), shown(c.peak.value, "N"), probability(c.probability),
+               flag_names(c.flags));
 }
 
 }  // namespace
 
 void print_events(const Events& events) {
+  fmt::print("  +- is U (k = 2)\n");
   for (const Quantity& q : quantity_table) {
     const Measured m = q.of(events);
     const std::string unit(q.unit);
     const bool time = unit == "s";  // in ms the uncertainty of a time would read zero
     fmt::print("  {:<9} {:>10} {:<3} +- {:<6} {:<3} {}\n", q.symbol, shown(m.value, unit), shown_unit(unit),
-               time ? micro(m.u) : shown(m.u, unit), time ? "us" : shown_unit(unit), q.meaning);
+               time ? micro(2 * m.u) : shown(2 * m.u, unit), time ? "us" : shown_unit(unit), q.meaning);
   }
   if (!events.coil.no_angle.empty()) fmt::print("  no closing angle: {}\n", events.coil.no_angle);
   print_train("contact voltage", events.contact_voltage);
@@ -201,8 +203,8 @@ void print_events(const Events& events) {
   const PoleEvents& p = events.pole;
   if (p.disagreement.known())
     fmt::print("  force and contact voltage differ for {} us +- {}, at most {} us +- {} at a time\n",
-               micro(p.disagreement.value), micro(p.disagreement.u), micro(p.longest_disagreement.value),
-               micro(p.longest_disagreement.u));
+               micro(p.disagreement.value), micro(2 * p.disagreement.u), micro(p.longest_disagreement.value),
+               micro(2 * p.longest_disagreement.u));
 }
 
 Exit show_events(const EventsArgs& args) {

@@ -97,9 +97,17 @@ Exit list_shots(const ResultArgs& args) {
                       {"reason", s.reason}});
       continue;
     }
+    // what a simulated time is uncertain by comes from its inputs, not from finding it in a clean record
+    const auto u = s.kind == ShotKind::simulated ? store.prediction(s.id).u : std::map<std::string, double>();
+    const auto time = [&](Measured m, const char* quantity) {
+      const auto at = u.find(quantity);
+      if (at == u.end()) return plain(m, 1e3, 3);
+      m.u = at->second;
+      return plain(m, 1e3, 3) + (m.known() && !std::isfinite(m.u) ? " +- ?" : "");
+    };
     fmt::print("{:>6} {:<9} {:>7} {:>17} {:>17} {:>17} {:>17}  {}{}{}\n", s.id, name(s.kind), commanded(s),
-               plain(reached, degrees(1.0), 2), plain(touch, 1e3, 3), plain(bounce, 1e3, 3),
-               plain(settled, 1e3, 3), name(s.outcome), s.reason.empty() ? "" : ": ", s.reason);
+               plain(reached, degrees(1.0), 2), time(touch, "t_ct1"), time(bounce, "t_ct_bon"),
+               time(settled, "t_ct2"), name(s.outcome), s.reason.empty() ? "" : ": ", s.reason);
   }
   if (args.json) fmt::print("{}\n", list.dump(2));
   return Exit::pass;
@@ -168,8 +176,8 @@ Exit show_shot(const ShotArgs& args) {
                                  seal->commit, seal->image_crc32, seal->config_crc32));
     line("calibration", seal->calibration);
     if (seal->complete())
-      line("phase", fmt::format("u {:.3f} deg at the edge, by the rig; asked for {:.3f}",
-                                static_cast<double>(seal->angle_u_mdeg) * 1e-3,
+      line("phase", fmt::format("U {:.3f} deg (k = 2) at the edge, by the rig; asked for {:.3f}",
+                                static_cast<double>(seal->angle_u_mdeg) * 2e-3,
                                 static_cast<double>(seal->tolerance_mdeg) * 1e-3));
   }
   line("record", s.record_hash.empty() ? "none" : "sha256 " + s.record_hash);

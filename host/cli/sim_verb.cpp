@@ -276,12 +276,13 @@ Exit simulate_plan(const SimArgs& args) {
     j["bounces"] = Json::parse(bounce_json(bounces));
     fmt::print("{}\n", j.dump(2));
   }
-  fmt::print(stderr, "{}",
-             bounces.empty()
-                 ? fmt::format("how far the bounces of {} can be believed is not judged: it takes steps or "
-                               "cells, no tolerance; circuit+rigid is\n",
-                               rung.name())
-                 : "break A:\n" + bounce_text(bounces, believed));
+  fmt::print(
+      stderr, "{}",
+      bounces.empty()
+          ? fmt::format("how far the bounces of {} can be believed is not judged: it takes steps or "
+                        "cells, no tolerance; circuit+rigid is\n",
+                        rung.name())
+          : "nominal conditions of the plan, model alone; break A:\n" + bounce_text(bounces, believed));
   fmt::print(stderr, "campaign {}: {} closings simulated\n", campaign, n);
   if (StopOnSignal::asked()) return Exit::interrupted;
   if (!choice || !wish.accuracy || choice->reached() == sim::Reached::met) return Exit::pass;

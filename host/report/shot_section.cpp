@@ -23,7 +23,7 @@ std::string reached_text(const ReportShot& shot) {
   // shown next to the commanded angle: 359.9 deg for a commanded 0 deg reads as -0.1
   const double asked = effective_angle(shot.conditions);
   m.value = asked + wrap_half_turn(m.value - asked);
-  return with_uncertainty(m, 1, degrees(1), 2);
+  return with_uncertainty(m, 2, degrees(1), 2);
 }
 
 /// Everything that makes a shot doubtful: its reason in words, its flags as letters that are explained below the table.
@@ -70,7 +70,7 @@ Markup shot_section(const ReportInput& input) {
   }
   out.open("table", {{"class", "shots"}}).open("thead").open("tr");
   for (const std::string_view head :
-       {"shot", "asked", "reached \xC2\xB1 u / \xC2\xB0", "u of rig / \xC2\xB0", "outcome", "t_ct1 / ms",
+       {"shot", "asked", "reached \xC2\xB1 U / \xC2\xB0", "U of rig / \xC2\xB0", "outcome", "t_ct1 / ms",
         "t_ct_bon / ms", "t_xt1 / ms", "re-openings", "seed", "record", "remarks"})
     out.element("th", head, {{"scope", "col"}});
   out.close().close().open("tbody");
@@ -88,7 +88,7 @@ Markup shot_section(const ReportInput& input) {
     out.element("td", fmt::format("{}", shot.index));
     out.element("td", angle_text(effective_angle(shot.conditions)));
     out.element("td", reached_text(shot), {{"class", "nowrap"}});
-    out.element("td", fixed(degrees(shot.phase_u), 3));
+    out.element("td", fixed(degrees(2 * shot.phase_u), 3));
     out.open("td").element("span", name(shot.outcome), {{"class", badge_class(shot.outcome)}}).close();
     for (const std::string_view symbol : {"t_ct1", "t_ct_bon", "t_xt1"})
       out.element("td", value_text(shot, symbol));
@@ -109,7 +109,7 @@ Markup shot_section(const ReportInput& input) {
     out.element("p", legend + ".", {{"class", "fine"}});
   out.element(
       "p",
-      "Contact times are those of the channel named under Definitions. u of rig: standard uncertainty "
+      "Contact times are those of the channel named under Definitions. \xC2\xB1 is U (k = 2). U of rig: that "
       "of the phase of the mains at the closing angle, as the rig knew it when it fired. Seeds are "
       "hexadecimal.",
       {{"class", "fine"}});

@@ -121,9 +121,9 @@ TEST_CASE("one shot, without simulation or publication", "[report]") {
   CHECK(contains(html, "Closing angle 30\xC2\xB0"));
   CHECK(contains(html, "12.000"));         // t_ct1 in ms
   CHECK(contains(html, "0123456789ab<"));  // record hash, shortened
-  CHECK_FALSE(contains(html, "<td>0.033</td>"));
-  in.shots[0].phase_u = radians(0.0331);  // of the mains, by the rig
-  CHECK(contains(render_html(in), "<td>0.033</td>"));
+  CHECK_FALSE(contains(html, "<td>0.066</td>"));
+  in.shots[0].phase_u = radians(0.0331);               // of the mains, by the rig
+  CHECK(contains(render_html(in), "<td>0.066</td>"));  // U, k = 2
   CHECK(contains(html, "@media print"));
 }
 

@@ -221,5 +221,13 @@ TEST_CASE("sim behind a measurement: under the measured conditions, with what th
       CHECK(row.at("agreement") == "agrees");
     }
   CHECK(told);
+  // the same U in the list of shots as in the report: by the inputs, far above that of the extraction
+  const std::string listed = run(folder, {"shots", "--campaign", "1", "--db", db}).out;
+  const std::string simulated = listed.substr(listed.find("simulated"));
+  const std::size_t at = simulated.find(" +- ", simulated.find(" +- ") + 1);  // behind the angle: touch
+  REQUIRE(at != std::string::npos);
+  CHECK(std::stod(simulated.substr(at + 4)) > 0.02);  // ms
+  const std::string shown = run(folder, {"show", "1", "--db", db}).out;
+  CHECK_THAT(shown, Contains("+- is U (k = 2)") && Contains("U ") && !Contains("u 0."));
   REQUIRE(run(folder, {"sim", plan, "--db", folder.file("other.db"), "--nominal"}).status == 0);
 }
