@@ -192,6 +192,20 @@ void chart(Markup& out, std::string_view title, const Markup& drawing) {
   out.close();
 }
 
+/// A value at a known angle: without one a chart would be axes alone.
+bool shows(const ReportInput& input, std::string_view quantity) {
+  const auto rows = rows_of(input, quantity);
+  return std::any_of(rows.begin(), rows.end(), [](const ComparisonRow* r) {
+    return std::isfinite(r->closing_angle) && (r->measured.known() || std::isfinite(r->simulated));
+  });
+}
+
+bool shows_angles(const ReportInput& input) {
+  return std::any_of(input.shots.begin(), input.shots.end(), [](const ReportShot& s) {
+    return s.events && s.events->coil.closing_angle.known() && std::isfinite(effective_angle(s.conditions));
+  });
+}
+
 /// The angle whose bounce time is the median of the angles', and there the shot nearest to its mean.
 AngleView typical(const ReportInput& input) {
   std::vector<const ComparisonRow*> rows;
@@ -238,19 +252,24 @@ Markup typical_section(const ReportInput& input) {
 
 Markup chart_section(const ReportInput& input) {
   Markup out;
+  const bool angles = shows_angles(input);
+  if (!shows(input, "t_ct_bon") && !shows(input, "t_ct1") && !shows(input, "t_xt1") && !angles) return out;
   out.open("section", {{"id", "angles"}});
   out.element("h2", "Behaviour over the closing angle");
   out.open("div", {{"class", "grid"}});
-  chart(out, "Contact bounce time t_ct_bon",
-        angle_chart(input, "Contact bounce time over closing angle", "ms",
-                    {{"t_ct_bon", "bounce", Shape::circle, ""}}));
-  chart(out, "First contact touch t_ct1",
-        angle_chart(input, "First touch over closing angle", "ms after switch-on",
-                    {{"t_ct1", "touch", Shape::circle, ""}}));
-  chart(out, "Core seat t_xt1",
-        angle_chart(input, "Core seat over closing angle", "ms after switch-on",
-                    {{"t_xt1", "seat", Shape::diamond, ""}}));
-  chart(out, "Closing angle: reached minus commanded", reached_chart(input));
+  if (shows(input, "t_ct_bon"))
+    chart(out, "Contact bounce time t_ct_bon",
+          angle_chart(input, "Contact bounce time over closing angle", "ms",
+                      {{"t_ct_bon", "bounce", Shape::circle, ""}}));
+  if (shows(input, "t_ct1"))
+    chart(out, "First contact touch t_ct1",
+          angle_chart(input, "First touch over closing angle", "ms after switch-on",
+                      {{"t_ct1", "touch", Shape::circle, ""}}));
+  if (shows(input, "t_xt1"))
+    chart(out, "Core seat t_xt1",
+          angle_chart(input, "Core seat over closing angle", "ms after switch-on",
+                      {{"t_xt1", "seat", Shape::diamond, ""}}));
+  if (angles) chart(out, "Closing angle: reached minus commanded", reached_chart(input));
   out.close();
   out.element("p",
               "Points: mean of the repeats; bar: expanded uncertainty U (95.45 %); pale column: smallest to "

@@ -1,6 +1,7 @@
 #include <cmath>
 
 #include "host/report/number.h"
+#include "host/report/plot.h"
 #include "host/report/sections.h"
 
 /// One closing as a picture of its own.
@@ -15,20 +16,31 @@ AngleView first_view(const ReportInput& input) {
   return {};
 }
 
+std::string shot_title(const AngleView& view) {
+  return "Shot " + (view.shots.empty() ? "" : std::to_string(view.shots.front()->index)) + ", " +
+         (std::isfinite(view.angle) ? angle_text(view.angle) : "closing angle not known");
+}
+
 }  // namespace
 
 std::string render_shot_svg(const ReportInput& input) {
-  std::string svg = waveform_figure(input, first_view(input), time_window(input)).str() + "\n";
-  return svg.insert(
-      svg.find(' '),
-      " font-family=\"Arial, Liberation Sans, DejaVu Sans, sans-serif\" style=\"background:#fff\"");
+  const AngleView view = first_view(input);
+  std::string svg = waveform_figure(input, view, time_window(input)).str() + "\n";
+  // a picture leaves its folder: what it shows, and where from, goes with it
+  Markup about;
+  about.open("text", {{"x", "74"}, {"y", "16"}, {"font-size", "13"}, {"fill", colour::ink}});
+  about.text(shot_title(view) + " \xC2\xB7 " + std::string(name(input.origin)) + " \xC2\xB7 " +
+             input.campaign + " \xC2\xB7 " + input.specimen);
+  about.close();
+  svg.insert(svg.rfind("</svg>"), about.str());
+  return svg.insert(svg.find(' '),
+                    " font-family=\"Arial, Liberation Sans, DejaVu Sans, sans-serif\" font-size=\"12\" "
+                    "style=\"background:#fff\"");
 }
 
 std::string render_shot_html(const ReportInput& input) {
   const AngleView view = first_view(input);
-  const std::string title = "Shot " + (view.shots.empty() ? "" : std::to_string(view.shots.front()->index)) +
-                            ", " +
-                            (std::isfinite(view.angle) ? angle_text(view.angle) : "closing angle not known");
+  const std::string title = shot_title(view);
   Markup out;
   out.open("html", {{"lang", "en"}}).open("head").empty("meta", {{"charset", "utf-8"}});
   out.empty("meta", {{"name", "color-scheme"}, {"content", "light dark"}});

@@ -53,7 +53,8 @@ TEST_CASE("shots, show and plot: one number, the store's, for the same shot", "[
 
   const std::string svg = folder.file("a.svg"), html = folder.file("a.html");
   CHECK(run(folder, {"plot", id, "--db", db, "-o", svg}).status == 0);
-  CHECK_THAT(read_file(svg), Contains("<svg font-family") && Contains("simulated") && Contains("force A"));
+  CHECK_THAT(read_file(svg), Contains("<svg font-family") && Contains("SIMULATED RIG") &&
+                                 Contains("simulated") && Contains("force A"));
   CHECK(run(folder, {"plot", id, "--db", db, "-o", html}).status == 0);
   CHECK_THAT(read_file(html),
              Contains("SIMULATED RIG") && Contains("Shot " + id) && !Contains("http://www.w3.org/1999"));

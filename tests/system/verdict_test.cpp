@@ -85,6 +85,7 @@ TEST_CASE("what an import does not show stays unknown, with the reason, from sto
     CHECK(row.at("closing_angle_deg").is_null());
   CHECK(report(folder, db, 0).at("origin") == "IMPORT");
   const std::string html = read_file(folder.file("out/report.html"));
+  CHECK_THAT(html, !Contains("Behaviour over the closing angle"));  // there would be axes alone
   CHECK_THAT(html, Contains("IMPORT") && Contains("not known") && !Contains("230 V") &&
                        !Contains("Closing angle 0"));
   CHECK_THAT(read_file(folder.file("out/junit.xml")), Contains("name=\"origin\" value=\"IMPORT\""));
