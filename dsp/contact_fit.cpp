@@ -119,7 +119,7 @@ PulseFit fit_pulse(const Samples& s, const PulseShape& start, double noise, cons
     if (skewed) j[4 * rows + n + 1] = 1 / skew_prior_sigma;
   };
   PulseFit fit;
-  fit.ls = levenberg_marquardt(residuals, s.t.size() + priors, p, iterations, derivatives, 1e-4);
+  fit.ls = levenberg_marquardt(residuals, s.t.size() + priors, p, iterations, derivatives);
   fit.shape = shape_of(fit.ls.x);
   fit.dof = static_cast<double>(s.t.size()) - static_cast<double>(p.size());
   for (std::size_t i = 0; i < s.t.size(); ++i) {
@@ -219,7 +219,7 @@ EdgeCandidate fit_edge_family(const Samples& s, double kink, int side, double le
     j[3 * (n + 1) + n] = 1 / (exponential ? 0.5 : exponent_prior_sigma);
   };
   EdgeCandidate c;
-  c.ls = levenberg_marquardt(residuals, n + 1, p, 40, derivatives, 1e-4);
+  c.ls = levenberg_marquardt(residuals, n + 1, p, 40, derivatives);
   const auto f = from(c.ls.x);
   for (std::size_t i = 0; i < n; ++i) {
     const double e = (f(s.t[i]) - s.x[i]) / noise;
@@ -327,7 +327,8 @@ bool no_pulse(const Samples& s, const PulseShape& guess, const FitInput& in) {
   std::size_t per_row = 1;
   const Samples few = thinned(s, rows, in.force.dt, per_row);
   if (in.quick || per_row < 3 || 2 * few.t.size() < rows) return false;
-  const double n = static_cast<double>(per_row), noise = in.noise / std::sqrt(n);
+  const double n = static_cast<double>(per_row), mixed = 2e-3 * guess.peak,  // rows across an edge
+      noise = std::hypot(in.noise / std::sqrt(n), mixed);
   const auto left = [&](const PulseFit& f) { return 1 + (f.reduced() - 1) / n; };
   const PulseFit plain = fit_pulse(few, guess, noise, in.options, false);
   return left(plain) >= hopeless && left(fit_pulse(few, plain.shape, noise, in.options, true)) >= hopeless;
@@ -345,7 +346,9 @@ ContactFit fit_contact(const FitInput& in, const Interval& c, const Neighbours& 
   if (s.t.size() < 7) return in.quick ? coarse_contact(in, c) : fit_by_edges(in, c, nb);
   const double peak = std::max(largest(in.smooth, in.force, c.touch, c.release), in.levels.touch);
   const PulseShape guess{c.touch, c.release, peak, 1.2, 1.0};
-  if (no_pulse(s, guess, in)) return fit_by_edges(in, c, nb);
+  // of a clipped contact only the pulse knows the peak
+  const bool clipped = (flags_of_mask(in.force, c.touch, c.release) & flag_clipped) != 0;
+  if (!clipped && no_pulse(s, guess, in)) return fit_by_edges(in, c, nb);
   PulseFit best = fit_pulse(s, guess, in.noise, o, false, in.quick ? 10 : 40);
   if (!in.quick && outside_band(best.reduced(), best.dof, o.chi2_confidence) && s.t.size() > 8) {
     const PulseFit skewed = fit_pulse(s, best.shape, in.noise, o, true);

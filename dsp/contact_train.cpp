@@ -162,6 +162,8 @@ std::vector<Grazing> fill_train(ContactTrain& train, const Round& r, const Force
                                 double t_end, const ExtractOptions& o) {
   for (const ContactFit& fit : r.fits) train.contacts.push_back(fit.contact);
   drop_swings(train.contacts, a.stripped, f.noise, o);
+  for (Contact& c : train.contacts)
+    hold_peak(c, f.signal);  // before an edge that follows a law takes the flag away
   const double left = a.ring.empty() ? f.noise : open_noise(a.stripped, r, a.ring, t_end, f.noise);
   auto grazing = refine_contacts(train.contacts, {a.stripped, std::max(left, r.noise), f.noise, f.delay}, o);
   for (Contact& c : train.contacts) {

@@ -151,7 +151,7 @@ footer { margin-top: 36px; color: var(--soft); font-size: 13px; }
   .grid { gap: 2pt 14pt; }
   h2, h3 { break-after: avoid; }
   thead { display: table-header-group; }
-  section.angle svg.plot { max-height: 148mm; }
+  section.angle svg.plot { max-height: 138mm; }
   section.angle .badge { font-size: 6pt; padding: 0 3pt; }
   #typical svg.plot { max-height: 130mm; }
 }

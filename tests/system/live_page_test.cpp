@@ -51,7 +51,7 @@ TEST_CASE("live page: a closing by keyboard alone, seen with its waveforms", "[.
   tab.key("3");
   tab.key("0");
   tab.key("Enter");
-  tab.until(says("Shot 1 at 30.0"));
+  tab.until(says("Shot 1 at 30\xC2\xB0"));
   tab.until("document.querySelectorAll('#panels canvas').length >= 12");
   tab.until("document.querySelectorAll('#quantities tr').length === 9");
   tab.until("/measured/.test(document.querySelector('#panels .dygraph-legend').textContent)");

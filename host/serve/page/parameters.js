@@ -74,8 +74,8 @@ async function check() {
   $('fired').hidden = true;
   $('planned').textContent = reply.errors.length ? reply.errors.length + (reply.errors.length === 1 ? ' mistake' : ' mistakes') : 'No mistakes found.';
   if (reply.fired) showFired(reply.fired);
-  keys = reply.keys || [];
-  $('keys-none').hidden = keys.length > 0;
+  if (reply.keys) keys = reply.keys;
+  $('keys-none').hidden = !mistakes;
   showKeys();
 }
 
