@@ -194,7 +194,7 @@ const text = (x, digits, unit) => (known(x) ? x.toFixed(digits) + ' ' + unit : '
 function tracker(s) {
   const three = known(s.phase_u_ahead_deg) ? 3 * s.phase_u_ahead_deg : null;
   const wrong = s.phase_faults && !/^0\b/.test(s.phase_faults);
-  const would = s.state === 'fault' ? 'no: fault ' + s.fault : wrong ? 'no: ' + s.phase : three === null || !known(s.angle_tolerance_deg) ? 'not known' :
+  const would = s.state === 'fault' ? 'no: fault ' + s.fault : wrong ? 'not yet: the phase is ' + s.phase + '; a shot waits until it is' : three === null || !known(s.angle_tolerance_deg) ? 'not known' :
     three <= s.angle_tolerance_deg ? 'yes: 3 u is within the tolerance' : 'no: 3 u = ' + three.toFixed(3) + '° is more than the tolerance';
   facts('tracker', [['mains frequency', text(s.mains_hertz, 3, 'Hz')], ['u of the phase now', text(s.phase_u_deg, 3, '°')],
     ['u of the phase 20 ms ahead', text(s.phase_u_ahead_deg, 3, '°')], ['tolerance of the angle', text(s.angle_tolerance_deg, 3, '°')],
