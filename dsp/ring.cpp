@@ -2,10 +2,8 @@
 
 #include <Eigen/Dense>
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <complex>
-#include <map>
 #include <utility>
 
 #include "core/units.h"
@@ -255,8 +253,7 @@ std::vector<Pole> tail_poles(const RingInput& in, const ExtractOptions& o) {
                     o.ring_low_hertz, high);
 }
 
-Ring fit_ring(const RingInput& in, std::vector<Pole> poles, const ExtractOptions& o, double* reduced,
-              double hopeless) {
+Ring fit_ring(const RingInput& in, std::vector<Pole> poles, const ExtractOptions& o, double* reduced) {
   Ring ring;
   ring.onset = ring.reference = in.from;
   const Rows r = only_good(rows_of(in.residual, &in.usable, in.from, in.to));
@@ -269,8 +266,6 @@ Ring fit_ring(const RingInput& in, std::vector<Pole> poles, const ExtractOptions
   while (!poles.empty() &&
          static_cast<Index>(r.t.size()) > 6 * static_cast<Index>(poles.size()) + smooth.columns.cols()) {
     Solution s = solve(r, poles, ring.reference, smooth);
-    const auto left = [&] { return s.chi2 / (noise * noise * static_cast<double>(r.t.size())); };
-    if (left() > 2 * hopeless) return ring;
     for (int i = 0; i < 8; ++i) {
       bool better = false;
       const Vector step = pole_step(r, s, ring.reference, smooth);
@@ -285,7 +280,6 @@ Ring fit_ring(const RingInput& in, std::vector<Pole> poles, const ExtractOptions
       }
       if (!better) break;
     }
-    if (left() > hopeless) return ring;
     // The weakest mode goes while it is not significant or not a core mode; then fit again.
     std::size_t weakest = poles.size();
     double lowest = 5.0;
@@ -299,7 +293,7 @@ Ring fit_ring(const RingInput& in, std::vector<Pole> poles, const ExtractOptions
       if (!(z >= lowest)) lowest = z, weakest = j;
     }
     if (weakest == poles.size()) {
-      if (reduced) *reduced = left();
+      if (reduced) *reduced = s.chi2 / (noise * noise * static_cast<double>(r.t.size()));
       for (std::size_t j = 0; j < poles.size(); ++j)
         ring.modes.push_back(
             {poles[j], s.linear[static_cast<Index>(2 * j)], s.linear[static_cast<Index>(2 * j + 1)]});
@@ -329,10 +323,8 @@ double explained(const Rows& r, const std::vector<double>& x, const Pole& p) {
 
 /// Largest |sum x exp(-s t)|^2 / sum exp(-2 decay t) over a grid of three decays and all frequencies: one transform each.
 Pole coarse_pole(const Rows& r, const std::vector<double>& x, double low, double high) {
-  const std::size_t n = std::bit_ceil(std::max<std::size_t>(2 * x.size(), 512));
-  thread_local std::map<std::size_t, RealFft>
-      plans;  // planning costs more than the transform; few lengths occur
-  RealFft& fft = plans.try_emplace(n, n).first->second;
+  const std::size_t n = good_length(std::max<std::size_t>(2 * x.size(), 512));
+  RealFft fft(n);
   const double bin = 1.0 / (static_cast<double>(n) * r.dt);
   Pole at;
   double best = 0;
@@ -415,13 +407,11 @@ bool plausible(const RingInput& in, const Ring& ring) {
 
 }  // namespace
 
-Ring grow_ring(const RingInput& in, std::vector<Pole> start, const ExtractOptions& o, double* reduced,
-               double hopeless) {
+Ring grow_ring(const RingInput& in, std::vector<Pole> start, const ExtractOptions& o, double* reduced) {
   // Two close modes fitted by one look heavily damped, so that the limit is held only at the end.
   ExtractOptions loose = o;
   loose.ring_damping_max = std::max(o.ring_damping_max, 0.12);
-  Ring ring = fit_ring(in, start, loose, reduced, hopeless);
-  if (ring.empty() && !start.empty() && std::isfinite(hopeless)) return ring;
+  Ring ring = fit_ring(in, start, loose, reduced);
   while (start.size() > 1 && !plausible(in, ring)) {  // without the most damped one
     const auto worst = std::max_element(start.begin(), start.end(), [](const Pole& a, const Pole& b) {
       return a.decay / a.hertz < b.decay / b.hertz;
