@@ -37,8 +37,7 @@ Json train_json(const ContactTrain& t, std::uint32_t all) {
                         {"u_release_s", number(c.release.u)},
                         {"peak", number(c.peak.value)},
                         {"impulse", number(c.impulse.value)},
-                        {"flags", flags_json(c.flags | t.flags | all)},
-                        {"probability", number(c.probability)}});
+                        {"flags", flags_json(c.flags | t.flags | all)}});
   return {{"shows", name(t.shows)},
           {"reason", t.reason.empty() ? Json(nullptr) : Json(t.reason)},
           {"contacts", contacts},
