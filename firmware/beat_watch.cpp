@@ -18,7 +18,7 @@ void BeatWatch::reset() {
   filled_ = 0;
   count_ = 0.0F;
   usual_ = mean_a_ = mean_p_ = a_a_ = p_p_ = d_d_ = p_a_ = 0.0F;
-  own_ = likeness_ = ratio_ = variance_ = 0.0F;
+  variance_ = 0.0F;
 }
 
 void BeatWatch::push(float amplitude, std::uint32_t phase, std::uint32_t step) {
@@ -46,18 +46,16 @@ void BeatWatch::push(float amplitude, std::uint32_t phase, std::uint32_t step) {
   d_d_ += (d * d - d_d_) * gain;
   p_a_ += (p * a - p_a_) * gain;
 
-  likeness_ = variance_ = 0.0F;
-  own_ = a_a_ - mean_a_ * mean_a_;
-  if (count_ < fewest || own_ < least_share * least_share) return;
+  variance_ = 0.0F;
+  const float own = a_a_ - mean_a_ * mean_a_;
+  if (count_ < fewest || own < least_share * least_share) return;
   const float p_p = p_p_ - mean_p_ * mean_p_, p_a = p_a_ - mean_p_ * mean_a_;
   if (p_p > most_unequal * d_d_ || d_d_ > most_unequal * p_p) return;
-  const float likeness = p_a * p_a / (p_p * own_);
+  const float likeness = p_a * p_a / (p_p * own);
   if (likeness <= least_likeness) return;
   const float sure = (likeness - least_likeness) * (1.0F / (sure_likeness - least_likeness));
-  likeness_ = sure < 1.0F ? sure : 1.0F;
-  ratio_ = p_a > 0.0F ? d_d_ / own_ : -d_d_ / own_;
-  const float fast = ratio_ * (1.0F / followed);
-  variance_ = likeness_ * own_ / ((1.0F + fast * fast) * (two_pi * two_pi));
+  const float fast = d_d_ / own * (1.0F / followed);
+  variance_ = (sure < 1.0F ? sure : 1.0F) * own / ((1.0F + fast * fast) * (two_pi * two_pi));
 }
 
 }  // namespace powbench::firmware

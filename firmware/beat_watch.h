@@ -36,7 +36,7 @@ class BeatWatch {
   float usual_ = 0;                              ///< amplitude, about
   float mean_a_ = 0, mean_p_ = 0;                ///< relative; turns
   float a_a_ = 0, p_p_ = 0, d_d_ = 0, p_a_ = 0;  ///< mean products
-  float own_ = 0, likeness_ = 0, ratio_ = 0, variance_ = 0;
+  float variance_ = 0;
 };
 
 }  // namespace powbench::firmware

@@ -35,6 +35,12 @@ struct LiveBench {
   std::string url;
 };
 
+/// JavaScript: does the page show these words?
+inline std::string says(const std::string& words) {
+  return "document.body.innerText.includes(" + nlohmann::json(words).dump() + ")";
+}
+
+/// Presses a button by its id, as soon as it can be pressed.
 inline void press(Tab& tab, const std::string& id) {
   tab.until("document.getElementById('" + id + "') && !document.getElementById('" + id + "').disabled");
   tab.value("document.getElementById('" + id + "').click()");
