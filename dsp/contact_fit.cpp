@@ -1,6 +1,7 @@
 #include "dsp/contact_fit.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "core/units.h"
@@ -48,6 +49,22 @@ Samples good_samples(const Signal& s, double t1, double t2) {
     if (s.masked[i]) continue;
     out.t.push_back(s.time(i));
     out.x.push_back(s.value[i]);
+  }
+  return out;
+}
+
+/// Means of `per_row` neighbours, so that about `rows` are left; a row that a clipped or lost sample would part is left out.
+Samples thinned(const Samples& s, std::size_t rows, double dt, std::size_t& per_row) {
+  per_row = std::max<std::size_t>(1, s.t.size() / rows);
+  if (per_row == 1) return s;
+  const double longest = (static_cast<double>(per_row) - 0.5) * dt;
+  Samples out;
+  for (std::size_t i = 0; i + per_row <= s.t.size(); i += per_row) {
+    if (s.t[i + per_row - 1] - s.t[i] > longest) continue;
+    double t = 0, x = 0;
+    for (std::size_t k = i; k < i + per_row; ++k) t += s.t[k], x += s.x[k];
+    out.t.push_back(t / static_cast<double>(per_row));
+    out.x.push_back(x / static_cast<double>(per_row));
   }
   return out;
 }
@@ -179,8 +196,30 @@ EdgeCandidate fit_edge_family(const Samples& s, double kink, int side, double le
     for (std::size_t i = 0; i < n; ++i) r[i] = (f(s.t[i]) - s.x[i]) / noise;
     r[n] = exponential ? q[3] / 0.5 : (q[3] - exponent_prior) / exponent_prior_sigma;
   };
+  const auto derivatives = [&](std::span<const double> q, std::span<double> j) {
+    std::fill(j.begin(), j.end(), 0.0);
+    const double a = kink + q[0] * length, l = length * std::exp(q[1]), f = peak * q[2], rows = 1 / noise;
+    for (std::size_t i = 0; i < n; ++i) {
+      const double v = side * (s.t[i] - a) / l;
+      if (v <= 0) continue;
+      double by_v = 0, by_peak = 0, by_last = 0;  // of F; F / peak; last parameter
+      if (exponential) {
+        const double e = std::exp(-v);
+        by_v = f * (e + q[3]), by_peak = 1 - e + q[3] * v, by_last = f * v;
+      } else if (v < 1) {
+        const double sine = std::max(std::sin(0.5 * pi * v), 1e-6), power = std::pow(sine, q[3]);
+        by_v = f * q[3] * power / sine * 0.5 * pi * std::cos(0.5 * pi * v);
+        by_peak = power, by_last = f * power * std::log(sine);
+      } else {
+        by_peak = 1;
+      }
+      const std::array<double, 4> by{-side * length / l * by_v, -v * by_v, peak * by_peak, by_last};
+      for (std::size_t k = 0; k < by.size(); ++k) j[k * (n + 1) + i] = by[k] * rows;
+    }
+    j[3 * (n + 1) + n] = 1 / (exponential ? 0.5 : exponent_prior_sigma);
+  };
   EdgeCandidate c;
-  c.ls = levenberg_marquardt(residuals, n + 1, p);
+  c.ls = levenberg_marquardt(residuals, n + 1, p, 40, derivatives);
   const auto f = from(c.ls.x);
   for (std::size_t i = 0; i < n; ++i) {
     const double e = (f(s.t[i]) - s.x[i]) / noise;
@@ -281,6 +320,20 @@ ContactFit coarse_contact(const FitInput& in, const Interval& c) {
   return out;
 }
 
+/// A long contact that no pulse comes near, even with skew, found on a few rows at a fraction of the price of its fit.
+bool no_pulse(const Samples& s, const PulseShape& guess, const FitInput& in) {
+  constexpr std::size_t rows = 60;
+  constexpr double hopeless = 6;  // reduced sum of squares of the samples; 3 is given up
+  std::size_t per_row = 1;
+  const Samples few = thinned(s, rows, in.force.dt, per_row);
+  if (in.quick || per_row < 3 || 2 * few.t.size() < rows) return false;
+  const double n = static_cast<double>(per_row), mixed = 2e-3 * guess.peak,  // rows across an edge
+      noise = std::hypot(in.noise / std::sqrt(n), mixed);
+  const auto left = [&](const PulseFit& f) { return 1 + (f.reduced() - 1) / n; };
+  const PulseFit plain = fit_pulse(few, guess, noise, in.options, false);
+  return left(plain) >= hopeless && left(fit_pulse(few, plain.shape, noise, in.options, true)) >= hopeless;
+}
+
 }  // namespace
 
 ContactFit fit_contact(const FitInput& in, const Interval& c, const Neighbours& nb) {
@@ -292,7 +345,11 @@ ContactFit fit_contact(const FitInput& in, const Interval& c, const Neighbours& 
   const Samples s = good_samples(in.force, c.touch - before, c.release + after);
   if (s.t.size() < 7) return in.quick ? coarse_contact(in, c) : fit_by_edges(in, c, nb);
   const double peak = std::max(largest(in.smooth, in.force, c.touch, c.release), in.levels.touch);
-  PulseFit best = fit_pulse(s, {c.touch, c.release, peak, 1.2, 1.0}, in.noise, o, false, in.quick ? 10 : 40);
+  const PulseShape guess{c.touch, c.release, peak, 1.2, 1.0};
+  // of a clipped contact only the pulse knows the peak
+  const bool clipped = (flags_of_mask(in.force, c.touch, c.release) & flag_clipped) != 0;
+  if (!clipped && no_pulse(s, guess, in)) return fit_by_edges(in, c, nb);
+  PulseFit best = fit_pulse(s, guess, in.noise, o, false, in.quick ? 10 : 40);
   if (!in.quick && outside_band(best.reduced(), best.dof, o.chi2_confidence) && s.t.size() > 8) {
     const PulseFit skewed = fit_pulse(s, best.shape, in.noise, o, true);
     if (skewed.chi2 + std::log(static_cast<double>(s.t.size())) < best.chi2) best = skewed;

@@ -144,17 +144,6 @@ void use_joint_fit(Round& r, const JointModel& m, const Force& f, const Signal& 
   r.fits.push_back(std::move(last));
 }
 
-/// An amplifier that is late by D on the whole answers the start of a force at once and its middle late: with D taken out, an edge
-/// steeper than the amplifier shows up to D early on rising and late on falling. Uniform in between: D / sqrt(3). Slow edges,
-/// where a shape fitted and its rise was long beside D, are late by D throughout; their share falls in proportion.
-void admit_amplifier(Contact& c, double delay) {
-  const bool shaped = c.release.known() && !(c.flags & flag_poor_fit);
-  const double rise = shaped ? 0.5 * (c.release.value - c.touch.value) : 0.0;
-  const double u = delay / std::sqrt(3.0) * (rise > 10 * delay ? 10 * delay / rise : 1.0);
-  c.touch.u = std::hypot(c.touch.u, u);
-  c.release.u = std::hypot(c.release.u, u);
-}
-
 /// A shape that does not fit says nothing beyond the film: where its peak stands above all that the film shows while the contact
 /// is closed, the film's largest value is the peak, and as uncertain as the two are apart. A clipped film shows too little.
 void hold_peak(Contact& c, const Signal& film) {
@@ -173,11 +162,12 @@ std::vector<Grazing> fill_train(ContactTrain& train, const Round& r, const Force
                                 double t_end, const ExtractOptions& o) {
   for (const ContactFit& fit : r.fits) train.contacts.push_back(fit.contact);
   drop_swings(train.contacts, a.stripped, f.noise, o);
+  for (Contact& c : train.contacts)
+    hold_peak(c, f.signal);  // before an edge that follows a law takes the flag away
   const double left = a.ring.empty() ? f.noise : open_noise(a.stripped, r, a.ring, t_end, f.noise);
-  auto grazing = refine_contacts(train.contacts, a.stripped, std::max(left, r.noise), o);
+  auto grazing = refine_contacts(train.contacts, {a.stripped, std::max(left, r.noise), f.noise, f.delay}, o);
   for (Contact& c : train.contacts) {
     hold_peak(c, f.signal);
-    admit_amplifier(c, f.delay);
     train.flags |= c.flags & (flag_clipped | flag_gap);
   }
   train.noise = f.noise;
@@ -270,7 +260,9 @@ ForceAnalysis analyse_force(const Force& f, double t_end, const Measured& core_s
         out.ring.empty() ? f.noise : open_noise(out.stripped, best.round, out.ring, t_end, f.noise);
     round = find_contacts(out.stripped, noise, f.settled, t_end, o);
   }
-  if (!out.ring.empty() && !bare_enough && takes_a_contact(f.signal, unaided, round.intervals)) {
+  // a model that explains the whole record to its noise has nothing left that could be a contact
+  if (!out.ring.empty() && !bare_enough && !convincing(best) &&
+      takes_a_contact(f.signal, unaided, round.intervals)) {
     out.ring = {};
     out.stripped = f.signal;
     round = find_contacts(f.signal, f.noise, f.settled, t_end, o);
@@ -279,7 +271,7 @@ ForceAnalysis analyse_force(const Force& f, double t_end, const Measured& core_s
   if (round.overlap) out.train.flags |= flag_ring_overlap;
   const auto grazing = fill_train(out.train, round, f, out, t_end, o);
   if (!out.ring.empty() && !bare_enough && !convincing(best))
-    doubt_stripping(out.train.contacts, f.signal, out.stripped, out.ring, round.noise, o);
+    doubt_stripping(out.train.contacts, f.signal, {out.stripped, round.noise, f.noise, f.delay}, out.ring, o);
   if (!out.ring.empty() &&
       doubt_landing(out.train.contacts, unaided, core_seat, out.ring.amplitude_at(out.ring.onset)))
     out.train.flags |= flag_ring_overlap;

@@ -15,18 +15,23 @@ namespace powbench::dsp {
 namespace {
 
 constexpr std::array<double, 3> laws{1, 1.25, 1.5};
+constexpr std::size_t middle_law = 1;
+constexpr double hopeless = 2;   // reduced chi-square of the middle law that no other mends
 constexpr double shrink = 0.75;  // of the span, from one look to the next
 constexpr std::size_t most_rows = 48, least_rows = 12;
-constexpr double negligible = 24;     // of chi-square above the best
-constexpr double excluded = 24;       // the same, of m = 0
-constexpr double beyond_doubt = 100;  // the same
-constexpr double friction = 0.15;     // standard deviation of e
-constexpr double zero_error = 1.5;    // of z, over the noise of a mean over 20 us
-constexpr double clear = 6;           // noises of a row that both ends must stand above zero
+constexpr double negligible = 24;                      // of chi-square above the best
+constexpr double excluded = 24;                        // the same, of m = 0
+constexpr double beyond_doubt = 100;                   // the same
+constexpr double enough = 0.003;                       // gain of an iteration in chi-square
+constexpr int trial = 5, longest = 20, profiled = 10;  // iterations: of a start, of a fit, with m held
+constexpr double friction = 0.15;                      // standard deviation of e
+constexpr double zero_error = 1.5;                     // of z, over the noise of a mean over 20 us
+constexpr double clear = 6;                            // noises of a row that both ends must stand above zero
 
 struct Rows {
   std::vector<double> x, y;             // -1 .. 1; in units of `top`
   double noise = 0, zero = 0, top = 0;  // noise of a row; error of the zero
+  double half = 0;                      // s, of the span
 };
 
 double power(double w, double q) {
@@ -45,6 +50,7 @@ std::optional<Rows> rows_of(const Signal& s, double from, double to, double nois
   const std::size_t per_row = std::max<std::size_t>(1, (i2 - i1) / most_rows);
   const double middle = 0.5 * (from + to), half = 0.5 * (to - from);
   Rows r;
+  r.half = half;
   for (std::size_t i = i1; i + per_row <= i2; i += per_row) {
     double sum = 0;
     std::uint8_t mask = 0;
@@ -66,7 +72,7 @@ constexpr std::size_t unknowns = 7, priors = 2;
 using Parameters = std::array<double, unknowns>;  // m, x0, b, c, d, e, z
 
 /// `fixed` holds m and leaves it out.
-LeastSquares fit(const Rows& r, double q, const Parameters& start, bool fixed) {
+LeastSquares fit(const Rows& r, double q, const Parameters& start, bool fixed, int iterations) {
   const std::size_t n = r.x.size(), skip = fixed ? 1 : 0, rows = n + priors;
   const std::array<FreeParameter, unknowns> all{{{start[0], 1e-4, -3, 1},
                                                  {start[1], 1e-4, -0.9, 0.9},
@@ -104,7 +110,7 @@ LeastSquares fit(const Rows& r, double q, const Parameters& start, bool fixed) {
     j[(5 - skip) * rows + n] = 1 / friction;
     j[(6 - skip) * rows + n + 1] = 1 / level;
   };
-  return levenberg_marquardt(residuals, rows, std::span(all).subspan(skip), fixed ? 10 : 20, derivatives);
+  return levenberg_marquardt(residuals, rows, std::span(all).subspan(skip), iterations, derivatives, enough);
 }
 
 /// chi-square along m.
@@ -114,22 +120,43 @@ struct Profile {
   double at_zero = 0;  ///< chi-square with m = 0
 };
 
-/// The optimum, and whether m = 0 is excluded.
-Profile optimum_of(const Rows& r, double q, Parameters& at) {
-  const auto width = [&](double y) { return std::pow(std::max(y, r.noise), 1 / q); };
-  const double left = width(r.y.front()), right = width(r.y.back()), b = 0.5 * (left + right);
-  const double x0 = std::clamp((left - right) / (4 * b), -0.5, 0.5);
-  LeastSquares free = fit(r, q, {0.01, x0, b, 0, 0, 0, 0}, false);
-  const LeastSquares open = fit(r, q, {-0.1, x0, 1.2 * b, 0, 0, 0, 0}, false);
-  if (open.chi2 < free.chi2) free = open;
-  std::copy(free.x.begin(), free.x.end(), at.begin());
-  Parameters zero = at;
-  zero[0] = 0;
+/// A span that the model followed, as the start of the next narrower one.
+Parameters narrowed(const Parameters& p, double q, const Rows& from, const Rows& to) {
+  const double share = to.half / from.half, lower = from.top / to.top, w = std::pow(lower, 1 / q);
+  const double square = share * share;
+  return {p[0] * w, p[1] / share, p[2] * square * w, p[3] * square * share * w, p[4] * square * square * w,
+          p[5],     p[6] * lower};
+}
+
+/// The optimum. Without a `start` of its own (`warm`) an open and a closed one are tried, and the better followed.
+Profile optimum_of(const Rows& r, double q, Parameters& at, bool warm) {
+  const auto parameters = [](const LeastSquares& l) {
+    Parameters p{};
+    std::copy(l.x.begin(), l.x.end(), p.begin());
+    return p;
+  };
+  LeastSquares free;
+  if (warm) {
+    free = fit(r, q, at, false, longest);
+  } else {
+    const auto width = [&](double y) { return std::pow(std::max(y, r.noise), 1 / q); };
+    const double left = width(r.y.front()), right = width(r.y.back()), b = 0.5 * (left + right);
+    const double x0 = std::clamp((left - right) / (4 * b), -0.5, 0.5);
+    free = fit(r, q, {0.01, x0, b, 0, 0, 0, 0}, false, trial);
+    LeastSquares open = fit(r, q, {-0.1, x0, 1.2 * b, 0, 0, 0, 0}, false, trial);
+    if (open.chi2 < free.chi2) std::swap(free, open);
+    if (!free.converged) free = fit(r, q, parameters(free), false, longest - trial);
+    // one that stands within sight of the better one may yet pass it
+    if (!open.converged && open.chi2 < free.chi2 + beyond_doubt) {
+      open = fit(r, q, parameters(open), false, longest - trial);
+      if (open.chi2 < free.chi2) free = std::move(open);
+    }
+  }
+  at = parameters(free);
   Profile out;
   out.best = free.chi2;
   out.step = std::clamp(0.6 * free.u(0), 2e-3, 0.1);
   out.m = {at[0]}, out.chi2 = {free.chi2};
-  out.at_zero = fit(r, q, zero, true).chi2;
   return out;
 }
 
@@ -139,7 +166,7 @@ void walk_along(const Rows& r, double q, const Parameters& optimum, Profile& p) 
     Parameters at = optimum;
     for (int k = 0; k < 40; ++k) {
       at[0] += side * p.step;
-      const LeastSquares l = fit(r, q, at, true);
+      const LeastSquares l = fit(r, q, at, true, profiled);
       std::copy(l.x.begin(), l.x.end(), at.begin() + 1);
       p.m.push_back(at[0]), p.chi2.push_back(l.chi2), p.best = std::min(p.best, l.chi2);
       if (l.chi2 > p.best + negligible || at[0] < -2.5 || at[0] > 0.8) break;
@@ -147,15 +174,29 @@ void walk_along(const Rows& r, double q, const Parameters& optimum, Profile& p) 
   }
 }
 
-Dip dip_in(const Rows& r) {
+/// `at`: optima of the laws, found here; with `warm` the start too.
+Dip dip_in(const Rows& r, std::array<Parameters, laws.size()>& at, bool warm) {
   Dip out;
   std::array<Profile, laws.size()> all;
-  std::array<Parameters, laws.size()> at{};
   double best = 1e300;
-  for (std::size_t l = 0; l < laws.size(); ++l) {
-    all[l] = optimum_of(r, laws[l], at[l]);
+  const double dof = std::max(1.0, static_cast<double>(r.x.size() + priors - unknowns));
+  for (const std::size_t l : {middle_law, middle_law - 1, middle_law + 1}) {
+    all[l] = optimum_of(r, laws[l], at[l], warm);
     best = std::min(best, all[l].best);
+    if (l == middle_law && best > hopeless * dof) break;  // its neighbours bend like it
   }
+  out.reduced_chi2 = best / dof;
+  out.known = out.reduced_chi2 < 1 + 1.2 * std::sqrt(2 / dof);
+  out.noise = r.noise;
+  if (!out.known) return out;
+  double zero = 1e300;
+  for (std::size_t l = 0; l < laws.size(); ++l) {
+    Parameters start = at[l];
+    start[0] = 0;
+    all[l].at_zero = fit(r, laws[l], start, true, profiled).chi2;
+    zero = std::min(zero, all[l].at_zero);
+  }
+  out.sure = zero > best + beyond_doubt;
   for (std::size_t l = 0; l < laws.size(); ++l)
     if (all[l].at_zero < all[l].best + excluded && all[l].best < best + negligible)
       walk_along(r, laws[l], at[l], all[l]);
@@ -166,14 +207,7 @@ Dip dip_in(const Rows& r) {
       sum += weight;
       open += weight * std::clamp(0.5 - p.m[i] / p.step, 0.0, 1.0);  // the node's share below zero
     }
-  const double dof = std::max(1.0, static_cast<double>(r.x.size() + priors - unknowns));
-  out.reduced_chi2 = best / dof;
-  out.known = out.reduced_chi2 < 1 + 1.2 * std::sqrt(2 / dof);
   out.opened = open / sum;
-  out.noise = r.noise;
-  double zero = 1e300;
-  for (const Profile& p : all) zero = std::min(zero, p.at_zero);
-  out.sure = zero > best + beyond_doubt;
   return out;
 }
 
@@ -185,12 +219,17 @@ Dip look_at_dip(const Signal& force, double release, double touch, double closed
   int followed = 0;
   double beside = std::min(std::max(2 * gap, 150e-6), closed);
   const auto rows_beside = [&] { return rows_of(force, release - beside, touch + beside, noise); };
+  std::array<Parameters, laws.size()> at{};
+  std::optional<Rows> before;
   while (beside < closed && !rows_beside()) beside = std::min(1.4 * beside, closed);
   for (; beside > 5 * force.dt; beside *= shrink) {
     const auto rows = rows_beside();
     if (!rows) break;
-    last = dip_in(*rows);
+    if (before)
+      for (std::size_t l = 0; l < laws.size(); ++l) at[l] = narrowed(at[l], laws[l], *before, *rows);
+    last = dip_in(*rows, at, before.has_value());
     if (!last.known) continue;
+    before = rows;
     // A span that the model follows only nearly is surer than it may be: of three the most doubtful one counts.
     if (!doubtful.known || std::abs(last.opened - 0.5) < std::abs(doubtful.opened - 0.5)) doubtful = last;
     if (last.sure || ++followed == 3) break;

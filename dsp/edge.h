@@ -9,7 +9,8 @@
 ///   F(t) = tau^q (a0 + a1 tau + a2 tau^2) + b.
 /// q = 0 is a jump (a damped pad), 1 a linear spring, 1.5 Hertz; the terms bend it to whatever follows. For every q and t0
 /// on a grid the amplitudes have Gaussian priors and are integrated out in closed form; the mean over that posterior
-/// is the time, its standard deviation the uncertainty: what the laws disagree about is in it.
+/// is the time, its standard deviation the uncertainty: what the laws disagree about is in it. With a `delay` the powers of tau are those
+/// that the amplifier shows (dsp/amplifier.h).
 
 namespace powbench::dsp {
 
@@ -19,6 +20,8 @@ struct EdgeQuestion {
   double open = 0;    ///< s that nothing else touches on the open side, > 0
   double closed = 0;  ///< s of closed time to begin with, most of the rise, > 0
   double noise = 0;   ///< N, one sample, > 0
+  double delay =
+      0;  ///< s: group delay of the amplifier's low-pass, already taken out of the time axis; 0 = none
 };
 
 struct EdgeAnswer {
@@ -32,6 +35,10 @@ struct EdgeAnswer {
 /// The span begins with all of `closed` and shrinks until a shorter one agrees, so that what the laws
 /// cannot follow does not move the time. Clipped and lost samples end it. Cost: 0.1 .. 1 ms.
 EdgeAnswer locate_edge(const Signal& force, const EdgeQuestion&);
+
+/// The same edge from what stands beyond its foot: samples less than `foot` s inside the guess are left out, so that the rise alone,
+/// over all of `closed`, says where it began. Known where the laws leave room for no other answer than theirs.
+EdgeAnswer locate_edge_beyond(const Signal& force, const EdgeQuestion&, double foot);
 
 /// Largest (side +1) or smallest (-1) force between two times, from a polynomial through it; N. The part used shrinks until the polynomial fits; the
 /// last change of the value counts as uncertainty. Not known with fewer than six good samples.

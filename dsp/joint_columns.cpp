@@ -76,7 +76,7 @@ double after_onset(const JointRows& r, std::size_t i, double onset) {
 }
 
 std::size_t tail_columns(double span) {
-  return span > 0 ? 1 + static_cast<std::size_t>(span / smooth_step) + 3 : 0;
+  return span > 0 ? 1 + static_cast<std::size_t>(span / smooth_step + 1e-6) + 3 : 0;
 }
 
 std::vector<JointBlock> blocks_of(const JointInput& in, const JointModel& m, const JointRows& r) {

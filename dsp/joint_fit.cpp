@@ -85,9 +85,6 @@ Solved solve(const Normal& n) {
           inverse.diagonal().cwiseProduct(scale.cwiseProduct(scale))};
 }
 
-constexpr double enough =
-    0.01;  ///< gain of an iteration in the sum of squares: a tenth of a standard uncertainty
-
 /// A contact's span of derivatives, to be projected out while the onset is moved.
 struct Subspace {
   std::size_t first = 0, last = 0;
@@ -213,6 +210,9 @@ void descend(const JointInput& in, JointModel& m, JointRows& r, int iterations) 
   weigh_rows(in, m, r);
   JointSystem s, t;
   evaluate(in, m, r, s, true);
+  const auto rows = std::max(
+      1.0, static_cast<double>(r.size() -
+                               static_cast<std::size_t>(std::count(r.weight.begin(), r.weight.end(), 0.0))));
   double damping = 1e-3;
   for (int k = 0; k < iterations; ++k) {
     if (!m.ring.modes.empty() && in.onset_to > in.onset_from && !in.ring_fixed) {
@@ -237,7 +237,8 @@ void descend(const JointInput& in, JointModel& m, JointRows& r, int iterations) 
       }
       damping = gain > 0 ? std::max(damping * 0.2, 1e-9) : damping * 8;
     }
-    if (gain < enough) break;
+    // where more is left than noise, standard uncertainties are larger too
+    if (gain < in.enough * std::max(1.0, s.cost / rows)) break;
   }
 }
 
@@ -312,7 +313,7 @@ JointModel fit_joint(const JointInput& in, JointModel m, int iterations) {
   }
   JointRows r = joint_rows(in, m);
   if (r.size() < 40) return m;
-  if (!in.keep_all && !m.ring.modes.empty()) leave_out_misfits(in, m, r);
+  if (!in.keep_all && !in.judged && !m.ring.modes.empty()) leave_out_misfits(in, m, r);
   descend(in, m, r, iterations);
   judge(in, m, r);
   if (free_skews(in, m, r)) {

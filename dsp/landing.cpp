@@ -26,9 +26,12 @@ double nearest(const std::vector<Interval>& unaided, double t, bool touch) {
   return best;
 }
 
-/// Anywhere between the two sightings; anywhere within the landing where there is only one.
-void widen(Measured& m, double other) {
-  m.u = std::hypot(m.u, (std::isnan(other) ? landing_time : other - m.value) / std::sqrt(12.0));
+/// Anywhere between the two sightings; anywhere within the landing where there is only one. True where that is worth a flag.
+bool widen(Measured& m, double other) {
+  constexpr double worth_a_flag = 20e-6;  // s
+  const double share = std::abs(std::isnan(other) ? landing_time : other - m.value) / std::sqrt(12.0);
+  m.u = std::hypot(m.u, share);
+  return share > worth_a_flag;
 }
 
 }  // namespace
@@ -44,9 +47,9 @@ bool doubt_landing(std::vector<Contact>& contacts, const std::vector<Interval>& 
   bool any = gone > 0;
   for (Contact& c : contacts) {
     const bool touch = window.holds(c.touch), release = window.holds(c.release);
-    if (touch) widen(c.touch, nearest(unaided, c.touch.value, true));
-    if (release) widen(c.release, nearest(unaided, c.release.value, false));
-    if (touch || release) c.flags |= flag_ring_overlap, any = true;
+    bool far = touch && widen(c.touch, nearest(unaided, c.touch.value, true));
+    if (release && widen(c.release, nearest(unaided, c.release.value, false))) far = true;
+    if (far) c.flags |= flag_ring_overlap, any = true;
   }
   return any;
 }

@@ -45,12 +45,17 @@ void jacobian(const Residuals& f, std::span<const FreeParameter> p, const Vector
   }
 }
 
-std::vector<double> inverse_of(const Matrix& normal) {
+/// Normal equations of up to `few` parameters live on the stack: most fits have no more, and there are thousands of them in a record.
+constexpr int few = 8;
+using SmallMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, few, few>;
+using SmallVector = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, few, 1>;
+
+template <class M>
+std::vector<double> inverse_of(const M& normal) {
   const Index n = normal.rows();
-  const Vector d = normal.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
-  const Matrix scaled = d.asDiagonal() * normal * d.asDiagonal();
-  const Matrix inverse =
-      d.asDiagonal() * Matrix(scaled.ldlt().solve(Matrix::Identity(n, n))) * d.asDiagonal();
+  const M d = normal.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse().asDiagonal();
+  const M scaled = d * normal * d;
+  const M inverse = d * M(scaled.ldlt().solve(M::Identity(n, n))) * d;
   std::vector<double> out(static_cast<std::size_t>(n * n));
   Eigen::Map<Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>>(out.data(), n, n) =
       inverse;
@@ -64,15 +69,19 @@ double LeastSquares::u(std::size_t i) const {
   return v >= 0 && std::isfinite(v) ? std::sqrt(v) : std::numeric_limits<double>::infinity();
 }
 
-LeastSquares levenberg_marquardt(const Residuals& f, std::size_t rows, std::span<const FreeParameter> p,
-                                 int max_iterations, const Derivatives& derivatives) {
+namespace {
+
+template <class M, class V>
+LeastSquares descend(const Residuals& f, std::size_t rows, std::span<const FreeParameter> p,
+                     int max_iterations, const Derivatives& derivatives, double least_gain) {
   const auto m = static_cast<Index>(rows), n = static_cast<Index>(p.size());
-  Vector x(n), r(m), trial(m);
+  Vector x(n), r(m), trial(m), next(n);
   for (Index j = 0; j < n; ++j) x[j] = p[static_cast<std::size_t>(j)].start;
   clamp(x, p);
   f(view(std::as_const(x)), view(r));
   double cost = r.squaredNorm(), damping = 1e-3;
-  Matrix J(m, n), normal(n, n);
+  Matrix J(m, n);
+  M normal(n, n);
   const auto differentiate = [&] {
     if (derivatives)
       derivatives(view(std::as_const(x)), {J.data(), static_cast<std::size_t>(J.size())});
@@ -82,13 +91,13 @@ LeastSquares levenberg_marquardt(const Residuals& f, std::size_t rows, std::span
   LeastSquares out;
   for (; out.iterations < max_iterations && !out.converged; ++out.iterations) {
     differentiate();
-    normal = cross<Matrix>(J, J);
-    const Vector gradient = cross<Matrix>(J, r);
+    normal = cross<M>(J, J);
+    const V gradient = cross<V>(J, r);
     bool accepted = false;
     for (int tries = 0; tries < 12 && !accepted; ++tries) {
-      Matrix damped = normal;
+      M damped = normal;
       damped.diagonal() += damping * normal.diagonal().cwiseMax(1e-12);
-      Vector next = x - damped.ldlt().solve(gradient);
+      next = x - damped.ldlt().solve(gradient);
       if (!next.allFinite()) {
         damping *= 10;
         continue;
@@ -98,9 +107,9 @@ LeastSquares levenberg_marquardt(const Residuals& f, std::size_t rows, std::span
       const double next_cost = trial.squaredNorm();
       if (next_cost < cost || (next_cost == cost && next == x)) {
         accepted = true;
-        out.converged = cost - next_cost < 1e-6;
-        x = next;
-        r = trial;
+        out.converged = cost - next_cost < least_gain;
+        x.swap(next);
+        r.swap(trial);
         cost = next_cost;
         damping = std::max(damping * 0.2, 1e-9);
       } else {
@@ -110,11 +119,20 @@ LeastSquares levenberg_marquardt(const Residuals& f, std::size_t rows, std::span
     if (!accepted) out.converged = true;  // no descent left along any damped direction
   }
   differentiate();
-  normal = cross<Matrix>(J, J);
+  normal = cross<M>(J, J);
   out.covariance = inverse_of(normal);
   out.x.assign(x.data(), x.data() + n);
   out.chi2 = cost;
   return out;
+}
+
+}  // namespace
+
+LeastSquares levenberg_marquardt(const Residuals& f, std::size_t rows, std::span<const FreeParameter> p,
+                                 int max_iterations, const Derivatives& derivatives, double least_gain) {
+  return p.size() <= few
+             ? descend<SmallMatrix, SmallVector>(f, rows, p, max_iterations, derivatives, least_gain)
+             : descend<Matrix, Vector>(f, rows, p, max_iterations, derivatives, least_gain);
 }
 
 LeastSquares linear_least_squares(std::span<const std::vector<double>> columns, std::span<const double> y) {
@@ -130,7 +148,7 @@ LeastSquares linear_least_squares(std::span<const std::vector<double>> columns, 
   out.x.assign(c.data(), c.data() + n);
   out.chi2 = (b - A * c).squaredNorm();
   if (out.converged) {
-    out.covariance = inverse_of(cross<Matrix>(A, A));
+    out.covariance = n <= few ? inverse_of(cross<SmallMatrix>(A, A)) : inverse_of(cross<Matrix>(A, A));
   } else {
     out.covariance.assign(static_cast<std::size_t>(n * n), std::numeric_limits<double>::infinity());
   }

@@ -33,11 +33,12 @@ using Residuals = std::function<void(std::span<const double> parameters, std::sp
 /// Fills d residual / d parameter, column-major (rows, p).
 using Derivatives = std::function<void(std::span<const double> parameters, std::span<double> jacobian)>;
 
-/// Levenberg-Marquardt (Marquardt scaling, ranges by clamping). `rows` residuals. Done when a step gains less than 1e-6 in
-/// chi-square: a thousandth of a standard uncertainty. Without `derivatives`: central
+/// Levenberg-Marquardt (Marquardt scaling, ranges by clamping). `rows` residuals. Done when a step gains less than `least_gain`
+/// in chi-square; 1e-6 is a thousandth of a standard uncertainty. Without `derivatives`: central
 /// differences with each parameter's step.
 LeastSquares levenberg_marquardt(const Residuals&, std::size_t rows, std::span<const FreeParameter>,
-                                 int max_iterations = 40, const Derivatives& derivatives = {});
+                                 int max_iterations = 40, const Derivatives& derivatives = {},
+                                 double least_gain = 1e-6);
 
 /// Linear least squares by column-pivoted QR. `columns` is (p) arrays of n values. Rank deficiency:
 /// minimum-norm-like basic solution, covariance of dropped columns infinite.

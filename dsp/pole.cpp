@@ -55,6 +55,7 @@ ContactTrain pole_by_force(const ContactTrain& a, const ContactTrain& b, double 
       c.touch = start_of(x) >= start_of(y) ? x.touch : y.touch;
       c.release = end_of(x) <= end_of(y) ? x.release : y.release;
       c.flags = x.flags | y.flags;
+      c.probability = x.probability * y.probability;
       out.contacts.push_back(c);
     }
   std::sort(out.contacts.begin(), out.contacts.end(),

@@ -64,7 +64,7 @@ std::optional<Node> at_exponent(const Rows& r, const PulseShape& start) {
     }
   };
   const FreeParameter p[] = {{0, 1e-4, -0.3, 0.3}, {0, 1e-4, -0.3, 0.3}, {1, 1e-4, 0.2, 5}};
-  const LeastSquares ls = levenberg_marquardt(residuals, n, p, 15, derivatives);
+  const LeastSquares ls = levenberg_marquardt(residuals, n, p, 15, derivatives, 1e-3);
   for (std::size_t i = 0; i < 3; ++i)
     if (!std::isfinite(ls.u(i))) return std::nullopt;
   Node node{shape_of(ls.x), ls.u(0) * width, ls.u(1) * width, ls.u(2) * start.peak, 0};

@@ -12,6 +12,11 @@ namespace powbench::dsp {
 
 namespace {
 
+constexpr double worth_a_flag = 20e-6;  // s that vibration may move an edge; less stands in u alone
+constexpr double far_from_law =
+    4;  // reduced sum of squares: misfit of more than the noise counts twice; less stands in u
+constexpr double sticking = 150e-6;   // s that a pad may pull while it breaks
+constexpr double still_there = 1e-3;  // s that vibration lasts at least
 constexpr double longest_rise =
     1.5e-3;  // s from a touch to its first maximum, or from the last one to its release
 
@@ -33,10 +38,43 @@ double rise_of(const CalmForce& calm, const Signal& force, double t, int side, d
   return std::max(static_cast<double>(most - way.begin()) * force.dt, 0.25 * at);
 }
 
+/// N: how far the calm force swings below zero between two times; 0 where no swing stands out of the noise.
+double swing_below(const CalmForce& calm, const Signal& force, double from, double to) {
+  constexpr double clear = 6;  // standard deviations
+  double lowest = 0;
+  for (std::size_t i = force.index_at(from); i < std::min(force.index_at(to), force.size()); ++i)
+    lowest = std::min(lowest, calm.value[i]);
+  return lowest > -clear * calm.noise ? 0 : -lowest;
+}
+
+/// Is an opening no more than a single trough of vibration that is still in the force? An opening lets the vibration swing on about zero:
+/// up by most of its amplitude and down again before the contact closes. Where it does not, a low contact force and a trough
+/// look the same. `vibration`: N, its amplitude where it is known to be there, else 0.
+bool one_trough(const CalmForce& quiet, const Signal& force, const Contact& before, const Contact& after,
+                double vibration) {
+  constexpr double half_a_period = 0.4e-3;  // s, of the slowest core vibration
+  if (after.touch.value - before.release.value > half_a_period) return false;
+  const double amplitude =
+      std::max(vibration, swing_below(quiet, force, before.release.value, after.touch.value));
+  if (!(amplitude > 0)) return false;
+  const std::size_t first = force.index_at(before.release.value), last = force.index_at(after.touch.value);
+  double low = 1e300,
+         high = -1e300;  // lowest so far; highest since the force has come up by most of the amplitude
+  std::size_t up = last;
+  for (std::size_t i = first; i < last; ++i) {
+    const double v = quiet.value[i];
+    if (v < low) low = v, up = last;
+    if (v > low + 0.7 * amplitude) high = std::max(high, v), up = std::min(up, i);
+    if (v < high - 0.5 * amplitude) return false;
+  }
+  return 4 * (last - up) < last - first;  // a pad that pulls when it breaks leaves zero behind it
+}
+
 /// An opening shows no force. What the levels took for one is looked at again: one smooth indentation through both edges says how
 /// probable it is that the contact opened; with less than 0.6 (0.1 in loud noise) it is not listed. Where none explains the force, a least
 /// force that stands clear of zero makes the two contacts one.
-std::vector<Grazing> close_dips(std::vector<Contact>& contacts, const Signal& force, double noise) {
+std::vector<Grazing> close_dips(std::vector<Contact>& contacts, const CalmForce& quiet, const Signal& force,
+                                double noise, double vibration) {
   constexpr double longest_dip = 0.6e-3, beside = 40e-6;  // s
   constexpr double sure = 0.003, loud = 0.03;
   std::vector<Grazing> out;
@@ -54,10 +92,13 @@ std::vector<Grazing> close_dips(std::vector<Contact>& contacts, const Signal& fo
           locate_extreme(force, a.release.value - margin, b.touch.value + margin, -1, noise);
       opened = least.known() && least.value > least.u ? 0 : 1;
     }
+    constexpr double unclear = 0.7;
+    if (one_trough(quiet, force, a, b, vibration)) opened = std::clamp(opened, 1 - unclear, unclear);
     // where the noise hides how the force bends, what two levels saw apart stays apart unless the dip speaks against it
     const bool listed = opened > (dip.noise > loud ? 0.1 : 0.6);
     const bool uncertain = std::min(opened, 1 - opened) > sure;
     if (uncertain) (listed ? b : a).flags |= flag_grazing;
+    if (listed) b.probability *= opened;
     if (uncertain) out.push_back({i, a.touch.value, b.touch.value, a.release.value, opened, listed});
     if (listed) continue;
     if (!(a.peak.value > b.peak.value)) a.peak = b.peak;
@@ -83,22 +124,49 @@ double time_to(const CalmForce& calm, const Signal& force, double edge, int side
   return static_cast<double>(std::abs(i - at)) * force.dt;
 }
 
-/// N: how far the calm force swings below zero between two times; 0 where no swing stands out of the noise.
-double swing_below(const CalmForce& calm, const Signal& force, double from, double to) {
-  constexpr double clear = 6;  // standard deviations
-  double lowest = 0;
-  for (std::size_t i = force.index_at(from); i < std::min(force.index_at(to), force.size()); ++i)
-    lowest = std::min(lowest, calm.value[i]);
-  return lowest > -clear * calm.noise ? 0 : -lowest;
+/// s by which vibration that is still in the force may move an edge: as far as it swings below zero on the open side, so far the force may
+/// have risen unseen. 0 where nothing swings. `after_release`: s that pass before a release's open side is looked at.
+double moved_by_vibration(const CalmForce& calm, const Signal& force, double edge, int side,
+                          double after_release) {
+  constexpr double beside = 0.5e-3;  // s
+  const double swing = side > 0
+                           ? swing_below(calm, force, edge - beside, edge + force.dt)
+                           : swing_below(calm, force, edge + after_release, edge + after_release + beside);
+  return swing > 0 ? time_to(calm, force, edge, side, swing) / std::sqrt(3.0) : 0;
 }
 
-/// s by which vibration that is still in the force may move an edge: as far as it swings below zero on the open side, so far the force may
-/// have risen unseen. 0 where nothing swings.
-double moved_by_vibration(const CalmForce& calm, const Signal& force, double edge, int side) {
-  constexpr double beside = 0.5e-3;  // s
-  const double swing = side > 0 ? swing_below(calm, force, edge - beside, edge + force.dt)
-                                : swing_below(calm, force, edge, edge + beside);
-  return swing > 0 ? time_to(calm, force, edge, side, swing) / std::sqrt(3.0) : 0;
+/// s by which an edge lies outside the place that the rise behind it points to. Vibration that starts just before a touch, or is on its way up
+/// after a release, has one sign there and is no different from a contact's foot; only the rise beyond it is surely contact.
+/// 0 where both agree, or where the foot is no longer than that of a round pad.
+double foot_of(const CalmForce& calm, const EdgeForce& film, double edge, int side, double reach, double open,
+               double u) {
+  const Signal& force = film.signal;
+  constexpr double low = 0.2, high = 0.75;  // of the largest force
+  constexpr double round = 0.75;            // time below `low` over time to `high`: 0.7 of F ~ t^1.5
+  const auto n = static_cast<std::ptrdiff_t>(force.size());
+  const auto first = static_cast<std::ptrdiff_t>(force.index_at(edge));
+  const auto count = static_cast<std::ptrdiff_t>(reach / force.dt);
+  const auto at = [&](std::ptrdiff_t k) { return calm.value[static_cast<std::size_t>(first + side * k)]; };
+  const auto last = side > 0 ? std::min(count, n - 1 - first) : std::min(count, first);
+  double top = 0;
+  for (std::ptrdiff_t k = 0; k <= last; ++k) top = std::max(top, at(k));
+  std::ptrdiff_t risen = 0, foot = 0;
+  while (risen <= last && at(risen) < high * top) ++risen;
+  for (std::ptrdiff_t k = 0; k <= std::min(risen, last); ++k)
+    if (at(k) < low * top) foot = k;
+  if (!(top > 10 * calm.noise) || risen > last ||
+      static_cast<double>(foot) < round * static_cast<double>(risen - foot))
+    return 0;
+  const double span = static_cast<double>(risen) * force.dt, skip = static_cast<double>(foot) * force.dt;
+  const EdgeAnswer beyond = locate_edge_beyond(force, {edge, side, open, span, film.noise, film.delay}, skip);
+  if (!beyond.known) return 0;
+  const double apart = side * (beyond.time.value - edge);
+  return apart > 3 * std::hypot(beyond.time.u, u) ? apart : 0;
+}
+
+/// The edge is dated by a law, and what that leaves is in its uncertainty.
+bool near_law(const EdgeAnswer& e) {
+  return e.known && (e.followed || e.reduced_chi2 < far_from_law);
 }
 
 /// What the force beside a contact says.
@@ -134,13 +202,23 @@ Measured touch_that_lasts(const Contact& c, const EdgeAnswer& beside) {
   return {own.value + own.u * own.u / (all * all) * apart, own.u * guess / all};
 }
 
+/// An edge that was not dated with the amplifier's response: it shows up to a delay D early on rising and late on falling. Uniform in
+/// between: D / sqrt(3).
+void admit_amplifier(Measured& edge, double delay) {
+  edge.u = std::hypot(edge.u, delay / std::sqrt(3.0));
+}
+
 }  // namespace
 
-std::vector<Grazing> refine_contacts(std::vector<Contact>& contacts, const Signal& force, double noise,
+std::vector<Grazing> refine_contacts(std::vector<Contact>& contacts, const EdgeForce& film,
                                      const ExtractOptions& o) {
+  const Signal& force = film.signal;
+  const double noise = film.noise, white = film.white;
   if (contacts.empty() || !(noise > 0)) return {};
   const CalmForce calm = calm_force(force, noise, o);
-  std::vector<Grazing> grazing = close_dips(contacts, force, noise);
+  const CalmForce quiet{calm.value, calm.noise * white / noise};  // swings stand out of this
+  std::vector<Grazing> grazing =
+      close_dips(contacts, quiet, force, noise, noise > 2 * white ? 1.4 * noise : 0.0);
   std::vector<Beside> beside(contacts.size());
   Agreement agreement;
   for (std::size_t i = 0; i < contacts.size(); ++i) {
@@ -152,7 +230,7 @@ std::vector<Grazing> refine_contacts(std::vector<Contact>& contacts, const Signa
     const auto ask = [&](double near, int side, double free) {
       const double closed = rise_of(calm, force, near, side, std::min(longest_rise, stop - touch));
       EdgeAnswer answer = locate_edge(force, {near, side, std::clamp(0.8 * free, 2 * force.dt, o.fit_margin),
-                                              std::max(closed, 3 * force.dt), noise});
+                                              std::max(closed, 3 * force.dt), noise, film.delay});
       // a dozen samples that take more than half of a contact are no edge any more: its shape as a whole says more
       const bool half = c.release.known() && answer.span > 0.55 * (release - touch);
       answer.known = answer.known && !(half && answer.span < 12.5 * force.dt);
@@ -173,7 +251,9 @@ std::vector<Grazing> refine_contacts(std::vector<Contact>& contacts, const Signa
     Contact& c = contacts[i];
     const Contact was = c;
     const Beside& b = beside[i];
-    const bool shape = !(c.flags & flag_poor_fit) && agreement.holds() && c.release.known();
+    // a shape knows nothing of the amplifier's low-pass: with one, the edges alone date
+    const bool shape =
+        !(film.delay > 0) && !(c.flags & flag_poor_fit) && agreement.holds() && c.release.known();
     const auto take = [&](Measured& time, const EdgeAnswer& answer) {
       if (!answer.known) return;
       if (shape)
@@ -183,24 +263,44 @@ std::vector<Grazing> refine_contacts(std::vector<Contact>& contacts, const Signa
     };
     if (c.release.known())
       take(c.touch, b.touch), take(c.release, b.release);
+    else if (film.delay > 0)
+      take(c.touch, b.touch);
     else
       c.touch = touch_that_lasts(c, b.touch);
+    if (film.delay > 0) {
+      if (!b.touch.known) admit_amplifier(c.touch, film.delay);
+      if (c.release.known() && !b.release.known) admit_amplifier(c.release, film.delay);
+    }
     for (Measured* edge : {&c.touch, &c.release}) {
       if (!edge->known()) continue;
       const bool touch = edge == &c.touch;
       if ((c.flags & flag_poor_fit) &&
           !(touch ? b.touch : b.release).known)  // neither shape nor law dates it
         edge->u = std::max(edge->u, 0.5 * rise_of(calm, force, edge->value, touch ? +1 : -1, 0.5e-3));
-      const double moved = moved_by_vibration(calm, force, edge->value, touch ? +1 : -1);
-      if (moved > edge->u) c.flags |= flag_ring_overlap;
-      edge->u = std::hypot(edge->u, moved);
+      // a pad that pulls while it breaks blurs the release too, but is no vibration
+      const double by_either = moved_by_vibration(quiet, force, edge->value, touch ? +1 : -1, 0);
+      double moved = moved_by_vibration(quiet, force, edge->value, touch ? +1 : -1, sticking);
+      const double open =
+          touch ? c.touch.value - (i > 0 ? contacts[i - 1].release.value : force.t0)
+                : (i + 1 < contacts.size() ? contacts[i + 1].touch.value : force.end()) - c.release.value;
+      const double end_of = c.release.known() ? c.release.value - c.touch.value : longest_rise;
+      const double foot = foot_of(quiet, film, edge->value, touch ? +1 : -1, std::min(longest_rise, end_of),
+                                  std::clamp(0.8 * open, 2 * force.dt, o.fit_margin), edge->u);
+      moved = std::hypot(moved, foot / std::sqrt(3.0));
+      if (moved > std::max(edge->u, worth_a_flag)) c.flags |= flag_ring_overlap;
+      edge->u = std::hypot(edge->u, std::hypot(by_either, foot / std::sqrt(3.0)));
     }
     if (b.peak.known()) c.peak = b.peak;
+    // what swings below zero in the open time beside a contact is in its peak too
+    const double stop = c.release.known() ? c.release.value : c.touch.value;
+    c.peak.u =
+        std::hypot(c.peak.u, std::max(swing_below(quiet, force, c.touch.value - still_there, c.touch.value),
+                                      swing_below(quiet, force, stop + sticking, stop + still_there)));
     const double before = i > 0 ? contacts[i - 1].release.value : force.t0;
     if (c.release.known() && !(c.release.value > c.touch.value && c.touch.value >= before)) {
       c = was;
       c.flags |= flag_poor_fit;
-    } else if (!shape && b.touch.followed && (!c.release.known() || b.release.followed)) {
+    } else if (!shape && near_law(b.touch) && (!c.release.known() || near_law(b.release))) {
       c.flags &= ~static_cast<std::uint32_t>(flag_poor_fit);  // each edge follows a law
     }
   }
@@ -216,11 +316,12 @@ std::vector<Grazing> refine_contacts(std::vector<Contact>& contacts, const Signa
   return grazing;
 }
 
-void doubt_stripping(std::vector<Contact>& contacts, const Signal& unaided, const Signal& stripped,
-                     const Ring& ring, double noise, const ExtractOptions& o) {
+void doubt_stripping(std::vector<Contact>& contacts, const Signal& unaided, const EdgeForce& film,
+                     const Ring& ring, const ExtractOptions& o) {
+  const Signal& stripped = film.signal;
   constexpr double left = 0.15;                  // of the vibration taken out, that may still be there
   constexpr double near = 1.5e-3, early = 1e-3;  // s beside an edge; before the onset found
-  const CalmForce calm = calm_force(stripped, noise, o);
+  const CalmForce calm = calm_force(stripped, film.white, o);
   for (std::size_t i = 0; i < contacts.size(); ++i) {
     Contact& c = contacts[i];
     const double before = i > 0 ? contacts[i - 1].release.value : stripped.t0;
@@ -233,12 +334,16 @@ void doubt_stripping(std::vector<Contact>& contacts, const Signal& unaided, cons
     const auto doubt = [&](Measured& edge, int side, double free) {
       if (!edge.known() || edge.value < ring.onset - early) return;
       double moved = time_to(calm, stripped, edge.value, side, residue(edge.value));
-      const EdgeQuestion q{edge.value, side, std::clamp(0.8 * free, 2 * stripped.dt, o.fit_margin),
-                           std::max(std::min(closed, o.edge_window), 8 * stripped.dt), noise};
-      const EdgeAnswer with = locate_edge(unaided, q), without = locate_edge(stripped, q);
-      if (with.known && without.known) moved = std::hypot(moved, with.time.value - without.time.value);
+      const EdgeQuestion q{edge.value,
+                           side,
+                           std::clamp(0.8 * free, 2 * stripped.dt, o.fit_margin),
+                           std::max(std::min(closed, o.edge_window), 8 * stripped.dt),
+                           film.noise,
+                           film.delay};
+      if (const EdgeAnswer with = locate_edge(unaided, q); with.known)
+        moved = std::hypot(moved, with.time.value - edge.value);
       moved /= std::sqrt(3.0);
-      if (moved > edge.u) c.flags |= flag_ring_overlap;
+      if (moved > std::max(edge.u, worth_a_flag)) c.flags |= flag_ring_overlap;
       edge.u = std::hypot(edge.u, moved);
     };
     const double end = c.release.known() ? c.release.value : c.touch.value + o.edge_window;

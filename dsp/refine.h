@@ -24,17 +24,24 @@ struct Grazing {
   double share() const { return std::max(std::sqrt(listed ? 1 - opened : opened), 1 / 3.0); }
 };
 
+/// Force of a film as the edges are dated on it.
+struct EdgeForce {
+  const Signal& signal;  ///< N, vibration taken out
+  double noise = 0;      ///< N, one sample, with the vibration that is left
+  double white = 0;      ///< N, without
+  double delay = 0;      ///< s, of the amplifier
+};
+
 /// Touch, release and peak of each contact from the force next to them (`locate_edge`, `locate_peak`). The shape that found a contact
 /// says roughly where to look; what it cannot follow no longer moves the times. A contact whose edges run into each
-/// other keeps what it had and carries flag_poor_fit. `force`: vibration taken out; `noise`: N, one sample of it.
+/// other keeps what it had and carries flag_poor_fit. Vibration that is left is no white noise: what of it swings below zero goes into u as the time the force needs to rise so far.
 /// Dips of which nobody can say whether they are openings are returned, and their contacts carry flag_grazing.
-std::vector<Grazing> refine_contacts(std::vector<Contact>&, const Signal& force, double noise,
-                                     const ExtractOptions&);
+std::vector<Grazing> refine_contacts(std::vector<Contact>&, const EdgeForce&, const ExtractOptions&);
 
 /// A vibration that was taken out without explaining the record to its noise may have moved edges behind its onset. The force as it came,
 /// `unaided`, dates them differently; and what may be left of the vibration (a seventh, or as far as the stripped force still swings
 /// below zero) may hide the rise up to there. Both, over sqrt(3), go into u; peaks take on what may be left.
-void doubt_stripping(std::vector<Contact>&, const Signal& unaided, const Signal& stripped, const Ring&,
-                     double noise, const ExtractOptions&);
+void doubt_stripping(std::vector<Contact>&, const Signal& unaided, const EdgeForce& stripped, const Ring&,
+                     const ExtractOptions&);
 
 }  // namespace powbench::dsp

@@ -2,8 +2,10 @@
 
 #include <Eigen/Dense>
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <complex>
+#include <map>
 #include <utility>
 
 #include "core/units.h"
@@ -79,7 +81,8 @@ std::complex<double> block_gain(const Rows& r, const Pole& p) {
 /// `closed_from`.
 Matrix smooth_columns(const Rows& r, double closed_from, double to) {
   const double span = to - closed_from;
-  const int cosines = span > 0 ? 1 + static_cast<int>(span / smooth_step) : 0;
+  // the usual span is a whole number of steps: which side of it rounding falls on may not decide
+  const int cosines = span > 0 ? 1 + static_cast<int>(span / smooth_step + 1e-6) : 0;
   Matrix M = Matrix::Zero(static_cast<Index>(r.t.size()), cosines ? cosines + 3 : 0);
   for (Index i = 0; i < M.rows(); ++i) {
     const double tau = r.t[static_cast<std::size_t>(i)] - closed_from;
@@ -253,7 +256,8 @@ std::vector<Pole> tail_poles(const RingInput& in, const ExtractOptions& o) {
                     o.ring_low_hertz, high);
 }
 
-Ring fit_ring(const RingInput& in, std::vector<Pole> poles, const ExtractOptions& o, double* reduced) {
+Ring fit_ring(const RingInput& in, std::vector<Pole> poles, const ExtractOptions& o, double* reduced,
+              double hopeless) {
   Ring ring;
   ring.onset = ring.reference = in.from;
   const Rows r = only_good(rows_of(in.residual, &in.usable, in.from, in.to));
@@ -266,6 +270,8 @@ Ring fit_ring(const RingInput& in, std::vector<Pole> poles, const ExtractOptions
   while (!poles.empty() &&
          static_cast<Index>(r.t.size()) > 6 * static_cast<Index>(poles.size()) + smooth.columns.cols()) {
     Solution s = solve(r, poles, ring.reference, smooth);
+    const auto left = [&] { return s.chi2 / (noise * noise * static_cast<double>(r.t.size())); };
+    if (left() > 2 * hopeless) return ring;
     for (int i = 0; i < 8; ++i) {
       bool better = false;
       const Vector step = pole_step(r, s, ring.reference, smooth);
@@ -280,6 +286,7 @@ Ring fit_ring(const RingInput& in, std::vector<Pole> poles, const ExtractOptions
       }
       if (!better) break;
     }
+    if (left() > hopeless) return ring;
     // The weakest mode goes while it is not significant or not a core mode; then fit again.
     std::size_t weakest = poles.size();
     double lowest = 5.0;
@@ -293,7 +300,7 @@ Ring fit_ring(const RingInput& in, std::vector<Pole> poles, const ExtractOptions
       if (!(z >= lowest)) lowest = z, weakest = j;
     }
     if (weakest == poles.size()) {
-      if (reduced) *reduced = s.chi2 / (noise * noise * static_cast<double>(r.t.size()));
+      if (reduced) *reduced = left();
       for (std::size_t j = 0; j < poles.size(); ++j)
         ring.modes.push_back(
             {poles[j], s.linear[static_cast<Index>(2 * j)], s.linear[static_cast<Index>(2 * j + 1)]});
@@ -323,8 +330,10 @@ double explained(const Rows& r, const std::vector<double>& x, const Pole& p) {
 
 /// Largest |sum x exp(-s t)|^2 / sum exp(-2 decay t) over a grid of three decays and all frequencies: one transform each.
 Pole coarse_pole(const Rows& r, const std::vector<double>& x, double low, double high) {
-  const std::size_t n = good_length(std::max<std::size_t>(2 * x.size(), 512));
-  RealFft fft(n);
+  const std::size_t n = std::bit_ceil(std::max<std::size_t>(2 * x.size(), 512));
+  thread_local std::map<std::size_t, RealFft>
+      plans;  // planning costs more than the transform; few lengths occur
+  RealFft& fft = plans.try_emplace(n, n).first->second;
   const double bin = 1.0 / (static_cast<double>(n) * r.dt);
   Pole at;
   double best = 0;
@@ -407,11 +416,13 @@ bool plausible(const RingInput& in, const Ring& ring) {
 
 }  // namespace
 
-Ring grow_ring(const RingInput& in, std::vector<Pole> start, const ExtractOptions& o, double* reduced) {
+Ring grow_ring(const RingInput& in, std::vector<Pole> start, const ExtractOptions& o, double* reduced,
+               double hopeless) {
   // Two close modes fitted by one look heavily damped, so that the limit is held only at the end.
   ExtractOptions loose = o;
   loose.ring_damping_max = std::max(o.ring_damping_max, 0.12);
-  Ring ring = fit_ring(in, start, loose, reduced);
+  Ring ring = fit_ring(in, start, loose, reduced, hopeless);
+  if (ring.empty() && !start.empty() && std::isfinite(hopeless)) return ring;
   while (start.size() > 1 && !plausible(in, ring)) {  // without the most damped one
     const auto worst = std::max_element(start.begin(), start.end(), [](const Pole& a, const Pole& b) {
       return a.decay / a.hertz < b.decay / b.hertz;

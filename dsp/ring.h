@@ -1,5 +1,6 @@
 #pragma once
 
+#include <limits>
 #include <optional>
 #include <span>
 #include <vector>
@@ -53,8 +54,10 @@ struct RingInput {
 };
 
 /// Amplitudes by linear least squares, poles by Gauss-Newton on top (variable projection). Modes that are not
-/// significant (amplitude below 5 standard uncertainties) are left out. The onset is `from`.
-Ring fit_ring(const RingInput&, std::vector<Pole> poles, const ExtractOptions&, double* reduced = nullptr);
+/// significant (amplitude below 5 standard uncertainties) are left out. The onset is `from`. No modes where all of them together
+/// leave more than `hopeless` (reduced sum of squares; twice that before the poles have moved).
+Ring fit_ring(const RingInput&, std::vector<Pole> poles, const ExtractOptions&, double* reduced = nullptr,
+              double hopeless = std::numeric_limits<double>::infinity());
 
 /// Poles seen in `from` .. `to` after the smooth settled force is taken out.
 std::vector<Pole> tail_poles(const RingInput&, const ExtractOptions&);
@@ -66,8 +69,9 @@ std::optional<Pole> strongest_pole(const RingInput&, const Ring& ring, const Ext
                                    double* gain = nullptr);
 
 /// fit_ring, then modes added one by one by strongest_pole while they are significant. `reduced`: sum of squares left over
-/// variance and degree of freedom.
-Ring grow_ring(const RingInput&, std::vector<Pole> start, const ExtractOptions&, double* reduced = nullptr);
+/// variance and degree of freedom. Where `start` is hopeless, nothing is added.
+Ring grow_ring(const RingInput&, std::vector<Pole> start, const ExtractOptions&, double* reduced = nullptr,
+               double hopeless = std::numeric_limits<double>::infinity());
 
 /// 1 where the force averages to zero: open, whatever rings on top. Gaussian mean of 80 us, or with `both_means` of 200 us too
 /// (it also cancels slow modes), below `open_level`, 120 us clear of any other force.

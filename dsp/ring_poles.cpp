@@ -13,15 +13,20 @@ namespace {
 using Matrix = Eigen::MatrixXd;
 using Eigen::Index;
 
-/// Covariance of all windows of length L, forward only: (L, L).
+/// Covariance of all windows of length L, forward only: (L, L). Along a diagonal one product leaves and one enters.
 Matrix window_covariance(std::span<const double> x, Index L) {
-  const auto n = static_cast<Index>(x.size());
-  Matrix H(L, n - L + 1);
-  for (Index j = 0; j <= n - L; ++j)
-    for (Index i = 0; i < L; ++i) H(i, j) = x[static_cast<std::size_t>(i + j)];
-  Matrix R = Matrix::Zero(L, L);
-  R.selfadjointView<Eigen::Lower>().rankUpdate(H);
-  return R.selfadjointView<Eigen::Lower>();
+  const auto at = [&](Index i) { return x[static_cast<std::size_t>(i)]; };
+  const Index windows = static_cast<Index>(x.size()) - L + 1;
+  Matrix R(L, L);
+  for (Index lag = 0; lag < L; ++lag) {
+    double sum = 0;
+    for (Index k = 0; k < windows; ++k) sum += at(k) * at(k + lag);
+    for (Index i = 0; i + lag < L; ++i) {
+      R(i, i + lag) = R(i + lag, i) = sum;
+      if (i + lag + 1 < L) sum += at(i + windows) * at(i + lag + windows) - at(i) * at(i + lag);
+    }
+  }
+  return R;
 }
 
 }  // namespace

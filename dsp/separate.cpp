@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 #include "dsp/joint_start.h"
@@ -26,12 +27,15 @@ double last_event(const Round& r) {
 Ring ring_from_tail(const Force& f, const Round& r, double t_end, const ExtractOptions& o) {
   if (!r.intervals.back().open_ended()) return {};
   const std::vector<std::uint8_t> usable(f.signal.size(), 1);
+  constexpr double last_wait = 2.5e-3, still_moving = 8;  // s; reduced sum of squares
   Ring best;
-  for (const double wait : {150e-6, 1.2e-3, 2.5e-3}) {
+  for (const double wait : {150e-6, 1.2e-3, last_wait}) {
     const double from = r.intervals.back().touch + wait, to = std::min(from + o.ring_tail, t_end);
     const RingInput in{f.signal, usable, from, from, to, f.noise};
     double reduced = 0;
-    best = grow_ring(in, tail_poles(in, o), o, &reduced);
+    // the contact still moves where the poles seen cannot explain the tail: later, not with more modes
+    best = grow_ring(in, tail_poles(in, o), o, &reduced,
+                     wait < last_wait ? still_moving : std::numeric_limits<double>::infinity());
     if (!best.empty() && reduced < 1.5) break;
   }
   return best;
@@ -59,6 +63,9 @@ bool bounded(const Ring& ring, double limit) {
 
 /// One more mode while what is left of the model's own samples shows one that is worth its four parameters.
 void add_modes(const JointInput& in, JointModel& m, double limit) {
+  JointInput trial = in;  // whether a mode is worth it shows long before its parameters are final
+  trial.enough = 1;
+  trial.judged = true;
   while (static_cast<int>(m.ring.modes.size()) < in.options.ring_modes) {
     const JointResidual left = joint_residual(in, m);
     const double to = left.signal.end();
@@ -67,7 +74,7 @@ void add_modes(const JointInput& in, JointModel& m, double limit) {
     if (!more) return;
     JointModel next = m;
     next.ring.modes.push_back({*more, 0.0, 0.0});
-    next = fit_joint(in, std::move(next), 6);
+    next = fit_joint(trial, std::move(next), 6);
     if (!(next.chi2 < m.chi2 - 40 * std::max(1.0, m.reduced())) || !bounded(next.ring, limit)) return;
     m = std::move(next);
   }

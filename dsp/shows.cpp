@@ -57,7 +57,7 @@ void drop_swings(std::vector<Contact>& contacts, const Signal& stripped, double 
                  const ExtractOptions& o) {
   if (contacts.empty()) return;
   const CalmForce calm = calm_force(stripped, noise, o);
-  std::erase_if(contacts, [&](const Contact& c) {
+  std::erase_if(contacts, [&](Contact& c) {
     if (!c.peak.known()) return false;
     if (!c.release.known())
       return c.peak.value < faint * calm.noise && stripped.end() - c.touch.value < beside;
@@ -66,7 +66,10 @@ void drop_swings(std::vector<Contact>& contacts, const Signal& stripped, double 
          i < stripped.index_at(c.release.value + beside); ++i)
       lowest = std::min(lowest, calm.value[i]);
     if (c.peak.value < faint * calm.noise) return true;
-    return lowest < -clear * calm.noise && c.peak.value < -larger_than_swing * lowest;
+    if (!(lowest < -clear * calm.noise)) return false;
+    const double smaller = -larger_than_swing * lowest / c.peak.value;  // 1 where it would go
+    c.probability = 1 - 0.5 * smaller * smaller;
+    return smaller > 1;
   });
 }
 

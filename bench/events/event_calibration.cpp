@@ -1,3 +1,5 @@
+#include <array>
+#include <cmath>
 #include <cstdio>
 #include <ctime>
 #include <fstream>
@@ -7,8 +9,10 @@
 
 #include "bench/dsp_figures.h"
 #include "bench/dsp_methods.h"
+#include "bench/dsp_rig_truth.h"
 #include "bench/events/scenes.h"
 #include "bench/events/tally.h"
+#include "core/units.h"
 #include "dsp/extract.h"
 
 /// Are the events and their uncertainties true on records that the extraction was not made with? Impacts from an equation of motion,
@@ -61,16 +65,17 @@ struct Row {
 };
 
 /// Truth and result of one record, us and N; a wrong one, or every one.
-void list(const Row& row, std::uint64_t seed, const Scene& s, const ContactTrain& t, bool every) {
+void list(const Row& row, std::uint64_t seed, const std::vector<TrueContact>& truth, const ContactTrain& t,
+          bool every) {
   Tally one;
-  one.add(s.contacts, t);
+  one.add(truth, t);
   const auto far = [](const QuantityErrors& e) { return e.beyond() > 0; };
   if (!every && one.exact == 1 && !far(one.touch) && !far(one.release) && !far(one.peak) && !far(one.settled))
     return;
   std::printf("# %s, seed %llu: %d missed, %d invented, %s%s%s\n", row.name.c_str(),
               static_cast<unsigned long long>(seed), one.missed, one.invented,
               std::string(powbench::name(t.shows)).c_str(), t.reason.empty() ? "" : ", ", t.reason.c_str());
-  for (const TrueContact& c : s.contacts)
+  for (const TrueContact& c : truth)
     std::printf("#   true  %9.1f .. %9.1f  peak %6.2f\n", 1e6 * c.touch, 1e6 * c.release, c.peak);
   for (const Contact& c : t.contacts)
     std::printf("#   found %9.1f +- %5.1f .. %9.1f +- %5.1f  peak %6.2f +- %.2f  flags %x\n",
@@ -116,6 +121,31 @@ nlohmann::json json_of(const Row& r) {
           {"cpu_ms", r.cpu_ms}};
 }
 
+/// Both films of the simulated rig, six channels, one angle a record.
+std::array<Row, 2> rig_rows(const Arguments& a) {
+  std::array<Row, 2> rows{Row{"simulated rig, film A", true, {}, 0},
+                          Row{"simulated rig, film B", true, {}, 0}};
+  for (int k = 0; k < a.records; ++k) {
+    const double angle = 2 * pi * (k + 0.3) / a.records;
+    RigTruth r = rig_record(200e3, angle, 50.0, a.seed + static_cast<std::uint64_t>(k));
+    std::erase_if(r.record.channels, [](const ChannelRecord& c) {
+      return c.channel == Channel::contact_a || c.channel == Channel::aux;
+    });
+    const double before = cpu_ms();
+    const Events e = dsp::extract_events(r.record, {});
+    for (Row& row : rows) row.cpu_ms += (cpu_ms() - before) / a.records;
+    for (std::vector<TrueContact>* film : {&r.film_a, &r.film_b})
+      for (TrueContact& c : *film) c.peak = std::nan("");  // the plant's events have none
+    rows[0].tally.add(r.film_a, e.pvdf_a);
+    rows[1].tally.add(r.film_b, e.pvdf_b);
+    if (a.list.empty()) continue;
+    const auto seed = a.seed + static_cast<std::uint64_t>(k);
+    list(rows[0], seed, r.film_a, e.pvdf_a, a.list == "all");
+    list(rows[1], seed, r.film_b, e.pvdf_b, a.list == "all");
+  }
+  return rows;
+}
+
 }  // namespace
 
 int main(int argc, char** argv) try {
@@ -142,7 +172,8 @@ int main(int argc, char** argv) try {
       const Events e = dsp::extract_events(s.record, {});
       row.cpu_ms += (cpu_ms() - before) / a.records;
       row.tally.add(s.contacts, e.pvdf_a);
-      if (!a.list.empty()) list(row, a.seed + static_cast<std::uint64_t>(k), s, e.pvdf_a, a.list == "all");
+      if (!a.list.empty())
+        list(row, a.seed + static_cast<std::uint64_t>(k), s.contacts, e.pvdf_a, a.list == "all");
       if (!peer) continue;
       ContactTrain plain;
       plain.contacts = peer->contacts(s.record);
@@ -158,6 +189,13 @@ int main(int argc, char** argv) try {
     const double off = std::max(row.tally.touch.beyond(), row.tally.release.beyond());
     if (off > worst) worst = off, worst_class = c.name;
   }
+  Tally rig;
+  if (std::string("simulated rig").find(a.only) != std::string::npos)
+    for (const Row& row : rig_rows(a)) {
+      print(row);
+      rows.push_back(json_of(row));
+      rig.add(row.tally);
+    }
   all.cpu_ms /= std::max(1, classes), silent.cpu_ms = 0;
   print(all);
   print(silent);
@@ -181,6 +219,25 @@ int main(int argc, char** argv) try {
       at_most("touch or release beyond 3 u in the worst class (" + worst_class + "), %", 100 * worst, 3, 1),
       between("touch: std of error / uncertainty", all.tally.touch.spread(), 0.8, 1.25, 0.9, 1.1),
       between("release: std of error / uncertainty", all.tally.release.spread(), 0.8, 1.25, 0.9, 1.1)};
+  const auto share = [](int part, int of) { return of > 0 ? static_cast<double>(part) / of : std::nan(""); };
+  figures.push_back(at_most("contacts of all classes with a flag, %",
+                            100 * share(all.tally.flagged, all.tally.contacts), 20, 10));
+  if (rig.records > 0) {
+    figures.push_back(at_most("simulated rig: touch bias, us", 1e6 * rig.touch.bias(), 2, 1));
+    figures.push_back(at_most("simulated rig: release bias, us", 1e6 * rig.release.bias(), 2, 1));
+    figures.push_back(
+        between("simulated rig: touch: std of error / uncertainty", rig.touch.spread(), 0.8, 1.25, 0.9, 1.1));
+    figures.push_back(between("simulated rig: release: std of error / uncertainty", rig.release.spread(), 0.8,
+                              1.25, 0.9, 1.1));
+    figures.push_back(between("simulated rig: settled: std of error / uncertainty", rig.settled.spread(), 0.8,
+                              1.25, 0.9, 1.1));
+    figures.push_back(
+        at_most("simulated rig: contacts with a flag, %", 100 * share(rig.flagged, rig.contacts), 20, 10));
+  }
+  const Tally::Doubted& d = whole.doubted;
+  std::printf(
+      "listed with a probability below 0.9: %d contacts, mean probability %.2f, share that is real %.2f\n",
+      d.listed, d.expected / std::max(1, d.listed), share(d.real, d.listed));
   const nlohmann::json judged = print(figures);
   if (!a.json.empty()) {
     rows.push_back(json_of(all));

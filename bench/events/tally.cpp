@@ -88,6 +88,12 @@ void Tally::add(const std::vector<TrueContact>& truth, const ContactTrain& train
     }
   }
   if (!truth.empty() && !std::isfinite(truth.back().release)) settled.add(train.settled, truth.back().touch);
+  for (std::size_t j = 0; j < found.size(); ++j) {
+    if (!(found[j].probability < 0.9)) continue;
+    ++doubted.listed;
+    doubted.real += used[j];
+    doubted.expected += found[j].probability;
+  }
   ++records;
   matched += pairs;
   missed += static_cast<int>(truth.size()) - pairs;
@@ -101,6 +107,7 @@ void Tally::add(const std::vector<TrueContact>& truth, const ContactTrain& train
 void Tally::add(const Tally& o) {
   records += o.records, exact += o.exact, matched += o.matched, missed += o.missed, invented += o.invented;
   flagged += o.flagged, contacts += o.contacts;
+  doubted.listed += o.doubted.listed, doubted.real += o.doubted.real, doubted.expected += o.doubted.expected;
   touch.add(o.touch), release.add(o.release), peak.add(o.peak), settled.add(o.settled);
 }
 

@@ -24,6 +24,11 @@ struct QuantityErrors {
 struct Tally {
   int records = 0, exact = 0, matched = 0, missed = 0, invented = 0;
   int flagged = 0, contacts = 0;  ///< contacts found, and those that carry a flag
+  /// Contacts listed with a probability below 0.9: how many, the sum of their probabilities, how many are real.
+  struct Doubted {
+    int listed = 0, real = 0;
+    double expected = 0;
+  } doubted;
   QuantityErrors touch, release, peak, settled;
   double recall() const;
   double precision() const;

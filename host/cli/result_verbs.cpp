@@ -155,6 +155,11 @@ std::string micro(double s) {
   return fmt::format("{:.{}f}", us, us >= 9.95 ? 0 : us >= 0.995 ? 1 : 2);
 }
 
+/// Per cent that a contact is one of its own; never 100 for what is not certain.
+std::string probability(double p) {
+  return p >= 1 ? "100 %" : p > 0.99 ? ">99 %" : p < 0.01 ? "<1 %" : fmt::format("{:.0f} %", 100 * p);
+}
+
 void print_train(const char* title, const ContactTrain& train) {
   if (!train.present) return;
   if (train.shows != Shows::contact) {
@@ -170,9 +175,10 @@ void print_train(const char* title, const ContactTrain& train) {
       fmt::print("    {}: {} re-openings, {} .. {} ms\n", name, part->openings, shown(part->from.value, "s"),
                  shown(part->to.value, "s"));
   for (const Contact& c : train.contacts)
-    fmt::print("    touch {:>9} ms +- {:>4} us  release {:>9} ms +- {:>4} us  peak {:>8} N  {}\n",
+    fmt::print("    touch {:>9} ms +- {:>4} us  release {:>9} ms +- {:>4} us  peak {:>8} N  real {:>5}  {}\n",
                shown(c.touch.value, "s"), micro(2 * c.touch.u), shown(c.release.value, "s"),
-               micro(2 * c.release.u), shown(c.peak.value, "N"), flag_names(c.flags));
+               micro(2 * c.release.u), shown(c.peak.value, "N"), probability(c.probability),
+               flag_names(c.flags));
 }
 
 }  // namespace

@@ -37,7 +37,8 @@ Json train_json(const ContactTrain& t, std::uint32_t all) {
                         {"u_release_s", number(c.release.u)},
                         {"peak", number(c.peak.value)},
                         {"impulse", number(c.impulse.value)},
-                        {"flags", flags_json(c.flags | t.flags | all)}});
+                        {"flags", flags_json(c.flags | t.flags | all)},
+                        {"probability", number(c.probability)}});
   return {{"shows", name(t.shows)},
           {"reason", t.reason.empty() ? Json(nullptr) : Json(t.reason)},
           {"contacts", contacts},

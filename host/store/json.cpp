@@ -74,7 +74,8 @@ Ordered train_json(const ContactTrain& t) {
                         {"release_s", measured(c.release)},
                         {"peak", measured(c.peak)},
                         {"impulse", measured(c.impulse)},
-                        {"flags", flags_json(c.flags)}});
+                        {"flags", flags_json(c.flags)},
+                        {"probability", number(c.probability)}});
   return {{"present", t.present},
           {"shows", name(t.shows)},
           {"reason", t.reason},
@@ -101,11 +102,13 @@ ContactTrain train_from(const json& j) {
     t.reason = j.value("reason", "");
   }
   for (const json& c : j.at("contacts"))
-    t.contacts.push_back({.touch = measured_from(c.at("touch_s")),
-                          .release = measured_from(c.at("release_s")),
-                          .peak = measured_from(c.at("peak")),
-                          .impulse = measured_from(c.at("impulse")),
-                          .flags = flags_from(c.at("flags"))});
+    t.contacts.push_back(
+        {.touch = measured_from(c.at("touch_s")),
+         .release = measured_from(c.at("release_s")),
+         .peak = measured_from(c.at("peak")),
+         .impulse = measured_from(c.at("impulse")),
+         .flags = flags_from(c.at("flags")),
+         .probability = c.contains("probability") ? number_from(c["probability"]) : 1.0});  // older: none
   t.settled = measured_from(j.at("settled_s"));
   t.settled_force = measured_from(j.at("settled_force"));
   t.bounce_time = measured_from(j.at("bounce_time_s"));

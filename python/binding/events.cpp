@@ -60,6 +60,7 @@ void add_events(py::module_& m) {
       .def_readonly("peak", &Contact::peak, "N; NaN on the contact-voltage channel.")
       .def_readonly("impulse", &Contact::impulse,
                     "N s over the interval; NaN for the last, open-ended contact.")
+      .def_readonly("probability", &Contact::probability, "That it is a contact of its own.")
       .def_property_readonly("flags", flags<Contact>(), "Why the values deserve less trust.");
   py::class_<ContactTrain>(m, "ContactTrain", "The touches that one channel shows.")
       .def_readonly("present", &ContactTrain::present, "The channel exists and passed its quality gate.")

@@ -136,7 +136,7 @@ inline bool same(const ContactTrain& a, const ContactTrain& b) {
   for (std::size_t i = 0; equal && i < a.contacts.size(); ++i) {
     const auto &x = a.contacts[i], &y = b.contacts[i];
     equal = same(x.touch, y.touch) && same(x.release, y.release) && same(x.peak, y.peak) &&
-            same(x.impulse, y.impulse) && x.flags == y.flags;
+            same(x.impulse, y.impulse) && x.flags == y.flags && x.probability == y.probability;
   }
   return equal;
 }

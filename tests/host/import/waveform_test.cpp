@@ -286,7 +286,8 @@ TEST_CASE("the events in the form for other programs") {
     CHECK(a[key].is_number());
   REQUIRE(a["contacts"].size() == 3);
   for (const auto& c : a["contacts"]) {
-    CHECK(c.size() == 7);
+    CHECK(c.size() == 8);
+    CHECK((c["probability"].is_number() && c["probability"] >= 0 && c["probability"] <= 1));
     for (const char* key : {"touch_s", "u_touch_s", "peak"}) CHECK(c[key].is_number());
     CHECK(c["flags"].is_array());
     CHECK(c["flags"].dump().find("no_calibration") != std::string::npos);
