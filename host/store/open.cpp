@@ -9,7 +9,6 @@
 #include <cstdlib>
 #include <cstring>
 #include <filesystem>
-#include <fstream>
 #include <span>
 
 #include "host/store/migrations.h"
@@ -51,10 +50,8 @@ bool is_text(std::span<const unsigned char> bytes) {
 void inspect(const std::string& path) {
   const auto size = fs::file_size(path);
   Header h{};
-  std::ifstream in(path, std::ios::binary);
-  if (!in) throw StoreError(path + ": cannot be read; check its permissions");
-  in.read(reinterpret_cast<char*>(h.data()), header_bytes);
-  const auto there = static_cast<std::size_t>(in.gcount());
+  const std::size_t there = sqlite::first_bytes(path, h);
+  if (there == 0) throw StoreError(path + ": cannot be read; check its permissions");
   if (std::memcmp(h.data(), "SQLite format 3", std::min<std::size_t>(there, 16)) != 0)
     throw WrongStore(path + (is_text(std::span(h).first(there))
                                  ? ": a text file, not a powbench store; name another file"

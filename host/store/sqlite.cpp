@@ -1,6 +1,10 @@
 #include "host/store/sqlite.h"
 
+#include <algorithm>
 #include <cerrno>
+#include <cstddef>
+#include <memory>
+#include <vector>
 
 #include "host/store/store.h"
 
@@ -28,6 +32,27 @@ void fail(int code, const std::string& path, const std::string& detail, int disk
     default:
       throw StoreError(path + ": " + detail);
   }
+}
+
+std::size_t first_bytes(const std::string& path, std::span<unsigned char> into) {
+  sqlite3_vfs* vfs = sqlite3_vfs_find(nullptr);
+  std::vector<char> full(static_cast<std::size_t>(vfs->mxPathname) + 1);
+  if (vfs->xFullPathname(vfs, path.c_str(), static_cast<int>(full.size()), full.data()) != SQLITE_OK)
+    return 0;
+  const std::unique_ptr<const char, void (*)(const char*)> name(
+      sqlite3_create_filename(full.data(), "", "", 0, nullptr), sqlite3_free_filename);
+  const auto memory = std::make_unique<std::byte[]>(static_cast<std::size_t>(vfs->szOsFile));
+  auto* file = reinterpret_cast<sqlite3_file*>(memory.get());
+  int given = 0;
+  std::size_t there = 0;
+  if (vfs->xOpen(vfs, name.get(), file, SQLITE_OPEN_READONLY | SQLITE_OPEN_MAIN_DB, &given) == SQLITE_OK) {
+    sqlite3_int64 size = 0;
+    if (file->pMethods->xFileSize(file, &size) == SQLITE_OK)
+      there = std::min(into.size(), static_cast<std::size_t>(size));
+    if (file->pMethods->xRead(file, into.data(), static_cast<int>(there), 0) != SQLITE_OK) there = 0;
+  }
+  if (file->pMethods != nullptr) file->pMethods->xClose(file);
+  return there;
 }
 
 namespace {

@@ -1,6 +1,7 @@
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
 
+#include "host/store/store.h"
 #include "tests/system/program.h"
 
 /// Records in and out and stores as a whole, by the command line.
@@ -18,6 +19,24 @@ std::string content(const Folder& folder, const std::string& db) {
 }
 
 }  // namespace
+
+// POSIX: a process that closes any descriptor of a file loses all locks it holds on it. Then a reader from elsewhere, believing itself
+// alone, took the log away at its end, and a running plan of the live bench ended with "disk I/O error".
+TEST_CASE("a store that is written and read in one program may be read by another meanwhile", "[system]") {
+  namespace host = powbench::host;
+  const Folder folder;
+  const std::string db = folder.file("a.db");
+  host::Store writer(db);
+  for (int i = 1; i <= 3; ++i) {
+    host::CampaignInfo campaign;
+    campaign.name = "number " + std::to_string(i);
+    REQUIRE(writer.create_campaign(campaign) == i);
+    CHECK(host::Store(db, host::Store::Mode::read_only).campaigns().size() == static_cast<std::size_t>(i));
+    const Finished other = run(folder, {"campaigns", "--db", db, "--json"});
+    CHECK(other.status == 0);
+    CHECK(json::parse(other.out).size() == static_cast<std::size_t>(i));
+  }
+}
 
 TEST_CASE("a store is checked, taken apart, put together, exported", "[system]") {
   const Folder folder;
