@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <future>
 
 #include "core/origin.h"
 #include "core/phase.h"
@@ -90,12 +89,6 @@ rigs::RigInfo Bench::Impl::rig_now() const {
   return look.info ? *look.info : info;
 }
 
-/// True where the closing that would stand beside a shot is stored already.
-static bool simulated(const Store& store, const StoredShot& beside) {
-  const auto all = store.shots(beside.campaign, ShotKind::simulated);
-  return std::any_of(all.begin(), all.end(), [&](const auto& s) { return s.angle_deg == beside.angle_deg; });
-}
-
 std::string Bench::Impl::run_job(const Job& now) {
   Store store(database);
   const rigs::RigInfo found = rig_now();
@@ -123,28 +116,23 @@ std::string Bench::Impl::run_job(const Job& now) {
   RunOptions options = run_options(now.scene.plan);
   options.watcher = this;
   Progress silent("", now.shots.size(), Progress::Style::none);
-  // a single closing is simulated as asked, which is known beforehand: both at once, and once for an angle
-  struct Ahead {
-    rigs::SimulatedClosing closing;
-    Events events;
-  };
-  std::future<Ahead> ahead;
+  // a single closing is simulated as asked, which is known beforehand: beside the shot at the latest, and once for an angle
   const StoredShot beside = powbench::host::stored(campaign, ShotKind::simulated, now.shots.front());
-  if (now.single && !simulated(store, beside))
-    ahead = std::async(std::launch::async, [&] {
-      Ahead a{rigs::simulate_record(now.scene.specimen, now.shots.front().conditions, sensors.config), {}};
-      a.events = extract_checked(a.closing.record, options);
-      return a;
-    });
+  bool wanting = now.single && !simulated(store, beside);
+  if (wanting) simulate_ahead(now);
+  with_shot = [&] {
+    const Ahead::Made made = wanting ? ahead.ready(key_of(now)) : nullptr;
+    if (made) keep_simulated(store, beside, made->simulated, made->events, options);
+    if (made) wanting = false;
+  };
   const RunSummary summary = run_campaign(store, campaign, now.shots, *rig, options, silent);
+  with_shot = nullptr;
   if (!stopped() && summary.done() > 0) {
     doing("simulating");
     if (!now.single)
       simulate_campaign(store, campaign, now.shots, now.scene.specimen, sensors.config, options, 1, silent);
-    else if (ahead.valid()) {
-      const Ahead a = ahead.get();
-      keep_simulated(store, beside, a.closing, a.events, options);
-    }
+    else if (const Ahead::Made made = wanting ? ahead.wait(key_of(now)) : nullptr)
+      keep_simulated(store, beside, made->simulated, made->events, options);
   }
   if (!now.single)
     say(fmt::format("plan {}: {} of {} shots recorded, {} outside limits{}{}", now.scene.plan.name,
@@ -169,6 +157,8 @@ void Bench::Impl::between() {
 void Bench::Impl::stored(std::int64_t shot) {
   const Store store(database, Store::Mode::read_only);
   const StoredShot s = store.shot(shot);
+  if (with_shot && measured(s.outcome))
+    with_shot();  // where it is there already, the page draws both at once
   std::shared_ptr<const std::string> newest;
   if (!s.record_hash.empty())
     newest = std::make_shared<const std::string>(
@@ -259,11 +249,8 @@ void Bench::Impl::begin(Job next) {
       throw NotNow("a stop is under way");
     }
     if (next.single) {
-      next.scene = scene;
-      next.campaign = single_campaign;
-      PlannedShot& shot = next.shots.front();
-      shot.index = singles++;
-      shot.conditions.seed = shot_seed(scene.plan.seed, shot.index);
+      complete(next);
+      ++singles;
     } else {
       scene = next.scene;
       single_campaign = 0;
@@ -275,37 +262,6 @@ void Bench::Impl::begin(Job next) {
   }
   wake.notify_all();
   changed();
-}
-
-Bench::Impl::Job Bench::Impl::single(double angle) const {
-  Job next;
-  next.single = true;
-  PlannedShot shot;
-  {
-    const std::scoped_lock lock(mutex);
-    if (!scene.shots.empty()) shot.conditions = scene.shots.front().conditions;
-  }
-  shot.conditions.polarity = +1;
-  shot.conditions.closing_angle = wrap_turn(angle);
-  next.shots = {shot};
-  return next;
-}
-
-TouchAim::Aim Bench::Impl::aim(double touch_angle) {
-  Scene now;
-  {
-    const std::scoped_lock lock(mutex);
-    now = scene;
-  }
-  const std::scoped_lock one(aim_mutex);
-  if (!touch || !touch->fits(now)) touch.emplace(now, sensors.config);
-  const auto found = touch->at(wrap_turn(touch_angle));
-  if (!found)
-    throw NotNow(fmt::format(
-        "no closing angle makes the simulated contacts touch at {:.1f} deg of the mains; choose another "
-        "angle, or fire at a closing angle",
-        degrees(touch_angle)));
-  return *found;
 }
 
 Bench::Bench(const std::string& rig_uri, const Scene& scene, const std::string& database,
@@ -346,17 +302,6 @@ const RigFile& Bench::rig_file() const {
 }
 const std::string& Bench::rig_uri() const {
   return impl_->uri;
-}
-
-void Bench::fire(double angle) {
-  impl_->begin(impl_->single(angle));
-}
-
-void Bench::fire_at_touch(double touch_angle) {
-  const TouchAim::Aim aim = impl_->aim(touch_angle);
-  Impl::Job job = impl_->single(aim.closing_angle);
-  job.aim = aim;
-  impl_->begin(std::move(job));
 }
 
 void Bench::run(const Scene& scene) {

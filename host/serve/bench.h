@@ -53,6 +53,8 @@ class Bench {
 
   /// One closing at `angle`, rad, stored in this plan's campaign of single closings.
   void fire(double angle);
+  /// That closing may come next: its simulation is made meanwhile. Changes nothing that can be seen; nothing is done while a job is on.
+  void prepare(double angle);
   /// One closing whose contacts touch at `touch_angle` of the mains, rad, after the simulator. Throws NotNow where there is none.
   void fire_at_touch(double touch_angle);
   /// The scene is that of single closings from now on.

@@ -8,6 +8,7 @@
 #include <optional>
 #include <thread>
 
+#include "host/serve/ahead.h"
 #include "host/serve/bench.h"
 #include "host/serve/looker.h"
 #include "host/serve/stoppable_rig.h"
@@ -16,8 +17,8 @@
 
 namespace powbench::host {
 
-/// The state of a bench and its threads: one that fires, the looker's, and whoever calls. Parts in bench.cpp (firing and stopping) and
-/// bench_state.cpp (what others see).
+/// The state of a bench and its threads: one that fires, the looker's, and whoever calls. Parts in bench.cpp (firing and stopping),
+/// bench_single.cpp (single closings) and bench_state.cpp (what others see).
 struct Bench::Impl final : RunWatcher {
   using Clock = std::chrono::steady_clock;
 
@@ -47,6 +48,11 @@ struct Bench::Impl final : RunWatcher {
   StopAnswer stop();
   void begin(Job);
   Job single(double angle) const;
+  void complete(Job& single) const;  ///< what it takes from the plan in force; the lock is held
+  void prepare(double angle);
+  static bool simulated(const Store&, const StoredShot& beside);
+  static Ahead::Key key_of(const Job& single);
+  void simulate_ahead(const Job& single);
   TouchAim::Aim aim(double touch_angle);
 
   void log_line(const std::string&);  ///< the lock is held
@@ -80,6 +86,9 @@ struct Bench::Impl final : RunWatcher {
   std::unique_ptr<rigs::RigWatch> stop_line;
   rigs::RigInfo job_rig;  ///< the one that the job fires: no other can confirm a stop
   std::unique_ptr<Looker> looker;
+  Ahead ahead;
+  std::function<void()>
+      with_shot;  ///< of the thread that fires: what is stored with the shot that it has just stored
   std::thread worker;
 };
 

@@ -32,6 +32,11 @@ Reply post_fire(const Call& c) {
   return started();
 }
 
+Reply post_prepare(const Call& c) {
+  c.bench.prepare(radians(number_of(c.body, "angle_deg", 0, 360)));
+  return json_reply(R"({"preparing":true})", 202);
+}
+
 Reply post_run(const Call& c) {
   c.bench.run(scene_of_body(c));
   return started();
@@ -82,6 +87,10 @@ constexpr Route of_bench[] = {
      post_fire,
      {},
      "touch_deg"},
+    {"POST", "/api/prepare", Right::fire,
+     "This closing may come next: it is simulated already, so that its picture is there sooner. Nothing is "
+     "fired or stored.",
+     R"({"angle_deg": 90})", R"({"preparing": true})", post_prepare},
     {"POST", "/api/plan/run", Right::fire, "Fires a plan and stores every shot.",
      R"({"text": "angles_deg = [0, 90]\nrepeats = 3"})", R"({"started": true})", post_run},
     {"POST", "/api/plan/pause", Right::fire, "Waits between two shots, or goes on.", R"({"on": true})",

@@ -16,6 +16,7 @@ host::Request mutant(Random& random, const std::string& token) {
                                               "/api/bench",
                                               "/api/fire",
                                               "/api/stop",
+                                              "/api/prepare",
                                               "/api/files/plan",
                                               "/api/plan/run",
                                               "/api/files/plan/check",

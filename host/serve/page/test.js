@@ -12,14 +12,14 @@ const panels = typeof Dygraph === 'undefined' ? null : closingPanels($('panels')
 let closing = null;
 /** @type {any} */
 let trend = null;
-let shown = 0, newest = 0, stale = false, trendCampaign = 0, trendNewest = 0;
+let shown = 0, newest = 0, stale = false, whole = true, trendCampaign = 0, trendNewest = 0;
 /** @type {ListedShot[]} */
 let trendShots = [];
 /** @type {Promise<void>|null} */
 let drawing = null;
 
 for (const degrees of [0, 30, 60, 90, 120, 150])
-  $('quick').append(button(degrees + '°', () => { field('angle').value = String(degrees); $('angle').focus(); }), ' ');
+  $('quick').append(button(degrees + '°', () => { field('angle').value = String(degrees); $('angle').focus(); prepare(null); }), ' ');
 document.querySelectorAll('#closer button').forEach((b) => b.addEventListener('click', () => panels && panels.actions[/** @type {HTMLElement} */ (b).dataset.do || '']()));
 $('stripped').addEventListener('change', () => closing && panels && panels.draw(closing, panels.range(), field('stripped').checked));
 $('fire-form').addEventListener('submit', async (e) => {
@@ -37,6 +37,22 @@ $('fire-form').addEventListener('submit', async (e) => {
   }
 });
 
+// ---- what is likely to be fired next is simulated while a person still looks at it ----
+
+let timer = 0, prepared = '';
+/** @param {State|null} state */
+function prepare(state) {
+  if (state && (state.job || !state.status)) prepared = '';
+  window.clearTimeout(timer);
+  timer = window.setTimeout(() => {
+    const angle = field('angle').valueAsNumber;
+    if (field('fire').disabled || field('at').value !== 'closing' || !(angle >= 0 && angle <= 360) || prepared === String(angle)) return;
+    prepared = String(angle);
+    call('POST', '/api/prepare', { angle_deg: angle }).catch(() => {});
+  }, 100);
+}
+for (const id of ['angle', 'at']) $(id).addEventListener('input', () => prepare(null));
+
 /** @param {Shot} shot */
 function showQuantities(shot) {
   clear('quantities');
@@ -48,6 +64,7 @@ function showQuantities(shot) {
 
 /** Events in words first: where a person who has never seen a closing finds touch and bounce. @param {number} id */
 export async function showShot(id) {
+  const waveforms = call('GET', '/api/shots/' + id + '/closing').catch(() => []);  // asked for at once: one way less to wait for
   const shot = /** @type {Shot} */ (await call('GET', '/api/shots/' + id));
   const angle = known(shot.angle_deg) ? String(Math.round(100 * shot.angle_deg) / 100) + '°' : 'an angle not known';
   /** @param {string} s @param {number} factor */
@@ -64,7 +81,8 @@ export async function showShot(id) {
     shot.started.replace('T', ' ').replace('Z', ' UTC');
   $('shot-title').classList.toggle('bad', shot.outcome === 'FAIL');
   showQuantities(shot);
-  closing = shot.has_record ? (await call('GET', '/api/shots/' + id + '/closing'))[0] || null : null;
+  closing = (await waveforms)[0] || null;
+  whole = !shot.has_record || shot.quantities.some((q) => known(q.simulated));
   if (panels && closing) panels.draw(closing, closing.bounce, field('stripped').checked);
   else $('panels').textContent = shot.has_record ? 'This program was built without the charting library.' : 'This shot has no record.';
   await showTrend(shot.campaign);
@@ -108,8 +126,9 @@ export function show(state, before) {
     ' ms, specimen ' + state.plan.specimen + ' (from the plan)';
   const aim = state.job && state.job.aim;
   $('aimed').textContent = !aim ? '' : 'To touch there the coil is switched on at ' + aim.closing_angle_deg.toFixed(1) + '°; touch is predicted ' + (1e3 * aim.touch_s).toFixed(2) + ' ms later.';
-  if (before && before.job && !state.job) stale = true;  // the simulation is there now
+  if (before && before.job && !state.job) stale = !whole;  // the simulation is there now
   newest = state.newest_shot || 0;
+  if (!before || before.job || !before.status || before.plan.name !== state.plan.name || before.plan.specimen !== state.plan.specimen) prepare(state);
   drawNewest();
 }
 function drawNewest() {

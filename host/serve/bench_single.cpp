@@ -1,0 +1,102 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "core/phase.h"
+#include "host/serve/bench_impl.h"
+#include "rigs/simulated_record.h"
+
+/// Single closings: their conditions, their simulation made ahead, and the angle of switch-on for a wanted touch.
+
+namespace powbench::host {
+
+/// True where the closing that would stand beside a shot is stored already.
+bool Bench::Impl::simulated(const Store& store, const StoredShot& beside) {
+  const auto all = store.shots(beside.campaign, ShotKind::simulated);
+  return std::any_of(all.begin(), all.end(), [&](const auto& s) { return s.angle_deg == beside.angle_deg; });
+}
+
+Ahead::Key Bench::Impl::key_of(const Job& single) {
+  const Conditions& c = single.shots.front().conditions;
+  return {single.scene.plan_hash, single.scene.specimen_hash, c.closing_angle, c.seed};
+}
+
+void Bench::Impl::simulate_ahead(const Job& single) {
+  ahead.want(key_of(single), [specimen = single.scene.specimen, conditions = single.shots.front().conditions,
+                              rig_config = sensors.config, options = run_options(single.scene.plan)] {
+    Ahead::Closing a{rigs::simulate_record(specimen, conditions, rig_config), {}};
+    a.events = extract_checked(a.simulated.record, options);
+    return a;
+  });
+}
+
+void Bench::Impl::complete(Job& single) const {
+  single.scene = scene;
+  single.campaign = single_campaign;
+  PlannedShot& shot = single.shots.front();
+  shot.index = singles;
+  shot.conditions.seed = shot_seed(scene.plan.seed, shot.index);
+}
+
+void Bench::Impl::prepare(double angle) {
+  Job next = single(angle);
+  {
+    const std::scoped_lock lock(mutex);
+    if (job) return;  // it needs the processor, and what follows it has another seed
+    complete(next);
+  }
+  if (next.campaign != 0 &&
+      simulated(Store(database, Store::Mode::read_only),
+                powbench::host::stored(next.campaign, ShotKind::simulated, next.shots.front())))
+    return;
+  const std::scoped_lock lock(mutex);
+  if (!job) simulate_ahead(next);
+}
+
+Bench::Impl::Job Bench::Impl::single(double angle) const {
+  Job next;
+  next.single = true;
+  PlannedShot shot;
+  {
+    const std::scoped_lock lock(mutex);
+    if (!scene.shots.empty()) shot.conditions = scene.shots.front().conditions;
+  }
+  shot.conditions.polarity = +1;
+  shot.conditions.closing_angle = wrap_turn(angle);
+  next.shots = {shot};
+  return next;
+}
+
+TouchAim::Aim Bench::Impl::aim(double touch_angle) {
+  Scene now;
+  {
+    const std::scoped_lock lock(mutex);
+    now = scene;
+  }
+  const std::scoped_lock one(aim_mutex);
+  if (!touch || !touch->fits(now)) touch.emplace(now, sensors.config);
+  const auto found = touch->at(wrap_turn(touch_angle));
+  if (!found)
+    throw NotNow(fmt::format(
+        "no closing angle makes the simulated contacts touch at {:.1f} deg of the mains; choose another "
+        "angle, or fire at a closing angle",
+        degrees(touch_angle)));
+  return *found;
+}
+
+void Bench::fire(double angle) {
+  impl_->begin(impl_->single(angle));
+}
+
+void Bench::prepare(double angle) {
+  impl_->prepare(angle);
+}
+
+void Bench::fire_at_touch(double touch_angle) {
+  const TouchAim::Aim aim = impl_->aim(touch_angle);
+  Impl::Job job = impl_->single(aim.closing_angle);
+  job.aim = aim;
+  impl_->begin(std::move(job));
+}
+
+}  // namespace powbench::host
