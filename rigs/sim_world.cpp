@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
+#include <stdexcept>
 
 #include "core/random.h"
 #include "core/version.h"
@@ -77,6 +78,11 @@ SimWorld::SimWorld(const SimRigConfig& config, const sim::Specimen& specimen, co
                                     .secret = secret_};
   board_ = make_board(options, controller_config(config_, calibration_id_), identity);
   const auto per_block = static_cast<std::size_t>(block_samples);
+  if (config_.supply.mains.kind == sim::Mains::Kind::dc)
+    throw std::invalid_argument(
+        "[supply] kind = dc: a rig fires on the phase of its mains and there is none; allowed ac, half_wave, "
+        "full_wave; "
+        "`powbench sim --sensors` takes dc");
   times_.resize(per_block * oversampling);
   states_.resize(per_block * oversampling);
   scans_.resize(per_block * channel_count * batch_blocks);
@@ -99,7 +105,8 @@ void SimWorld::begin_shot(firmware::SetPoints set_points) {
   const sim::PlantOptions options{
       .relative_tolerance = config_.integrator_tolerance,
       .coil_kelvin = celsius + zero_celsius + config_.scatter.coil_temperature * random.normal(),
-      .coil_switch = config_.supply.coil_switch};
+      .coil_switch = config_.supply.coil_switch,
+      .suppression = config_.supply.suppression};
   const sim::Specimen device = device_for_shot(specimen_, config_, random);
   plant_ = std::make_unique<sim::Plant>(device, mains, options);
   sensors_ = std::make_unique<SensorChain>(config_.sensors, config_.sample_rate, mains.hertz, random.next());

@@ -90,7 +90,8 @@ SimulatedClosing simulate_record(const sim::Specimen& specimen, const Conditions
   sim::Plant plant(specimen, mains,
                    {.relative_tolerance = rig.integrator_tolerance,
                     .coil_kelvin = conditions.ambient,
-                    .coil_switch = rig.supply.coil_switch});
+                    .coil_switch = rig.supply.coil_switch,
+                    .suppression = rig.supply.suppression});
   SensorChain sensors(without_noise(rig.sensors), rate, conditions.mains_hertz, conditions.seed);
 
   // in stretches of 1 ms: the integrator is not held to the converter's clock

@@ -71,6 +71,7 @@ Trajectory simulate(const Specimen& specimen, const Conditions& conditions, doub
   if (!(sample_dt >= 0)) throw std::invalid_argument("sample_dt: allowed >= 0 s");
   PlantOptions options = closing_options(conditions, relative_tolerance);
   options.coil_switch = bench.coil_switch;
+  options.suppression = bench.suppression;
   Plant plant(specimen, closing_mains(conditions, bench.mains), options);
   Trajectory result;
   std::vector<double> times;

@@ -8,7 +8,7 @@ namespace powbench::sim {
 
 ContactorModel::ContactorModel(const Specimen& specimen, const Mains& mains, const PlantOptions& options)
     : specimen_(specimen),
-      supply_({mains, options.coil_switch}),
+      supply_({mains, options.coil_switch, options.suppression}),
       remanence_(remanence(specimen)),
       circuit_(specimen.magnet, specimen.core.travel),
       resistance_(specimen.coil.resistance *
@@ -77,6 +77,10 @@ void ContactorModel::add_groups() {
   if (remanence_.present()) {
     scale_[static_cast<std::size_t>(next)] = remanence_.current;
     offset_ = next++;
+  }
+  if (supply_.has_capacitor()) {
+    scale_[static_cast<std::size_t>(next)] = 1;
+    capacitor_ = next++;
   }
   ledger_ = next;
 }
@@ -147,8 +151,19 @@ double ContactorModel::mmf_stiffness(const Field& f) const {
   return circuit_.has_ring() ? f.mmf_phi : f.mmf_phi + circuit_.shaded_share() * f.mmf_phi2;
 }
 
-double ContactorModel::flux_rates(const Field& f, double offset, double voltage, double separation_rate,
-                                  double* ds) const {
+CoilFeed<double> ContactorModel::feed(double t, const double* s, double current) const {
+  return supply_.feed(t, current, capacitor_ < 0 ? 0.0 : s[capacitor_]);
+}
+
+double ContactorModel::open_voltage(const double* s) const {
+  const Field f = circuit_.field(s[phi], second_flux(s), separation(s));
+  double rates[2];
+  const double linkage_rate = flux_rates(f, offset(s), {}, s[static_core_ + 1] - s[v], rates);
+  return offset_ < 0 ? specimen_.coil.turns * rates[phi] : linkage_rate;
+}
+
+double ContactorModel::flux_rates(const Field& f, double offset, const CoilFeed<double>& feed,
+                                  double separation_rate, double* ds) const {
   const auto& coil = specimen_.coil;
   const bool ring = circuit_.has_ring();
   const double share = circuit_.shaded_share();
@@ -157,7 +172,7 @@ double ContactorModel::flux_rates(const Field& f, double offset, double voltage,
   const double ratio = inductance_ / coil.turns;  // L di = ratio d mmf
   double linkage_rate = 0;
   const double other = f.mmf_phi2 * ds[phi2] + f.mmf_separation * separation_rate;
-  if (!supply_.feeds()) {
+  if (!supply_.conducts()) {
     double mmf_rate = 0;  // without remanence the current stays zero
     if (remanence_.present()) {
       const double turning = remanence_.stiffness(offset, other < 0);
@@ -167,7 +182,8 @@ double ContactorModel::flux_rates(const Field& f, double offset, double voltage,
     }
     ds[phi] = (mmf_rate - other) / stiffness;
   } else {
-    linkage_rate = voltage - resistance_ * f.mmf / coil.turns - resistance_ * offset;
+    const double resistance = resistance_ + feed.resistance;
+    linkage_rate = feed.emf - resistance * f.mmf / coil.turns - resistance * offset;
     ds[phi] = (linkage_rate - ratio * other) / (coil.turns + ratio * stiffness);
   }
   if (!ring) ds[phi2] = share * ds[phi];
@@ -192,9 +208,10 @@ double ContactorModel::losses(const double* s, const Forces& f) const {
 void ContactorModel::derivative(double t, const double* s, double* ds) const {
   Forces f;
   forces(s, f);
-  const bool on = supply_.feeds();
-  const double voltage = on ? supply_.voltage(t) : 0.0;
-  const double linkage_rate = flux_rates(f.field, offset(s), voltage, s[static_core_ + 1] - s[v], ds);
+  const bool on = supply_.conducts();
+  const double i = on ? f.field.mmf / specimen_.coil.turns + offset(s) : 0.0;
+  const CoilFeed<double> fed = on ? feed(t, s, i) : CoilFeed<double>{};
+  const double linkage_rate = flux_rates(f.field, offset(s), fed, s[static_core_ + 1] - s[v], ds);
 
   const auto& core = specimen_.core;
   ds[x] = s[v];
@@ -235,10 +252,10 @@ void ContactorModel::derivative(double t, const double* s, double* ds) const {
     dq[3] = -(b.half_length * (c[2] - c[3]) + b.seat_half_length * (c[0] - c[1])) / b.inertia;
   }
 
-  const double i = on ? f.field.mmf / specimen_.coil.turns + offset(s) : 0.0;
+  if (capacitor_ >= 0) ds[capacitor_] = fed.capacitor_rate;
   double* ledger = ds + ledger_;
-  ledger[0] = voltage * i;
-  ledger[1] = resistance_ * i * i;
+  ledger[0] = fed.supplied;
+  ledger[1] = (resistance_ + fed.resistance) * i * i + fed.lost;
   ledger[2] =
       circuit_.has_ring() ? circuit_.ring_resistance() * f.field.ring_current * f.field.ring_current : 0.0;
   ledger[3] = losses(s, f);

@@ -12,12 +12,13 @@
 /// The contactor as a system with modes for `EventIntegrator`. One data model:
 ///
 ///   states   phi, phi2 | x, v (core) | z, w (base) | per bridge group y, y' [, tilt, tilt'] | [b, b' (static core
-///            on its buffer)] | [i_h (remanence)] | ledger: 4 energies
+///            on its buffer)] | [i_h (remanence)] | [v_c (capacitor across the coil)] | ledger: 4 energies
 ///   modes    those of the supply (sim/supply) | each contact pressed or free | friction
 ///   guards   one per contact, one for friction, one for the current, one for what the supply does at its time
 ///
 /// Equations (SI, + = closing direction, s = travel - (x - b); b = z where the static core is part of the base):
 ///   N phi' + L i' = u - R i,   phi2' = -R_sh i_sh                     fluxes; with the coil open i = 0
+///   with u and what is beside R from the path of the current (sim/supply)
 ///   with remanence u - R (i + i_h) there, and i = -i_h with the coil open (sim/remanence.h)
 ///   instead M x''   = pull - F_r0 - k_r x - sum n (F_c0 + k_c (x - y) - F_seat) + F_open - F_stop - friction
 ///   M_h z'' = -pull - k_h z - c_h z' + F_stop + sum n (F_A + F_B)
@@ -32,7 +33,7 @@ namespace powbench::sim {
 class ContactorModel {
  public:
   static constexpr int max_poles = 8;
-  static constexpr int capacity = 6 + 4 * max_poles + 2 + 1 + 4;
+  static constexpr int capacity = 6 + 4 * max_poles + 2 + 1 + 1 + 4;
   static constexpr int guard_capacity = 2 + 4 * max_poles + 3;
   using State = std::array<double, capacity>;
 
@@ -105,7 +106,10 @@ class ContactorModel {
     return circuit_.has_ring() ? s[phi2] : circuit_.shaded_share() * s[phi];
   }
   /// Writes the rates of both fluxes; returns that of the flux linkage, V, which is known where there is remanence.
-  double flux_rates(const Field&, double offset, double voltage, double separation_rate, double* ds) const;
+  double flux_rates(const Field&, double offset, const CoilFeed<double>&, double separation_rate,
+                    double* ds) const;
+  CoilFeed<double> feed(double t, const double* s, double current) const;
+  double open_voltage(const double* s) const;  ///< V, at the coil without current
   double losses(const double* s, const Forces&) const;
   void flip_contact(double t, int k, double rate);
   void flip_friction(double t, double* s);
@@ -132,7 +136,8 @@ class ContactorModel {
   std::array<Unilateral, guard_capacity> contacts_{};
   std::array<double, capacity> scale_{};
   int contact_count_ = 0;
-  int offset_ = -1;  ///< state of the remanence, -1: none
+  int offset_ = -1;     ///< state of the remanence, -1: none
+  int capacitor_ = -1;  ///< state of the suppression, V, -1: none
   int ledger_ = 0;
   double start_energy_ = 0;  ///< J, of the remanence
   Friction friction_ = Friction::none;

@@ -37,7 +37,12 @@ void ContactorModel::guards(double t, const double* s, double* g) const {
       friction = -s[v];
       break;
   }
-  g[contact_count_ + 1] = supply_.watches_current() ? supply_.current_guard(coil_current(s)) : 1.0;
+  double& coil = g[contact_count_ + 1];
+  coil = 1;
+  if (supply_.watches_open_voltage())
+    coil = supply_.guard(t, 0.0, open_voltage(s));
+  else if (supply_.watches())
+    coil = supply_.guard(t, coil_current(s), 0.0);
   g[contact_count_ + 2] = supply_.next_change() - t;
 }
 
@@ -51,7 +56,7 @@ void ContactorModel::flip(double t, double* s, std::uint64_t which) {
   const bool by_time = (which >> (contact_count_ + 2) & 1U) != 0;
   if (by_current || by_time) {
     const double before = stored_energy(s);
-    if (by_current) settle_supply(t, s, supply_.pass_current(current(s)), before);
+    if (by_current) settle_supply(t, s, supply_.pass_guard(t, current(s)), before);
     if (by_time) settle_supply(t, s, supply_.pass(t, current(s)), before);
   }
   const bool friction = (which >> contact_count_ & 1U) != 0;
@@ -103,7 +108,7 @@ ContactorModel::State ContactorModel::rest(double offset) const {
 }
 
 bool ContactorModel::near_rest(const State& s) const {
-  if (supply_.feeds() || supply_.pending()) return false;
+  if (!supply_.sleeps()) return false;
   const State calm = rest(offset(s.data()));
   for (int i = 0; i < ledger_; ++i) {
     const auto k = static_cast<std::size_t>(i);
@@ -121,8 +126,8 @@ void ContactorModel::set_coil(double t, double* s, bool on) {
 /// After an event of the supply: a current that was cut is brought to zero, the flux jumps to what remains without it.
 void ContactorModel::settle_supply(double t, double* s, SupplyModes::Effect effect, double energy_before) {
   if (effect == SupplyModes::Effect::none) return;
-  publish(PlantEvent::Kind::coil_open, t, 0);
-  if (effect != SupplyModes::Effect::cut) return;
+  if (effect != SupplyModes::Effect::blocked) publish(PlantEvent::Kind::coil_open, t, 0);
+  if (effect == SupplyModes::Effect::opened) return;
   const double before = flux_linkage(s);
   const double offset_before = offset(s);
   const double turns = specimen_.coil.turns;

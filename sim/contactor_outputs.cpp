@@ -8,7 +8,7 @@
 namespace powbench::sim {
 
 double ContactorModel::current(const double* s) const {
-  return supply_.feeds() ? coil_current(s) : 0.0;
+  return supply_.conducts() ? coil_current(s) : 0.0;
 }
 
 double ContactorModel::coil_current(const double* s) const {
@@ -33,6 +33,7 @@ double ContactorModel::stored_energy(const double* s) const {
   const double i = offset_ < 0 ? current(s) : coil_current(s) - s[offset_];  // that the potential sees
   double e = circuit_.energy(s[phi], second_flux(s), separation(s)) + 0.5 * inductance_ * i * i +
              remanence_.stored(offset(s));
+  if (capacitor_ >= 0) e += 0.5 * supply_.capacitance() * s[capacitor_] * s[capacitor_];
   e += 0.5 * core.mass * s[v] * s[v] + s[x] * (core.return_preload + 0.5 * core.return_rate * s[x]);
   e += 0.5 * specimen_.base.mass * s[w] * s[w] + 0.5 * base_rate_ * s[z] * s[z];
   if (floats()) {
@@ -68,7 +69,7 @@ double ContactorModel::energy_residual(const double* s) const {
 void ContactorModel::sample(double t, const double* s, PlantSample& out) const {
   Forces f;
   forces(s, f);
-  const bool on = supply_.feeds();
+  const bool on = supply_.conducts();
   const auto& measured = groups_.front();
   const double* c = f.contact + measured.first_contact;
   out.time = t;
@@ -79,14 +80,17 @@ void ContactorModel::sample(double t, const double* s, PlantSample& out) const {
   const double apart = s[static_core_ + 1] - s[v];
   double rates[2];
   if (on) {
-    out.coil_voltage = out.mains_voltage - source_resistance_ * out.coil_current;
+    const auto fed = feed(t, s, out.coil_current);
+    const bool alternating = supply_.mains().kind == Mains::Kind::ac && supply_.feeds();
+    out.coil_voltage = (alternating ? out.mains_voltage : fed.emf) -
+                       (source_resistance_ + fed.resistance) * out.coil_current;
     const double source_inductance = supply_.mains().inductance;
     if (source_inductance > 0) {
-      flux_rates(f.field, offset(s), out.mains_voltage, apart, rates);
+      flux_rates(f.field, offset(s), {.emf = out.mains_voltage}, apart, rates);
       out.coil_voltage -= source_inductance * current_rate(f.field, apart, rates);
     }
   } else {
-    const double linkage_rate = flux_rates(f.field, offset(s), 0, apart, rates);
+    const double linkage_rate = flux_rates(f.field, offset(s), {}, apart, rates);
     out.coil_voltage = offset_ < 0 ? specimen_.coil.turns * rates[phi] : linkage_rate;
   }
   out.pull = f.field.pull;

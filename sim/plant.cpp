@@ -105,7 +105,7 @@ struct Plant::Impl {
 Plant::Plant(const Specimen& specimen, const Mains& mains, const PlantOptions& options) {
   require_valid(specimen);
   if (const std::string beyond = rigid_only(specimen); !beyond.empty()) throw std::invalid_argument(beyond);
-  require_valid(Supply{mains, options.coil_switch});
+  require_valid(Supply{mains, options.coil_switch, options.suppression});
   if (!(options.relative_tolerance >= 1e-14 && options.relative_tolerance <= 1e-2))
     throw std::invalid_argument("relative tolerance: allowed 1e-14 .. 1e-2");
   impl_ = std::make_unique<Impl>(specimen, mains, options);

@@ -16,6 +16,7 @@ struct PlantOptions {
   double relative_tolerance = 1e-8;  ///< of the integrator, per state scale
   double coil_kelvin = 293.15;       ///< K
   CoilSwitch coil_switch{};
+  Suppression suppression{};
 };
 
 /// Everything a sensor may want, at one instant. Two breaks of the measured bridge: A and B.

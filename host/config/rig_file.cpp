@@ -128,6 +128,11 @@ void declare_supply(FileKind& kind, sim::Supply& s) {
     closes.push_back(&b.close);
   }
   kind.section("supply", "the mains behind the coil switch; volts, hertz and angle are the plan's");
+  kind.choice("kind", m.kind, {"ac", "dc", "half_wave", "full_wave"},
+              "dc: the plan's volts without a wave, angle and hertz play no part; half_wave, full_wave: a "
+              "rectifier ahead of "
+              "the switch");
+  kind.number("rectifier_drop_V", m.rectifier_drop, {0, 10}, "forward voltage of its diodes in series");
   kind.number("resistance_ohm", m.resistance, {0, 1000}, "of the source");
   kind.number("inductance_mH", m.inductance, {0, 1000}, "of the source");
   kind.numbers("harmonic_percent", percent, {0, 100}, "3rd, 5th, 7th and 11th, of the fundamental");
@@ -152,6 +157,24 @@ void declare_supply(FileKind& kind, sim::Supply& s) {
   kind.number("holding_current_mA", c.holding_current, {0, 10'000}, "triac: off below, without its gate");
   kind.number("gate_pulse_us", c.gate_pulse, {0, 1e6}, "triac: 0: driven as long as commanded");
   kind.number("gate_period_us", c.gate_period, {0, 1e6}, "triac: from pulse to pulse; 0: a single one");
+  kind.number("hold_period_us", c.hold_period, {0, 1e6},
+              "ideal: an economiser chops with this period; 0: none. Needs a suppression");
+  kind.number("hold_after_ms", c.hold_after, {0, 10'000}, "ideal: from the command to the first chop");
+  kind.number("hold_duty_percent", c.hold_duty, {1, 99},
+              "ideal: share of the period in which the coil is fed");
+
+  auto& p = s.suppression;
+  kind.section("suppression", "what lies across the coil and carries its current when the switch is open");
+  kind.choice("kind", p.kind, {"none", "diode", "varistor", "rc"},
+              "diode: dc and rectified; varistor: every supply; rc: dc only");
+  kind.number("forward_V", p.forward, {0.1, 20}, "diode: forward voltage");
+  kind.number("resistance_ohm", p.resistance, {0, 1e6},
+              "in series with diode (dc only) or capacitor (0.1 and more)");
+  kind.number("capacitance_uF", p.capacitance, {1e-6, 1e6}, "rc");
+  kind.number("clamp_V", p.clamp, {1, 1e5}, "varistor: voltage at clamp_current_A");
+  kind.number("clamp_current_A", p.clamp_current, {1e-6, 1e4}, "varistor");
+  kind.number("clamp_exponent", p.clamp_exponent, {0, 1},
+              "varistor: e of V = clamp_V (i / clamp_current_A)^e");
 }
 
 FileKind kind_of(RigFile& r) {
@@ -196,6 +219,31 @@ void check_switch(FileReader& reader, const sim::CoilSwitch& s) {
     reader.fail("switch", "gate_period_us", "is shorter than the pulse", "0, or gate_pulse_us and more");
 }
 
+/// What the parts of the supply say about each other; values out of range are known by now.
+void check_supply(FileReader& reader, const sim::Supply& s) {
+  if (s.mains.kind != sim::Mains::Kind::ac && s.mains.inductance > 0)
+    reader.fail("supply", "inductance_mH", "is not modelled behind a direct or rectified source", "0");
+  if (s.mains.kind == sim::Mains::Kind::dc)
+    for (const auto& h : s.mains.harmonics)
+      if (h.share > 0) {
+        reader.fail("supply", "harmonic_percent", "a direct source has none", "0");
+        break;
+      }
+  if (s.suppression.kind == sim::Suppression::Kind::rc && s.suppression.resistance < 0.1)
+    reader.fail("suppression", "resistance_ohm", "is too little for a capacitor",
+                "0.1 and more with kind = rc");
+  const std::string what = sim::unsuited(s);
+  if (what.empty()) return;
+  const auto dot = what.find('.'), colon = what.find(':');
+  const auto key = what.substr(dot + 1, what.find_first_of(" :", dot) - dot - 1);
+  const auto allowed = what.rfind("; allowed ");
+  if (allowed == std::string::npos)
+    reader.fail(what.substr(0, dot), key, what.substr(colon + 2));
+  else
+    reader.fail(what.substr(0, dot), key, what.substr(colon + 2, allowed - colon - 2),
+                what.substr(allowed + 10));
+}
+
 void check(FileReader& reader, const RigFile& r) {
   const auto& c = r.config;
   if (!is_ipv4(r.listen)) reader.fail("", "listen", "is no IPv4 address; for example 127.0.0.7");
@@ -207,6 +255,7 @@ void check(FileReader& reader, const RigFile& r) {
   if (c.sensors.contact_open_voltage > c.sensors.contact_full_scale)
     reader.fail("electrical", "contact_open_V", "saturates the channel", "at most contact_full_scale_V");
   check_switch(reader, c.supply.coil_switch);
+  check_supply(reader, c.supply);
 }
 
 RigFile read_with(FileReader reader) {

@@ -48,6 +48,7 @@ constexpr std::array units{
     Unit{"H", "H"},
     Unit{"mH", "mH", -3},
     Unit{"uH", "uH", -6},
+    Unit{"uF", "uF", -6},
     Unit{"A_per_m", "A/m"},
     Unit{"T", "T"},
     Unit{"A_per_m_per_T", "A/(m T)"},

@@ -191,7 +191,7 @@ Trajectory run_closing(const MagneticPotential& potential, bool pressed_gap, con
   drive.resistance =
       coil.resistance * (1 + coil.temperature_coefficient * (conditions.ambient - 293.15)) + mains.resistance;
   drive.ring_resistance = SpecimenPotential(specimen).ring_resistance();
-  drive.supply = {mains, bench.coil_switch};
+  drive.supply = {mains, bench.coil_switch, bench.suppression};
   drive.remanence = remanence(specimen);
   drive.pressed_gap = pressed_gap;
 

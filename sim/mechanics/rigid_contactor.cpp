@@ -59,6 +59,7 @@ ContactPlace contact_place(int contact) {
 template <class R>
 R RigidContactor<R>::scale(int i) const {
   const int n = lanes_.dof;
+  if (i == capacitor_ && capacitor_ >= 0) return 1;
   if (i == offset_ && offset_ >= 0) return static_cast<Real>(drive_.remanence.current);
   if (i >= 2 * n) return i >= ledger_ && ledger_ >= 0 ? Real(0.01L) : Real(0.1L);
   const int q = i % n;
@@ -129,17 +130,39 @@ void RigidContactor<R>::electric(Real t, const Real* y, const MagneticResponse& 
   const Real ring_rate =
       ring ? -static_cast<Real>(drive_.ring_resistance) * static_cast<Real>(m.ring_current) : Real(0);
   if (ring) dy[electric_ + 1] = ring_rate;
-  if (supply_.feeds()) {
-    dy[electric_] = supply_.voltage(t) -
-                    static_cast<Real>(drive_.resistance) * (static_cast<Real>(m.current) + offset(y));
+  if (supply_.conducts()) {
+    const Real i = static_cast<Real>(m.current) + offset(y);
+    const auto fed = feed(t, y, i);
+    dy[electric_] = fed.emf - (static_cast<Real>(drive_.resistance) + fed.resistance) * i;
+    if (capacitor_ >= 0) dy[capacitor_] = fed.capacitor_rate;
   } else {
-    const Real gap_rate = y[lanes_.dof + 2] - y[lanes_.dof];
-    const Real other =
-        static_cast<Real>(m.current_ring) * ring_rate + static_cast<Real>(m.current_gap) * gap_rate;
-    const Real turning = offset_ < 0 ? Real(0) : drive_.remanence.stiffness(y[offset_], other < 0);
-    dy[electric_] = -other / (static_cast<Real>(m.current_psi) + turning);
+    dy[electric_] = open_voltage(y, m, ring_rate);
+    if (capacitor_ >= 0) dy[capacitor_] = 0;
   }
   if (offset_ >= 0) dy[offset_] = drive_.remanence.rate(y[offset_], dy[electric_]);
+}
+
+/// dpsi/dt while i = 0.
+template <class R>
+R RigidContactor<R>::open_voltage(const Real* y, const MagneticResponse& m, Real ring_rate) const {
+  const Real gap_rate = y[lanes_.dof + 2] - y[lanes_.dof];
+  const Real other =
+      static_cast<Real>(m.current_ring) * ring_rate + static_cast<Real>(m.current_gap) * gap_rate;
+  const Real turning = offset_ < 0 ? Real(0) : drive_.remanence.stiffness(y[offset_], other < 0);
+  return -other / (static_cast<Real>(m.current_psi) + turning);
+}
+
+template <class R>
+R RigidContactor<R>::open_voltage(const Real* y) const {
+  const MagneticResponse m = field(y);
+  const bool ring = drive_.potential->has_ring();
+  return open_voltage(
+      y, m, ring ? -static_cast<Real>(drive_.ring_resistance) * static_cast<Real>(m.ring_current) : Real(0));
+}
+
+template <class R>
+CoilFeed<R> RigidContactor<R>::feed(Real t, const Real* y, Real current) const {
+  return supply_.feed(t, current, capacitor_ < 0 ? Real(0) : y[capacitor_]);
 }
 
 template <class R>
@@ -176,8 +199,10 @@ void RigidContactor<R>::book(Real t, const Real* y, const MagneticResponse& m, R
   const bool coil = electric_ >= 0;
   const Real i = static_cast<Real>(m.current) + offset(y);
   const Real ring = static_cast<Real>(m.ring_current);
-  e[0] = coil ? (supply_.feeds() ? supply_.voltage(t) * i : Real(0)) : f * (v[0] - v[2]);
-  e[1] = supply_.feeds() ? static_cast<Real>(drive_.resistance) * i * i : Real(0);
+  const bool conducts = coil && supply_.conducts();
+  const auto fed = conducts ? feed(t, y, i) : CoilFeed<Real>{};
+  e[0] = coil ? fed.supplied : f * (v[0] - v[2]);
+  e[1] = conducts ? (static_cast<Real>(drive_.resistance) + fed.resistance) * i * i + fed.lost : Real(0);
   if (offset_ >= 0) e[1] += drive_.remanence.loss(y[offset_], dy[electric_]);
   e[2] = static_cast<Real>(drive_.ring_resistance) * ring * ring;
   e[3] = lost;
@@ -326,7 +351,12 @@ void RigidContactor<R>::plain_guards(Real t, const Real* y, const Real* dy, Guar
   if (slides) slide = way * y[lanes_.dof];
   g.value[friction_guard] = slide;
   g.rate[friction_guard] = slides && dy != nullptr ? way * dy[lanes_.dof] : Real(0);
-  g.value[coil_guard] = supply_.watches_current() ? supply_.current_guard(current(y)) : Real(1);
+  Real& coil = g.value[coil_guard];
+  coil = 1;
+  if (electric_ >= 0 && supply_.watches_open_voltage())
+    coil = supply_.guard(t, Real(0), open_voltage(y));
+  else if (supply_.watches())
+    coil = supply_.guard(t, current(y), Real(0));
   g.value[clock_guard] = static_cast<Real>(supply_.next_change()) - t;
 }
 
@@ -403,6 +433,10 @@ EnergyLedger RigidContactor<R>::energies(const Real* y) const {
   e.springs = static_cast<double>(springs);
   e.contacts = static_cast<double>(contacts);
   if (electric_ >= 0) e.magnetic = field(y).energy + drive_.remanence.stored(static_cast<double>(offset(y)));
+  if (capacitor_ >= 0) {
+    const auto volts = static_cast<double>(y[capacitor_]);
+    e.magnetic += 0.5 * supply_.capacitance() * volts * volts;
+  }
   if (ledger_ < 0) return e;
   const auto at = [&](int i) { return static_cast<double>(y[ledger_ + i]); };
   e.supplied = at(0);

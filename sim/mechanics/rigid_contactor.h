@@ -58,9 +58,10 @@ struct CoilDrive {
 
 /// Where the energy is, J. Losses and supplies are integrals since t = 0.
 struct EnergyLedger {
-  double kinetic = 0, springs = 0, contacts = 0, magnetic = 0;
+  double kinetic = 0, springs = 0, contacts = 0;
+  double magnetic = 0;  ///< with the capacitor across the coil
   double supplied = 0;  ///< by the coil, or by the given pull
-  /// `coil`: R i^2, what the iron's remanence takes, and what a current that was cut leaves.
+  /// `coil`: R i^2, what the iron's remanence and the suppression take, and what a current that was cut leaves.
   double coil = 0, ring = 0, contact_loss = 0, friction = 0, damping = 0;
   double stored() const { return kinetic + springs + contacts + magnetic; }
   double lost() const { return coil + ring + contact_loss + friction + damping; }
@@ -71,7 +72,7 @@ class RigidContactor {
  public:
   using Real = R;
   static constexpr int guard_capacity = 48;
-  static constexpr int capacity = 2 * (3 + most_base_modes + 2 * most_bridges) + 3 + 8;
+  static constexpr int capacity = 2 * (3 + most_base_modes + 2 * most_bridges) + 3 + 1 + 8;
   using GuardSet = Guards<Real, guard_capacity>;
   enum : int {
     gap_guard = rigid_contacts,
@@ -168,6 +169,9 @@ class RigidContactor {
   void settle_supply(Real* y, SupplyModes::Effect, double energy_before);
   void magnetise(Real* y) const;
   Real offset(const Real* y) const { return offset_ < 0 ? Real(0) : y[offset_]; }
+  CoilFeed<Real> feed(Real t, const Real* y, Real current) const;
+  Real open_voltage(const Real* y, const MagneticResponse&, Real ring_rate) const;
+  Real open_voltage(const Real* y) const;   ///< V, at the coil without current
   double fed_current(const Real* y) const;  ///< A, zero while the coil is not fed
   void electric(Real t, const Real* y, const MagneticResponse&, Real* dy) const;
   void book(Real t, const Real* y, const MagneticResponse&, Real pull, Real* dy) const;
@@ -185,8 +189,9 @@ class RigidContactor {
   Real bodies_[3 + most_base_modes + 2 * most_bridges];
   Real travel_ = 0;
   int size_ = 0;
-  int electric_ = -1;  ///< first magnetic state
-  int offset_ = -1;    ///< state of the remanence, -1: none
+  int electric_ = -1;   ///< first magnetic state
+  int offset_ = -1;     ///< state of the remanence, -1: none
+  int capacitor_ = -1;  ///< state of the suppression, V, -1: none
   int ledger_ = -1;
   std::uint64_t used_ = 0;
   std::uint64_t rooted_ = 0;  ///< contacts whose force has a root of the depth

@@ -41,6 +41,7 @@ RigidContactor<R>::RigidContactor(const RigidParts& given, const CoilDrive& driv
     electric_ = size_;
     size_ += drive.potential->has_ring() ? 2 : 1;
     if (drive.remanence.present()) offset_ = size_++;
+    if (supply_.has_capacitor()) capacitor_ = size_++;
   }
   if (ledger) {
     ledger_ = size_;
@@ -280,7 +281,7 @@ double RigidContactor<R>::equilibrium(Real* y) {
   still.lanes_.stuck = false;
   still.lanes_.friction = 0;
   still.lanes_.followed = -1;
-  still.ledger_ = still.electric_ = still.offset_ = -1;
+  still.ledger_ = still.electric_ = still.offset_ = still.capacitor_ = -1;
   still.given_.peak = 0;
   alignas(64) Real dy[dop853::padded(capacity + 2)];
   alignas(64) Real moved[dop853::padded(capacity + 2)];

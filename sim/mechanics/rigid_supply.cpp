@@ -17,14 +17,14 @@ void RigidContactor<R>::set_coil(Real t, Real* y, bool on) {
 template <class R>
 void RigidContactor<R>::flip_supply(double t, Real* y, std::uint64_t which) {
   const double before = energies(y).magnetic;
-  if (which & 1U) settle_supply(y, supply_.pass_current(fed_current(y)), before);
+  if (which & 1U) settle_supply(y, supply_.pass_guard(t, fed_current(y)), before);
   if (which & 2U) settle_supply(y, supply_.pass(t, fed_current(y)), before);
 }
 
 /// A current that was cut is brought to zero; the energy the flux loses on the way is booked beside the coil's.
 template <class R>
 void RigidContactor<R>::settle_supply(Real* y, SupplyModes::Effect effect, double energy_before) {
-  if (effect != SupplyModes::Effect::cut) return;
+  if (effect == SupplyModes::Effect::none || effect == SupplyModes::Effect::opened) return;
   const auto before = static_cast<double>(y[electric_]);
   const auto offset_before = static_cast<double>(offset(y));
   for (int pass = 0; pass < 100; ++pass) {
@@ -62,7 +62,7 @@ double RigidContactor<R>::coil_linkage(const Real* y) const {
 
 template <class R>
 double RigidContactor<R>::fed_current(const Real* y) const {
-  return supply_.feeds() ? static_cast<double>(current(y)) : 0.0;
+  return supply_.conducts() ? static_cast<double>(current(y)) : 0.0;
 }
 
 template <class R>

@@ -187,8 +187,9 @@ std::string unknown_to(std::string_view mechanics, const Case& c) {
   if (mechanics == "plant") return "";
   const std::string rung = "the rung " + std::string(mechanics);
   const std::string instead = "; take plant or rigid";
-  if (!plain(c.bench.mains) || c.bench.coil_switch.kind != CoilSwitch::Kind::ideal)
-    return "supply, switch: " + rung + " knows a plain source and an ideal switch only" + instead;
+  if (!plain(c.bench.mains) || c.bench.coil_switch.kind != CoilSwitch::Kind::ideal ||
+      c.bench.coil_switch.hold_period > 0 || c.bench.suppression.kind != Suppression::Kind::none)
+    return "supply, switch: " + rung + " knows a plain alternating source and an ideal switch only" + instead;
   if (remanence(c.specimen).present())
     return "magnet.coercive_field_A_per_m: allowed 0 on " + rung + ", which has no remanence" + instead;
   if (c.specimen.base.core_mass > 0)

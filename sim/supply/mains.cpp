@@ -22,7 +22,7 @@ MainsPiece mains_piece(const Mains& m, double t, double origin) {
 }
 
 bool plain(const Mains& m) {
-  return m.resistance == 0 && m.inductance == 0 &&
+  return m.kind == Mains::Kind::ac && m.resistance == 0 && m.inductance == 0 &&
          std::all_of(m.harmonics.begin(), m.harmonics.end(),
                      [](const Harmonic& h) { return h.share == 0; }) &&
          std::none_of(m.dips.begin(), m.dips.end(), [](const Dip& d) { return d.duration > 0; });
@@ -34,10 +34,14 @@ void require_valid(const Mains& m) {
   require_range("mains hertz", m.hertz, 1e-3, 1e5, "Hz");
   require_range("mains phase", m.phase, -1e9, 1e9, "rad");
   require_range("mains resistance", m.resistance, 0, 1e6, "ohm");
-  require_range("mains inductance", m.inductance, 0, 1e3, "H");
+  const bool direct = m.kind == Mains::Kind::dc;
+  require_range("mains inductance", m.inductance, 0, m.kind == Mains::Kind::ac ? 1e3 : 0,
+                m.kind == Mains::Kind::ac ? "H" : "H behind a direct or rectified source");
+  require_range("mains rectifier_drop", m.rectifier_drop, 0, 10, "V");
   for (const auto& h : m.harmonics) {
     require_range("harmonic order", h.order, 2, 50, "");
-    require_range("harmonic share", h.share, 0, 1, "of the fundamental");
+    require_range("harmonic share", h.share, 0, direct ? 0 : 1,
+                  "of the fundamental; a direct source has none");
     require_range("harmonic phase", h.phase, -turn, turn, "rad");
   }
   for (const auto& d : m.dips) {

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cmath>
+#include <cstdint>
 #include <limits>
 
 /// The mains at the coil switch, analytic in time: harmonics, dips and interruptions behind a source impedance.
@@ -9,6 +10,12 @@
 ///   u(t) = sqrt(2) U d [ sin a + sum over k of h_k sin(k a + phase_k) ],   a = 2 pi f t + phase + jump
 ///
 /// with the share d and the jump of the piece of time that t lies in. Behind it the source takes R i + L di/dt.
+///
+/// A direct source gives u = U d. Behind a rectifier the coil sees e - R i with
+///
+///   half wave  e = u(t) - V_r,    full wave  e = |u(t)| - V_r
+///
+/// as long as its current is above zero; V_r is the forward voltage of all diodes in series.
 
 namespace powbench::sim {
 
@@ -28,11 +35,14 @@ struct Dip {
 };
 
 struct Mains {
-  double volts = 230;     ///< V rms of the fundamental
-  double hertz = 50;      ///< Hz
-  double phase = 0;       ///< rad at t = 0
-  double resistance = 0;  ///< ohm, source
-  double inductance = 0;  ///< H, source
+  enum class Kind : std::uint8_t { ac, dc, half_wave, full_wave };
+  Kind kind = Kind::ac;
+  double rectifier_drop = 0;  ///< V_r, V, half and full wave
+  double volts = 230;         ///< V rms of the fundamental; V of a direct source
+  double hertz = 50;          ///< Hz
+  double phase = 0;           ///< rad at t = 0
+  double resistance = 0;      ///< ohm, source
+  double inductance = 0;      ///< H, source
   std::array<Harmonic, 4> harmonics{{{3, 0, 0}, {5, 0, 0}, {7, 0, 0}, {11, 0, 0}}};
   std::array<Dip, 2> dips{};  ///< where they overlap, shares multiply and jumps add
 };
@@ -51,6 +61,7 @@ MainsPiece mains_piece(const Mains&, double t, double origin);
 /// u(t), V.
 template <class Real>
 Real mains_voltage(const Mains& m, const MainsPiece& piece, Real t) {
+  if (m.kind == Mains::Kind::dc) return static_cast<Real>(m.volts * piece.share);
   constexpr Real two_pi = static_cast<Real>(2 * 3.14159265358979323846264338327950288L);
   const Real angle = two_pi * static_cast<Real>(m.hertz) * t + static_cast<Real>(m.phase + piece.jump);
   Real wave = std::sin(angle);
@@ -61,7 +72,7 @@ Real mains_voltage(const Mains& m, const MainsPiece& piece, Real t) {
   return std::sqrt(Real(2)) * static_cast<Real>(m.volts * piece.share) * wave;
 }
 
-/// A sine without source impedance, harmonics and dips.
+/// An alternating sine without source impedance, harmonics and dips.
 bool plain(const Mains&);
 
 /// Throws std::invalid_argument naming what is out of range.

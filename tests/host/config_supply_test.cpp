@@ -74,3 +74,54 @@ TEST_CASE("mistakes about supply and switch are told with key, value and range",
   CHECK(told("unknown key"));
   CHECK(errors.size() == 8);
 }
+
+TEST_CASE("rig files with a direct or rectified source, a suppression and an economiser", "[config]") {
+  const RigFile r = parse_rig(
+      "[supply]\nkind = \"full_wave\"\nrectifier_drop_V = 1.4\n[switch]\nhold_period_us = 500\nhold_after_ms "
+      "= 80\n"
+      "hold_duty_percent = 25\n[suppression]\nkind = \"varistor\"\nclamp_V = 300\nclamp_current_A = 0.5\n"
+      "clamp_exponent = 0.03\n",
+      "r.toml");
+  const auto& s = r.config.supply;
+  CHECK(s.mains.kind == sim::Mains::Kind::full_wave);
+  CHECK(s.mains.rectifier_drop == 1.4);
+  CHECK(s.coil_switch.hold_period == 500e-6);
+  CHECK(s.coil_switch.hold_after == 80e-3);
+  CHECK(s.coil_switch.hold_duty == 0.25);
+  CHECK(s.suppression.kind == sim::Suppression::Kind::varistor);
+  CHECK(s.suppression.clamp == 300);
+  CHECK(s.suppression.clamp_current == 0.5);
+  CHECK(s.suppression.clamp_exponent == 0.03);
+  CHECK(resolved_text(parse_rig(resolved_text(r), "again")) == resolved_text(r));
+  const auto rc = parse_rig(
+      "[supply]\nkind = \"dc\"\n[suppression]\nkind = \"rc\"\nresistance_ohm = 100\ncapacitance_uF = 0.47\n",
+      "r.toml");
+  CHECK(rc.config.supply.suppression.capacitance == Approx(0.47e-6).epsilon(1e-15));
+  CHECK_NOTHROW(sim::require_valid(rc.config.supply));
+}
+
+TEST_CASE("parts of a supply that do not go together are told with line, key, value and what is allowed",
+          "[config]") {
+  const auto only = [](const std::string& text) {
+    const auto errors = errors_of(text);
+    return errors.size() == 1 ? errors[0] : std::to_string(errors.size()) + " errors";
+  };
+  CHECK(only("[suppression]\nkind = \"diode\"\n") ==
+        "r.toml:2: [suppression] kind = \"diode\": shorts every second half-wave of alternating mains; "
+        "allowed with "
+        "supply.kind = dc, half_wave, full_wave");
+  CHECK(
+      only("[supply]\nkind = \"dc\"\ninductance_mH = 2\n") ==
+      "r.toml:3: [supply] inductance_mH = 2: is not modelled behind a direct or rectified source; allowed 0");
+  CHECK(only("[supply]\nkind = \"dc\"\nharmonic_percent = [5, 0, 0, 0]\n") ==
+        "r.toml:3: [supply] harmonic_percent = [5, 0, 0, 0]: a direct source has none; allowed 0");
+  CHECK(only("[supply]\nkind = \"dc\"\n[suppression]\nkind = \"rc\"\n") ==
+        "r.toml:3: [suppression] resistance_ohm: is too little for a capacitor; allowed 0.1 and more with "
+        "kind = rc");
+  CHECK(only("[supply]\nkind = \"dc\"\n[switch]\nkind = \"triac\"\n") ==
+        "r.toml:4: [switch] kind = \"triac\": never turns off without a zero of the current; allowed with "
+        "supply.kind = ac");
+  CHECK(only("[supply]\nkind = \"dc\"\n[switch]\nhold_period_us = 500\n")
+            .find("hold_period_us = 500: an economiser") != std::string::npos);
+  CHECK(only("[supply]\nkind = \"direct\"\n").find("kind = \"direct\"") != std::string::npos);
+}
