@@ -72,7 +72,8 @@ std::int64_t number_of_query(const Call& c, const char* key) {
   std::int64_t id = 0;
   const auto [end, error] = std::from_chars(value.data(), value.data() + value.size(), id);
   if (error != std::errc{} || end != value.data() + value.size() || id < 0)
-    throw Problem{400, fmt::format("'{}' in the address is no whole number", key)};
+    throw Problem{400, fmt::format("'{0}={1}' in the address: a whole number is wanted, as in {0}=1", key,
+                                   value.substr(0, 40))};
   return id;
 }
 

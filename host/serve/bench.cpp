@@ -7,6 +7,7 @@
 #include "core/origin.h"
 #include "core/phase.h"
 #include "host/config/edit_text.h"
+#include "host/gather/gather.h"
 #include "host/run/simulate.h"
 #include "host/serve/bench_impl.h"
 #include "host/serve/frame.h"
@@ -308,6 +309,29 @@ void Bench::run(const Scene& scene) {
   Impl::Job job;
   job.scene = scene;
   job.shots = scene.shots;
+  impl_->begin(std::move(job));
+}
+
+void Bench::resume(const CampaignInfo& c) {
+  const std::string name = fmt::format("campaign {}", c.id);
+  const Scene now = scene();
+  Impl::Job job;
+  Plan plan = stored_plan(c);
+  if (plan.order == Order::by_hand) throw NotNow(name + " is of single closings: nothing of it was planned");
+  if (c.finished) throw NotNow(name + " is finished: every shot of its plan is stored");
+  plan.folder = now.plan.folder;
+  if (plan.specimen == now.plan.specimen) job.scene = make_scene(plan);
+  if (job.scene.plan_hash != c.plan_hash || job.scene.specimen_hash != c.specimen_hash)
+    throw NotNow(name +
+                 " was begun with another specimen file, or by another version of the program; start the "
+                 "bench with that one, or run the plan anew");
+  const rigs::RigInfo rig = impl_->rig_now();
+  if (const std::string here = rig.model + ", " + rig.serial; c.rig_identity != here)
+    throw NotNow(fmt::format("{} was begun on '{}', this rig is '{}'; go on there, or run the plan anew",
+                             name, c.rig_identity, here));
+  job.shots = job.scene.shots;
+  job.campaign = c.id;
+  job.before = job.done = recorded_shots(Store(impl_->database, Store::Mode::read_only), c.id).size();
   impl_->begin(std::move(job));
 }
 

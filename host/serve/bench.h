@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "host/gather/scene.h"
+#include "host/store/store.h"
 
 namespace powbench::host {
 
@@ -61,6 +62,10 @@ class Bench {
   void adopt(const Scene&);
   /// Every shot of the scene; the scene is that of single closings from now on.
   void run(const Scene&);
+
+  /// What is missing of a campaign whose plan was not fired to its end, on the rig that began it and with its specimen. Throws NotNow with the
+  /// reason where that cannot be.
+  void resume(const CampaignInfo&);
 
   /// Between two shots: wait, or go on. Throws NotNow when no plan runs.
   void pause(bool);

@@ -28,6 +28,7 @@ struct Bench::Impl final : RunWatcher {
     std::int64_t campaign = 0;  ///< 0: a new one
     bool single = false;
     std::optional<TouchAim::Aim> aim;  ///< of a closing at touch
+    std::size_t before = 0;            ///< shots that the campaign has already
     std::size_t done = 0, outside = 0;
     Clock::time_point begun{};
     std::string doing = "waiting";

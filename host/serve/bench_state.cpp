@@ -107,9 +107,10 @@ std::string Bench::Impl::state() const {
   if (job) {
     const auto total = job->shots.size();
     const double passed = std::chrono::duration<double>(Clock::now() - job->begun).count();
-    const double eta = job->done > 0 && job->done < total
-                           ? passed / static_cast<double>(job->done) * static_cast<double>(total - job->done)
-                           : estimated_seconds(job->scene.plan);
+    const double eta =
+        job->done > job->before && job->done < total
+            ? passed / static_cast<double>(job->done - job->before) * static_cast<double>(total - job->done)
+            : estimated_seconds(job->scene.plan);
     out["job"] = {{"kind", job->single ? "single" : "plan"},
                   {"name", job->scene.plan.name},
                   {"campaign", job->campaign ? Json(job->campaign) : Json(nullptr)},

@@ -71,6 +71,11 @@ Reply get_junit(const Call& c) {
                        junit_document(store, campaign_of(store, c.id)));
 }
 Reply get_comparison(const Call& c) {
+  for (const char* which : {"first", "second"})
+    if (number_of_query(c, which) == 0)
+      throw Problem{
+          400,
+          fmt::format("'{}' is missing: a campaign's number, as in /api/compare?first=1&second=2", which)};
   const Store store = reader(c);
   return json_reply(pair_document(store, campaign_of(store, number_of_query(c, "first")),
                                   campaign_of(store, number_of_query(c, "second"))));
@@ -90,6 +95,11 @@ Reply post_annotation(const Call& c) {
   store.annotate(campaign_of(store, c.id).id, key, what);
   return json_reply(Json{{"key", key}, {"text", what}}.dump(-1, ' ', false, Json::error_handler_t::replace),
                     201);
+}
+
+Reply post_resume(const Call& c) {
+  c.bench.resume(campaign_of(reader(c), c.id));
+  return json_reply(R"({"started":true})", 202);
 }
 
 Reply get_shot(const Call& c) {
@@ -121,7 +131,7 @@ Reply get_record(const Call& c) {
 constexpr Route of_documents[] = {
     {"GET", "/api/campaigns", Right::read, "All campaigns of the store, the newest first.", "",
      R"([{"id": 1, "name": "", "created": "", "origin": "", "rig": "", "specimen": "", "angles_deg": [0], "shots": 1,
-          "outcomes": {}, "outside_limits": 0, "finished": true}])",
+          "outcomes": {}, "outside_limits": 0, "finished": true, "resumable": true}])",
      get_campaigns},
     {"GET",
      "/api/campaigns/{id}/shots",
@@ -143,6 +153,9 @@ constexpr Route of_documents[] = {
      get_junit},
     {"GET", "/api/campaigns/{id}/annotations", Right::read, "What was learned later.", "",
      R"([{"created": "", "key": "", "text": ""}])", get_annotations},
+    {"POST", "/api/campaigns/{id}/resume", Right::fire,
+     "Fires what is missing of a campaign whose plan was not fired to its end.", "{}", R"({"started": true})",
+     post_resume},
     {"POST", "/api/campaigns/{id}/annotations", Right::fire, "Adds to the test record.",
      R"({"key": "remarks", "text": "coil was warm"})", R"({"key": "", "text": ""})", post_annotation},
     {"GET",

@@ -10,6 +10,7 @@
 
 #include "core/phase.h"
 #include "core/quantities.h"
+#include "host/compare/compare.h"
 #include "host/compare/pair.h"
 #include "host/export/csv.h"
 #include "host/export/events_json.h"
@@ -33,11 +34,40 @@ std::string text(const Json& j) {
   return j.dump(-1, ' ', false, Json::error_handler_t::replace);
 }
 
-Json quantities_json(const std::optional<Events>& events) {
-  Json out = Json::object();
-  for (const Quantity& q : quantity_table)
-    out[std::string(q.symbol)] = measured_json(events ? q.of(*events) : Measured{});
-  return out;
+/// What a shot shows of a quantity. Of a simulated one u is what its inputs leave open, not how well its curve could be read.
+class Shown {
+ public:
+  Shown(const Store& store, const StoredShot& shot)
+      : events(store.load_events(shot.id)), simulated_(shot.kind == ShotKind::simulated) {
+    if (simulated_) inputs_ = store.prediction(shot.id).u;
+  }
+  Measured of(const Quantity& q) const {
+    Measured m = events ? q.of(*events) : Measured{};
+    if (!simulated_) return m;
+    const auto it = inputs_.find(std::string(q.symbol));
+    m.u = it == inputs_.end() ? unknown : it->second;
+    return m;
+  }
+  Json json() const {
+    Json out = Json::object();
+    for (const Quantity& q : quantity_table) out[std::string(q.symbol)] = measured_json(of(q));
+    return out;
+  }
+  const std::optional<Events> events;
+
+ private:
+  bool simulated_;
+  std::map<std::string, double> inputs_;
+};
+
+/// One closing against its simulation, by the rule of the report.
+std::map<std::string, ComparisonRow> differences(const Store& store, const StoredShot& shot,
+                                                 const Events& measured, const Events& simulated,
+                                                 std::int64_t simulated_id) {
+  AngleGroup group{radians(shot.angle_deg), {measured}, {simulated}, store.prediction(simulated_id).u};
+  std::map<std::string, ComparisonRow> rows;
+  for (ComparisonRow& r : compare({group}, {}, {}).rows) rows[r.quantity] = std::move(r);
+  return rows;
 }
 
 /// The simulation beside a measured shot.
@@ -55,7 +85,8 @@ CampaignFacts::Facts CampaignFacts::of(const CampaignInfo& c) {
   const std::scoped_lock lock(mutex_);
   const auto known = known_.find(key);
   if (known != known_.end() && !key.empty()) return known->second;
-  Facts facts{stored_specimen(c).name, stored_plan(c).angles};
+  const Plan plan = stored_plan(c);
+  Facts facts{stored_specimen(c).name, plan.angles, plan.order != Order::by_hand};
   return known_[key] = facts;
 }
 
@@ -81,7 +112,8 @@ std::string campaigns_document(const Store& store, CampaignFacts& facts) {
                                    {"shots", measured_shots},
                                    {"outcomes", outcomes},
                                    {"outside_limits", outside},
-                                   {"finished", c.finished}});
+                                   {"finished", c.finished},
+                                   {"resumable", known.planned && !c.finished}});
   }
   return text(list);
 }
@@ -90,15 +122,16 @@ std::string shots_document(const Store& store, const CampaignInfo& campaign, std
   Json list = Json::array();
   for (const StoredShot& s : store.shots(campaign.id)) {
     if (s.id <= after) continue;
-    const auto events = store.load_events(s.id);
-    list.push_back({{"id", s.id},
-                    {"kind", name(s.kind)},
-                    {"angle_deg", number(s.angle_deg)},
-                    {"reached_rad", measured_json(events ? events->coil.closing_angle : Measured{})},
-                    {"outcome", name(s.outcome)},
-                    {"reason", s.reason},
-                    {"started", s.started},
-                    {"quantities", quantities_json(events)}});
+    const Shown shown(store, s);
+    list.push_back(
+        {{"id", s.id},
+         {"kind", name(s.kind)},
+         {"angle_deg", number(s.angle_deg)},
+         {"reached_rad", measured_json(shown.events ? shown.events->coil.closing_angle : Measured{})},
+         {"outcome", name(s.outcome)},
+         {"reason", s.reason},
+         {"started", s.started},
+         {"quantities", shown.json()}});
   }
   return text({{"campaign", campaign.id},
                {"name", campaign.name},
@@ -113,10 +146,10 @@ std::string shots_table(const Store& store, const CampaignInfo& campaign) {
   out += "\n";
   const auto cell = [](double x) { return std::isfinite(x) ? fmt::format("{:.9g}", x) : std::string(); };
   for (const StoredShot& s : store.shots(campaign.id)) {
-    const auto events = store.load_events(s.id);
+    const Shown shown(store, s);
     out += fmt::format("{},{},{},{},{}", s.id, name(s.kind), cell(s.angle_deg), s.started, name(s.outcome));
     for (const Quantity& q : quantity_table) {
-      const Measured m = events ? q.of(*events) : Measured{};
+      const Measured m = shown.of(q);
       out += "," + cell(m.value) + "," + cell(m.u);
     }
     out += "\n";
@@ -141,15 +174,23 @@ std::string shot_document(const Store& store, const StoredShot& shot) {
   const auto events = store.load_events(shot.id);
   const auto simulated = beside(store, shot);
   const auto predicted = simulated ? store.load_events(simulated->id) : std::nullopt;
+  std::map<std::string, ComparisonRow> compared;
+  if (events && predicted) compared = differences(store, shot, *events, *predicted, simulated->id);
+  const Shown shown(store, shot);
   Json rows = Json::array();
   for (const Quantity& q : quantity_table) {
-    const Measured m = events ? q.of(*events) : Measured{}, p = predicted ? q.of(*predicted) : Measured{};
+    const Measured m = shown.of(q), p = predicted ? q.of(*predicted) : Measured{};
+    const ComparisonRow row =
+        compared.contains(std::string(q.symbol)) ? compared.at(std::string(q.symbol)) : ComparisonRow{};
     rows.push_back({{"symbol", q.symbol},
                     {"unit", q.unit},
                     {"meaning", q.meaning},
                     {"value", number(m.value)},
                     {"u", number(m.u)},
-                    {"simulated", number(p.value)}});
+                    {"simulated", number(p.value)},
+                    {"simulated_u", number(row.u_simulated)},
+                    {"over_U", number(row.difference_over_U())},
+                    {"agreement", agreement(row.difference_over_U())}});
   }
   return text(
       {{"id", shot.id},

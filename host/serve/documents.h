@@ -18,6 +18,7 @@ class CampaignFacts {
   struct Facts {
     std::string specimen;
     std::vector<double> angles;  ///< rad
+    bool planned = false;        ///< not single closings, and no import
   };
   /// From any thread.
   Facts of(const CampaignInfo&);

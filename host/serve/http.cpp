@@ -36,6 +36,7 @@ std::string text(beast::string_view v) {
 Request request_of(const HttpRequest& in) {
   Request r;
   r.method = text(in.method_string());
+  if (in.method() == http::verb::head) r.method = "GET";  // the same answer without its body
   const std::string target = text(in.target());
   const auto mark = target.find('?');
   r.path = target.substr(0, mark);
@@ -72,6 +73,7 @@ HttpReply reply_of(const Reply& from, const HttpRequest& to) {
   out.keep_alive(to.keep_alive());
   out.body() = from.body;
   out.prepare_payload();
+  if (to.method() == http::verb::head) out.body().clear();  // its length stays told
   return out;
 }
 

@@ -25,6 +25,7 @@ host::Request mutant(Random& random, const std::string& token) {
                                               "/api/shots/1/closing",
                                               "/api/campaigns/1/shots",
                                               "/api/campaigns/1/annotations",
+                                              "/api/campaigns/1/resume",
                                               "/api/live",
                                               "/api/scope",
                                               "/api/files/plan/set",

@@ -174,8 +174,30 @@ TEST_CASE("live bench: two campaigns compared, only newer shots, what to take al
   CHECK(pair.at("rows").size() == 27);
   CHECK(pair.at("second").at("id") == 2);
   CHECK(query("/api/compare", "first=1&second=3").status == 404);
-  CHECK(query("/api/compare", "").status == 404);
-  CHECK(query("/api/compare", "first=1&second=x").status == 400);
+  for (const auto& [wrong, why] :
+       {std::pair{"", "'first' is missing: a campaign's number, as in /api/compare?first=1&second=2"},
+        {"first=1", "'second' is missing"},
+        {"first=a", "'first=a' in the address: a whole number is wanted, as in first=1"},
+        {"first=1&second=x", "'second=x' in the address: a whole number is wanted"}}) {
+    CHECK(query("/api/compare", wrong).status == 400);
+    CHECK_THAT(query("/api/compare", wrong).body, Contains(why));
+  }
+  // a simulated value has the u of its inputs, not of the reading of its curve; a measured one beside it says whether they agree
+  for (const json& shot : s.get("/api/campaigns/1/shots").at("shots")) {
+    const json touch = shot.at("quantities").at("t_ct1");
+    const host::Store store(s.folder.file("lab.db"), host::Store::Mode::read_only);
+    const auto id = shot.at("id").get<std::int64_t>();
+    if (shot.at("kind") == "simulated")
+      CHECK(touch.at("u").get<double>() == Approx(store.prediction(id).u.at("t_ct1")));
+    else
+      for (const json& q : s.get("/api/shots/" + std::to_string(id)).at("quantities")) {
+        if (q.at("over_U").is_null()) continue;
+        const double U = 2 * std::hypot(q.at("u").get<double>(), q.at("simulated_u").get<double>());
+        const double over = std::fabs(q.at("value").get<double>() - q.at("simulated").get<double>()) / U;
+        CHECK(q.at("over_U").get<double>() == Approx(over).epsilon(0.02));
+        CHECK(q.at("agreement") == (q.at("over_U").get<double>() <= 1 ? "agrees" : "differs"));
+      }
+  }
   const json all = s.get("/api/campaigns/1/shots").at("shots");
   const auto after = all.at(2).at("id").get<int>();
   CHECK(json::parse(query("/api/campaigns/1/shots", "after=" + std::to_string(after)).body)

@@ -66,3 +66,40 @@ TEST_CASE("live bench: a simulation made ahead is the one made beside the shot, 
   CHECK(fired({90}) == beside);
   CHECK(fired({30, 45}) == beside);
 }
+
+TEST_CASE("live bench: a plan that was ended is gone on with, where its rig and specimen are", "[serve]") {
+  const Served s;
+  const std::string plan = "name = \"long\"\nangles_deg = [0, 60]\nrepeats = 3\npause_s = 0.2\n";
+  REQUIRE(s.ask("POST", "/api/plan/run", json{{"text", plan}}.dump()).status == 202);
+  wait_until("the first shot", [&] { return s.shots() > 0; });
+  s.ask("POST", "/api/plan/end", "{}");
+  s.until_ended();
+  const std::size_t before = s.shots();
+  REQUIRE(before < 6);
+  CHECK(s.get("/api/campaigns").at(0).at("resumable") == true);
+  REQUIRE(s.ask("POST", "/api/campaigns/1/resume", "{}").status == 202);
+  CHECK(s.state().at("job").at("done").get<std::size_t>() >= before);
+  s.until_ended();
+  CHECK(s.get("/api/campaigns").size() == 1);
+  CHECK(s.shots() == 6);
+  CHECK(s.get("/api/campaigns").at(0).at("resumable") == false);
+  const auto refused = [&](const char* path, int status, const char* why) {
+    const host::Reply r = s.ask("POST", path, "{}");
+    CHECK(r.status == status);
+    CHECK_THAT(r.body, Catch::Contains(why));
+  };
+  refused("/api/campaigns/1/resume", 409, "campaign 1 is finished");
+  refused("/api/campaigns/9/resume", 404, "no campaign 9");
+  REQUIRE(s.ask("POST", "/api/fire", R"({"angle_deg": 90})").status == 202);
+  s.until_ended();
+  refused("/api/campaigns/2/resume", 409, "of single closings");
+  host::Store store(s.folder.file("lab.db"));
+  host::CampaignInfo c = store.campaign(1);
+  c.rig_identity = "another bench, 7";
+  store.create_campaign(c);
+  refused("/api/campaigns/3/resume", 409, "was begun on 'another bench, 7'");
+  c.specimen_hash = "0";
+  store.create_campaign(c);
+  refused("/api/campaigns/4/resume", 409, "another specimen file");
+  CHECK(s.state().at("job").is_null());
+}

@@ -2,7 +2,8 @@
 // What every page of the live bench uses: calls, numbers, elements.
 
 /** @typedef {{value: number|null, u: number|null}} Measured */
-/** @typedef {{symbol: string, unit: string, meaning: string, value: number|null, u: number|null, simulated: number|null}} QuantityRow */
+/** @typedef {{symbol: string, unit: string, meaning: string, value: number|null, u: number|null, simulated: number|null,
+ *   simulated_u: number|null, over_U: number|null, agreement: string}} QuantityRow */
 /** @typedef {{id: number, kind: string, angle_deg: number|null, reached_rad: Measured, outcome: string, reason: string, started: string,
  *   quantities: {[symbol: string]: Measured}}} ListedShot */
 /** @typedef {{id: number, campaign: number, origin: string, kind: string, angle_deg: number|null, reached_rad: Measured,
@@ -95,6 +96,8 @@ export const sentences = (errors) => (Array.isArray(errors) ? errors : [String(e
 
 /** @param {unknown} x @returns {x is number} */
 export const known = (x) => typeof x === 'number';
+/** A number as people write it, with a point or a comma; NaN for anything else. @param {string} text */
+export const numberOf = (text) => (/^\s*-?\d+([.,]\d*)?\s*$/.test(text) ? Number(text.replace(',', '.')) : NaN);
 /** A value to the digits that its U leaves. @param {number|null} value @param {number|null} U */
 export function rounded(value, U) {
   if (!known(value)) return '–';
@@ -135,6 +138,25 @@ export function list(id, lines) {
     $(id).append(item);
   }
 }
+/** Tables that are wider than their place say so: a finger finds no scroll bar. */
+const widths = new ResizeObserver((all) => {
+  for (const one of all) {
+    const box = /** @type {HTMLElement} */ (one.target.closest('.wide'));
+    box.classList.toggle('cut', box.scrollWidth > box.clientWidth + 1);
+  }
+});
+for (const box of document.querySelectorAll('.wide')) {
+  const says = document.createElement('p');
+  says.className = 'aside fine';
+  says.textContent = 'The table goes on to the side: drag it, or use the arrow keys.';
+  box.after(says);
+  /** @type {HTMLElement} */ (box).tabIndex = 0;
+  box.setAttribute('role', 'group');
+  box.setAttribute('aria-label', 'table');
+  widths.observe(box);
+  for (const table of box.children) widths.observe(table);
+}
+
 /** @param {string} path @param {string} text */
 export function anchor(path, text) {
   const a = document.createElement('a');

@@ -1,11 +1,11 @@
 // @ts-check
 // Documents: campaigns and their shots, reports and exports, two campaigns compared, additions to the test record.
-import { $, anchor, button, call, cells, clear, field, known, list, measured, newRow, rounded, scaled, sentences, unitOf } from './base.js';
+import { $, anchor, button, call, cells, clear, field, known, list, measured, newRow, numberOf, rounded, scaled, sentences, unitOf } from './base.js';
 
 /** @typedef {import('./base.js').ListedShot} ListedShot */
 /** @typedef {import('./base.js').Measured} Measured */
 /** @typedef {{id: number, name: string, created: string, origin: string, rig: string, specimen: string, angles_deg: number[], shots: number,
- *   outcomes: {[outcome: string]: number}, outside_limits: number, finished: boolean}} Campaign */
+ *   outcomes: {[outcome: string]: number}, outside_limits: number, finished: boolean, resumable: boolean}} Campaign */
 /** @typedef {{quantity: string, unit: string, closing_angle_deg: number|null, n: number[], first: Measured, second: Measured,
  *   difference: number|null, U: number|null, over_U: number|null, agreement: string}} PairRow */
 
@@ -20,7 +20,7 @@ let look = () => {};
 /** @param {(id: number) => void} act */
 export const whenShot = (act) => { look = act; };
 
-const wantedAngle = () => (field('find-angle').value === '' ? null : Number(field('find-angle').value));
+const wantedAngle = () => (field('find-angle').value.trim() === '' ? null : numberOf(field('find-angle').value));
 /** @param {number|null} a @param {number} b */
 const near = (a, b) => known(a) && Math.abs(((a - b + 540) % 360) - 180) < 0.5;
 
@@ -47,12 +47,27 @@ function showCampaigns() {
     const links = document.createElement('span');
     links.append(anchor('/api/campaigns/' + c.id + '/report.html', 'report'), ' ', anchor('/api/campaigns/' + c.id + '/report.pdf', 'PDF'),
       ' ', anchor('/api/campaigns/' + c.id + '/shots.csv', 'CSV'), ' ', anchor('/api/campaigns/' + c.id + '/junit.xml', 'JUnit'));
+    if (c.resumable) links.prepend(button('Go on', () => goOn(c.id)), ' ');
     cells(newRow('campaigns'), [button(String(c.id), () => open(c.id)), c.name, c.created.slice(0, 16).replace('T', ' '), c.specimen, c.origin,
       [c.shots + (c.finished ? '' : ', unfinished'), 'n'], [c.outside_limits, c.outside_limits ? 'n bad' : 'n'], links]);
   }
   $('found').textContent = campaigns.length === 0 ? 'No campaign yet: fire one closing on the page Test.' : n + ' of ' + campaigns.length + ' campaigns';
 }
 
+/** @type {() => void} */
+let ran = () => {};
+/** @param {() => void} act */
+export const whenRun = (act) => { ran = act; };
+/** What a plan that was not fired to its end lacks. @param {number} id */
+async function goOn(id) {
+  clear('not-resumed');
+  try {
+    await call('POST', '/api/campaigns/' + id + '/resume', {});
+    ran();
+  } catch (errors) {
+    $('not-resumed').textContent = sentences(errors).join(' ');
+  }
+}
 /** @param {number} id */
 async function open(id) {
   const c = await call('GET', '/api/campaigns/' + id + '/shots');

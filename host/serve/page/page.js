@@ -150,7 +150,7 @@ function listen() {
   };
 }
 whenTokenGiven(listen);
-parameters.whenRun(() => { alarm(''); open('test'); });
+for (const page of [parameters, documents]) page.whenRun(() => { alarm(''); open('test'); });
 documents.whenShot((id) => { open('test'); test.showShot(id); });
 
 const wanted = location.hash.slice(1);

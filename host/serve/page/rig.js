@@ -6,7 +6,8 @@ import { $, bytes, call, cells, clear, field, known, link, list, newRow, sentenc
 /** @typedef {{name: string, unit: string, scale: number, offset: number, clip_low: number, clip_high: number, counts: Int16Array}} Trace */
 /** @typedef {{shot: number, origin: string, rate_hz: number, samples: number, fire_sample: number, channels: Trace[]}} Frame */
 
-const kept = 20, height = 78, gutter = 64;
+const kept = 20, height = 78;
+let gutter = 64;
 /** @type {Frame[]} */
 let frames = [];
 /** @type {WebSocket|null} */
@@ -52,6 +53,19 @@ function trace(g, c, from, span, width, y) {
   g.stroke();
 }
 
+/** Lowest and highest count, and their values to a hundredth of what lies between them. @param {Trace|undefined} c */
+function scaleOf(c) {
+  if (!c) return null;
+  let low = Infinity, high = -Infinity;
+  for (const v of c.counts) { if (v < low) low = v; if (v > high) high = v; }
+  const clipped = low <= c.clip_low || high >= c.clip_high;
+  if (high === low) { ++high; --low; }
+  const [unit, factor] = unitOf(c.unit), step = Math.abs((high - low) * c.scale * factor) / 100;
+  const digits = Math.max(0, Math.min(9, -Math.floor(Math.log10(step))));
+  const labels = [low, high].map((v) => ((v + c.offset) * c.scale * factor).toFixed(digits).replace(/^-(?=[0.]+$)/, '') + ' ' + unit);
+  return { low, high, clipped, labels };
+}
+
 function draw() {
   wanted = false;
   const canvas = /** @type {HTMLCanvasElement} */ (/** @type {unknown} */ ($('scope'))), g = canvas.getContext('2d');
@@ -59,26 +73,27 @@ function draw() {
   const at = frames.length - 1 - Math.min(frames.length - 1, Number(field('back').value));
   const several = field('persist').checked ? frames.slice(Math.max(0, at - 7), at + 1) : [frames[at]], newest = frames[at];
   const names = [...document.querySelectorAll('#scope-channels input:checked')].map((e) => /** @type {HTMLInputElement} */ (e).value);
-  const width = (canvas.width = canvas.clientWidth) - gutter;
+  canvas.width = canvas.clientWidth;
   canvas.height = Math.max(1, names.length) * height + 20;
   const style = getComputedStyle(document.documentElement), ink = style.getPropertyValue('--soft').trim(), line = style.getPropertyValue('--measured').trim();
   const span = Number(field('span').value) || newest.samples / newest.rate_hz * 1e3, share = 0.2;
   g.font = '12px sans-serif';
+  const scales = names.map((name) => scaleOf(newest.channels.find((c) => c.name === name)));
+  gutter = 6 + Math.max(40, ...scales.flatMap((s) => s ? s.labels.map((text) => Math.ceil(g.measureText(text).width)) : []));
+  canvas.dataset.labels = scales.flatMap((s) => s ? s.labels : []).join(', ');
+  canvas.dataset.gutter = String(gutter);
+  const width = canvas.width - gutter;
   names.forEach((name, row) => {
-    const top = row * height, shown = newest.channels.find((c) => c.name === name);
-    if (!shown) return;
-    let low = Infinity, high = -Infinity;
-    for (const v of shown.counts) { if (v < low) low = v; if (v > high) high = v; }
-    const clipped = low <= shown.clip_low || high >= shown.clip_high;
-    if (high === low) { ++high; --low; }
+    const top = row * height, shown = newest.channels.find((c) => c.name === name), scale = scales[row];
+    if (!shown || !scale) return;
+    const { low, high, clipped } = scale;
     const y = (/** @type {number} */ v) => top + height - 6 - (v - low) / (high - low) * (height - 14);
     g.strokeStyle = style.getPropertyValue('--line').trim();
     g.strokeRect(gutter, top + 2, width, height - 4);
     g.fillStyle = clipped ? style.getPropertyValue('--bad').trim() : ink;
     g.fillText(name + (clipped ? ' CLIPPED' : ''), gutter + 4, top + 14);
     g.textAlign = 'right';
-    const [unit, factor] = unitOf(shown.unit);
-    for (const v of [low, high]) g.fillText(((v + shown.offset) * shown.scale * factor).toPrecision(3) + ' ' + unit, gutter - 3, y(v) + 4);
+    [low, high].forEach((v, i) => g.fillText(scale.labels[i], gutter - 3, y(v) + 4));
     g.textAlign = 'left';
     several.forEach((f, i) => {
       const c = f.channels.find((one) => one.name === name), t = triggerOf(f);

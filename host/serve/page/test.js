@@ -1,6 +1,6 @@
 // @ts-check
 // Test: one closing, drawn at once; its quantities; the trend over its campaign.
-import { $, access, button, call, cells, clear, field, known, measured, newRow, rounded, scaled, sentences, unitOf } from './base.js';
+import { $, access, button, call, cells, clear, field, known, measured, newRow, numberOf, rounded, scaled, sentences, unitOf } from './base.js';
 
 /** @typedef {import('./base.js').State} State */
 /** @typedef {import('./base.js').Shot} Shot */
@@ -29,7 +29,11 @@ $('fire-form').addEventListener('submit', async (e) => {
     $('refused').textContent = 'Not now: ' + field('fire').title + '.';
     return;
   }
-  const angle = Number(field('angle').value);
+  const angle = numberOf(field('angle').value);
+  if (!(angle >= 0 && angle <= 360)) {
+    $('refused').textContent = 'Not fired: "' + field('angle').value + '" is no angle from 0 to 360 deg, such as 90.5.';
+    return;
+  }
   try {
     await call('POST', '/api/fire', field('at').value === 'touch' ? { touch_deg: angle } : { angle_deg: angle });
   } catch (errors) {
@@ -45,7 +49,7 @@ function prepare(state) {
   if (state && (state.job || !state.status)) prepared = '';
   window.clearTimeout(timer);
   timer = window.setTimeout(() => {
-    const angle = field('angle').valueAsNumber;
+    const angle = numberOf(field('angle').value);
     if (field('fire').disabled || field('at').value !== 'closing' || !(angle >= 0 && angle <= 360) || prepared === String(angle)) return;
     prepared = String(angle);
     call('POST', '/api/prepare', { angle_deg: angle }).catch(() => {});
@@ -58,7 +62,8 @@ function showQuantities(shot) {
   clear('quantities');
   for (const q of shot.quantities) {
     const [unit, factor] = unitOf(q.unit);
-    cells(newRow('quantities'), [q.symbol, q.meaning, [measured(q, factor), 'n'], [rounded(scaled(q.simulated, factor), null), 'n sim'], unit]);
+    cells(newRow('quantities'), [q.symbol, q.meaning, [measured(q, factor), 'n'], [rounded(scaled(q.simulated, factor), scaled(q.simulated_u, 2 * factor)), 'n sim'], unit,
+      [known(q.over_U) ? q.over_U.toFixed(2) : '–', 'n'], [q.agreement, q.agreement === 'differs' ? 'bad' : '']]);
   }
 }
 

@@ -1,0 +1,102 @@
+#include <catch2/catch.hpp>
+
+#include "tests/system/browser.h"
+#include "tests/system/live_bench.h"
+
+/// The live bench under the habits of people: a decimal comma, a narrow phone, a plan that was ended too early.
+
+using namespace powbench::test;
+
+TEST_CASE("live page: an angle with a decimal comma is that angle, and no other is fired", "[.slow]") {
+  const Folder folder;
+  LiveBench bench(folder);
+  Browser browser(folder);
+  Tab tab = browser.open(bench.url);
+  tab.until("document.getElementById('fire').disabled === false");
+  const auto type = [&](const std::string& text) {
+    tab.value("(()=>{const a=document.getElementById('angle');a.focus();a.select()})()");
+    for (const char c : text) tab.key(std::string(1, c));
+    tab.key("Enter");
+  };
+  type("90,5,1");
+  tab.until(says("Not fired: \"90,5,1\" is no angle"));
+  type("905");
+  tab.until(says("Not fired: \"905\" is no angle"));
+  CHECK(tab.value("fetch('/api/bench').then(r=>r.json()).then(b=>b.newest_shot)").is_null());
+  type("90,5");
+  tab.until(says("Shot 1 at 90.5\xC2\xB0"));
+  CHECK(tab.errors() == std::vector<std::string>());
+}
+
+TEST_CASE("live page: what differs from the simulation by more than U is marked", "[.slow]") {
+  const Folder folder;
+  folder.write("other.specimen.toml", "[bridges]\ngap_mm = 2.2\n");
+  const std::string rig = folder.write("other.rig.toml", "specimen = \"other.specimen.toml\"\n");
+  LiveBench bench(folder, "sim:" + rig);
+  Browser browser(folder);
+  Tab tab = browser.open(bench.url);
+  press(tab, "fire");
+  const std::string touch =
+      "[...document.querySelectorAll('#quantities tr')].find(r=>r.cells[0].textContent==='t_ct1')";
+  tab.until(touch + ".cells[6].textContent === 'differs' && " + touch + ".cells[6].className === 'bad'");
+  CHECK(tab.value("+" + touch + ".cells[5].textContent").get<double>() > 1);
+}
+
+TEST_CASE("live page: an unfinished plan is gone on with from the list of campaigns", "[.slow]") {
+  const Folder folder;
+  LiveBench bench(folder);
+  Browser browser(folder);
+  Tab tab = browser.open(bench.url);
+  press(tab, "tab-parameters");
+  tab.until("document.getElementById('text').value.length > 10");
+  tab.value(
+      "(()=>{const t=document.getElementById('text');t.value='name = \"half\"\\nangles_deg = [0, 90]\\n"
+      "repeats = 4\\npause_s = 0.3\\n';t.dispatchEvent(new Event('input'))})()");
+  tab.until(says("8 shots in about"));
+  press(tab, "run");
+  tab.until("document.getElementById('end').hidden === false");
+  press(tab, "end");
+  const std::string no_job = "fetch('/api/bench').then(r=>r.json()).then(b=>b.job===null)";
+  tab.until(no_job);
+  press(tab, "tab-documents");
+  const std::string go_on =
+      "[...document.querySelectorAll('#campaigns button')].find(b=>b.textContent==='Go on')";
+  tab.until(go_on);
+  tab.value(go_on + ".click()");
+  tab.until("document.getElementById('test').hidden === false");
+  tab.until("/ of 8/.test(document.getElementById('job').textContent)");
+  tab.until(no_job);
+  press(tab, "tab-documents");
+  tab.until("document.querySelectorAll('#campaigns tr').length === 1 && !(" + go_on + ")");
+  CHECK(tab.value("fetch('/api/campaigns').then(r=>r.json()).then(l=>l[0].shots)") == 8);
+  CHECK(tab.errors() == std::vector<std::string>());
+}
+
+TEST_CASE("live page: tables wider than a phone say so, and the scope's labels are whole", "[.slow]") {
+  const Folder folder;
+  LiveBench bench(folder);
+  Browser browser(folder);
+  Tab tab = browser.open(bench.url);
+  press(tab, "fire");
+  tab.until("document.querySelectorAll('#quantities tr').length === 9");
+  const std::string hint = "document.querySelector('#shot .wide + .aside').offsetParent !== null";
+  tab.size(1200, 1000);
+  tab.until("!(" + hint + ")");
+  tab.size(390, 800);
+  tab.until(hint);
+  const char* pictures = std::getenv("POWBENCH_PICTURES");
+  if (pictures != nullptr) {
+    tab.value("document.querySelector('#shot .wide').scrollIntoView()");
+    tab.picture(std::string(pictures) + "/live-phone-table.png");
+  }
+  press(tab, "tab-rig");
+  tab.until("document.getElementById('scope').dataset.labels");
+  CAPTURE(tab.value("document.getElementById('scope').dataset.labels"));
+  CHECK(tab.value("(()=>{const g=document.createElement('canvas').getContext('2d');g.font='12px sans-serif';"
+                  "const s=document.getElementById('scope').dataset;"
+                  "return s.labels.split(', ').every(l=>g.measureText(l).width<=s.gutter-3)})()") == true);
+  CHECK(tab.value("/-0(\\.0*)? /.test(document.getElementById('scope').dataset.labels)") == false);
+  CHECK(tab.value("document.documentElement.scrollWidth <= window.innerWidth") == true);
+  if (pictures != nullptr) tab.picture(std::string(pictures) + "/live-phone-scope.png");
+  CHECK(tab.errors() == std::vector<std::string>());
+}
