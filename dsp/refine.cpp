@@ -145,6 +145,7 @@ double foot_of(const CalmForce& calm, const EdgeForce& film, double edge, int si
   constexpr double round = 0.75;            // time below `low` over time to `high`: 0.7 of F ~ t^1.5
   const auto n = static_cast<std::ptrdiff_t>(force.size());
   const auto first = static_cast<std::ptrdiff_t>(force.index_at(edge));
+  if (first >= n) return 0;  // an edge beyond the record has nothing behind it
   const auto count = static_cast<std::ptrdiff_t>(reach / force.dt);
   const auto at = [&](std::ptrdiff_t k) { return calm.value[static_cast<std::size_t>(first + side * k)]; };
   const auto last = side > 0 ? std::min(count, n - 1 - first) : std::min(count, first);

@@ -183,20 +183,23 @@ TEST_CASE("live bench: two campaigns compared, only newer shots, what to take al
     CHECK_THAT(query("/api/compare", wrong).body, Contains(why));
   }
   // a simulated value has the u of its inputs, not of the reading of its curve; a measured one beside it says whether they agree
-  for (const json& shot : s.get("/api/campaigns/1/shots").at("shots")) {
+  const json shots = s.get("/api/campaigns/1/shots");  // a range of a temporary would not outlive its first line
+  for (const json& shot : shots.at("shots")) {
     const json touch = shot.at("quantities").at("t_ct1");
     const host::Store store(s.folder.file("lab.db"), host::Store::Mode::read_only);
     const auto id = shot.at("id").get<std::int64_t>();
     if (shot.at("kind") == "simulated")
       CHECK(touch.at("u").get<double>() == Approx(store.prediction(id).u.at("t_ct1")));
-    else
-      for (const json& q : s.get("/api/shots/" + std::to_string(id)).at("quantities")) {
+    else {
+      const json detail = s.get("/api/shots/" + std::to_string(id));
+      for (const json& q : detail.at("quantities")) {
         if (q.at("over_U").is_null()) continue;
         const double U = 2 * std::hypot(q.at("u").get<double>(), q.at("simulated_u").get<double>());
         const double over = std::fabs(q.at("value").get<double>() - q.at("simulated").get<double>()) / U;
         CHECK(q.at("over_U").get<double>() == Approx(over).epsilon(0.02));
         CHECK(q.at("agreement") == (q.at("over_U").get<double>() <= 1 ? "agrees" : "differs"));
       }
+    }
   }
   const json all = s.get("/api/campaigns/1/shots").at("shots");
   const auto after = all.at(2).at("id").get<int>();
