@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
+#include "core/counted.h"
 #include "host/cli/commands.h"
 #include "host/config/bad_input.h"
 #include "host/run/progress.h"
@@ -73,8 +74,9 @@ Exit check(const DbArgs& args) {
                             {"damage", c.damage}}
                            .dump(2));
   } else {
-    fmt::print("{}: {} campaigns, {} shots, {} records, {} extractions, {} sweeps, {:.1f} MB\n",
-               args.database, c.campaigns, c.shots, c.records, c.events, c.sweeps, megabytes(args.database));
+    fmt::print("{}: {}, {}, {}, {}, {}, {:.1f} MB\n", args.database, counted(c.campaigns, "campaign"),
+               counted(c.shots, "shot"), counted(c.records, "record"), counted(c.events, "extraction"),
+               counted(c.sweeps, "sweep"), megabytes(args.database));
     for (const std::string& d : c.damage) fmt::print("damaged: {}\n", d);
     if (c.damage.empty()) fmt::print("whole; content {}\n", c.hash);
     if (c.bare + c.undigested > 0)
@@ -111,8 +113,8 @@ Exit merge(const DbArgs& args) {
                             {"sweep_blocks", m.sweep_blocks}}
                            .dump(2));
   else
-    fmt::print("{}: {} campaigns, {} shots, {} extractions, {} blocks of sweeps added\n", args.output,
-               m.campaigns, m.shots, m.events, m.sweep_blocks);
+    fmt::print("{}: {}, {}, {}, {} of sweeps added\n", args.output, counted(m.campaigns, "campaign"),
+               counted(m.shots, "shot"), counted(m.events, "extraction"), counted(m.sweep_blocks, "block"));
   return Exit::pass;
 }
 

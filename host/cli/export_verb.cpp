@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <fstream>
 
+#include "core/counted.h"
 #include "core/quantities.h"
 #include "core/version.h"
 #include "host/cli/verbs.h"
@@ -96,7 +97,7 @@ Exit export_campaign(const ExportArgs& args) {
                    {"program", fmt::format("powbench {}", program_version)}};
   write_file(args.file,
              args.to == "arrow" ? to_arrow(table, list) : to_xlsx({{"events", table}, about_sheet(list)}));
-  fmt::print(stderr, "{}: {} shots of campaign {}\n", args.file, rows(table), campaign.id);
+  fmt::print(stderr, "{}: {} of campaign {}\n", args.file, counted(rows(table), "shot"), campaign.id);
   return Exit::pass;
 }
 

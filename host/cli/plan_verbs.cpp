@@ -2,6 +2,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "core/counted.h"
 #include "core/units.h"
 #include "host/cli/verbs.h"
 #include "host/compare/compare.h"
@@ -12,8 +13,9 @@ namespace powbench::host {
 
 Exit check_plan(const PlanArgs& args) {
   const Scene scene = load_scene(args.file);
-  fmt::print(stderr, "{}: {} shots at {} angles on specimen {}: no mistakes found\n", args.file,
-             scene.shots.size(), scene.plan.angles.size(), scene.specimen.name);
+  fmt::print(stderr, "{}: {} at {} on specimen {}: no mistakes found\n", args.file,
+             counted(scene.shots.size(), "shot"), counted(scene.plan.angles.size(), "angle"),
+             scene.specimen.name);
   return Exit::pass;
 }
 

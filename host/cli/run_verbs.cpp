@@ -2,6 +2,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "core/counted.h"
 #include "host/cli/verbs.h"
 #include "host/gather/begin.h"
 #include "host/run/stop.h"
@@ -47,7 +48,7 @@ Exit run_plan(const RunArgs& args) {
          "contactor (powbench rigs lists them)"});
   if (args.dry_run) {
     rig_file(args.rig);
-    fmt::print(stderr, "{} shots would be fired; nothing was done\n", scene.shots.size());
+    fmt::print(stderr, "{} would be fired; nothing was done\n", counted(scene.shots.size(), "shot"));
     return Exit::pass;
   }
   Store store(args.database);

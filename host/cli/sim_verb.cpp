@@ -5,6 +5,7 @@
 #include <set>
 #include <thread>
 
+#include "core/counted.h"
 #include "core/cpu_time.h"
 #include "core/units.h"
 #include "host/cli/percent.h"
@@ -283,7 +284,7 @@ Exit simulate_plan(const SimArgs& args) {
                         "cells, no tolerance; circuit+rigid is\n",
                         rung.name())
           : "nominal conditions of the plan, model alone; break A:\n" + bounce_text(bounces, believed));
-  fmt::print(stderr, "campaign {}: {} closings simulated\n", campaign, n);
+  fmt::print(stderr, "campaign {}: {} simulated\n", campaign, counted(n, "closing"));
   if (StopOnSignal::asked()) return Exit::interrupted;
   if (!choice || !wish.accuracy || choice->reached() == sim::Reached::met) return Exit::pass;
   return choice->reached() == sim::Reached::not_met ? Exit::outside_limits : Exit::not_known;

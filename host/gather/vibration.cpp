@@ -6,6 +6,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "core/counted.h"
 #include "dsp/extract.h"
 #include "dsp/force.h"
 #include "dsp/spectrum.h"
@@ -129,13 +130,14 @@ std::optional<VibrationView> VibrationFinder::finish() {
     dsp::BandQuestion q;
     q.pulse_width = film.shortest;
     if (const auto bands = dsp::bands_of_closings(film.closings, q))
-      view.films.push_back(
-          film_bands(*bands, v, film.channel,
-                     fmt::format("coherence with {} over {} closings",
-                                 v.reference.empty() ? "the reference" : v.reference, bands->closings)));
+      view.films.push_back(film_bands(
+          *bands, v, film.channel,
+          fmt::format("coherence with {} over {}", v.reference.empty() ? "the reference" : v.reference,
+                      counted(bands->closings, "closing"))));
     if (!v.ring.empty())
-      view.films.push_back(film_bands(dsp::bands_of_ring(v.ring, q), v, film.channel,
-                                      fmt::format("{} modes fitted to shot {}", v.ring.modes.size(), shot_)));
+      view.films.push_back(
+          film_bands(dsp::bands_of_ring(v.ring, q), v, film.channel,
+                     fmt::format("{} fitted to shot {}", counted(v.ring.modes.size(), "mode"), shot_)));
     if (!best || (best->ring.empty() && !v.ring.empty())) {
       best = &v;
       view.film = film_name(film.channel);

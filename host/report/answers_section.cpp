@@ -4,6 +4,7 @@
 #include <cmath>
 #include <vector>
 
+#include "core/counted.h"
 #include "core/quantities.h"
 #include "host/report/best_angle.h"
 #include "host/report/number.h"
@@ -25,8 +26,9 @@ void answer(Markup& out, std::string_view question, std::string_view main, const
 
 void verdict_answer(Markup& out, const ReportInput& input) {
   const Counts c = count(input);
-  std::string detail = input.unplanned ? fmt::format("{} closings measured, none was planned", c.done)
-                                       : fmt::format("{} of {} planned closings measured", c.done, c.planned);
+  std::string detail = input.unplanned
+                           ? fmt::format("{} measured, none was planned", counted(c.done, "closing"))
+                           : fmt::format("{} of {} measured", c.done, counted(c.planned, "planned closing"));
   const auto add = [&](std::size_t n, std::string_view what) {
     if (n > 0) detail += fmt::format(", {} {}", n, what);
   };

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <map>
 
+#include "core/counted.h"
 #include "core/units.h"
 #include "host/export/xml_text.h"
 #include "host/report/plot.h"
@@ -76,7 +77,7 @@ std::string sweep_svg(const sim::Design& design, const std::vector<std::vector<d
     panels.push_back(p.finish());
     top += 200;
   }
-  return file_of(480, fmt::format("{} closings over {}", rows.size(), variable), panels);
+  return file_of(480, fmt::format("{} over {}", counted(rows.size(), "closing"), variable), panels);
 }
 
 std::string sensitivity_svg(std::span<const sim::Sensitivity> rows, const sim::MetricInfo& metric) {

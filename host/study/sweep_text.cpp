@@ -6,6 +6,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "core/counted.h"
 #include "core/units.h"
 #include "sim/study/modes.h"
 
@@ -61,7 +62,7 @@ std::vector<double> metric_values(const sim::ClosingMetrics& metrics) {
 std::string sweep_text(const std::vector<std::vector<double>>& rows) {
   double closed = 0;
   for (const auto& row : rows) closed += row[0];
-  std::string out = fmt::format("{} closings, {:.0f} closed ({:.2f} %)\n\n", rows.size(), closed,
+  std::string out = fmt::format("{}, {:.0f} closed ({:.2f} %)\n\n", counted(rows.size(), "closing"), closed,
                                 100 * closed / static_cast<double>(rows.size()));
   out += fmt::format("{:<15} {:<5} {:>9} {:>9} {:>9} {:>9} {:>9}  {}\n", "metric", "", "least", "5 %",
                      "median", "95 %", "largest", "modes: share at mean +- deviation");

@@ -100,6 +100,25 @@ TEST_CASE("HTTP: requests, tokens and the header fields of a reply", "[serve]") 
   CHECK(reply["Content-Security-Policy"].find("unsafe-eval") == beast::string_view::npos);
 }
 
+TEST_CASE("HTTP: HEAD is GET without its body, and the connection goes on", "[serve]") {
+  Server s;
+  const std::string body = s.ask("GET", "/a?token=t1").body();
+  CHECK(body == "GET /a 0 t1");
+  beast::tcp_stream stream(s.connect());
+  for (int k = 0; k < 2; ++k) {
+    http::request<http::empty_body> r(http::verb::head, "/a?token=t1", 11);
+    r.set(http::field::host, "x");
+    http::write(stream, r);
+    beast::flat_buffer buffer;
+    http::response_parser<http::string_body> reply;
+    reply.skip(true);
+    http::read(stream, buffer, reply);
+    CHECK(reply.get().result_int() == 200);
+    CHECK(reply.get()["Content-Length"] == std::to_string(body.size()));
+    CHECK(buffer.size() == 0);
+  }
+}
+
 TEST_CASE("HTTP: a body that is too large is refused, in one piece and in many", "[serve]") {
   Server s;
   CHECK(s.ask("POST", "/a", std::string(HttpServer::largest_body, 'x')).result_int() == 200);

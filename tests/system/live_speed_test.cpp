@@ -14,6 +14,17 @@ TEST_CASE("live bench: from the click to the picture in a browser", "[.slow]") {
   Browser browser(folder);
   Tab tab = browser.open(bench.url);
   tab.size(1200, 1000);
+  std::vector<double> usable;
+  for (int k = 0; k < 5; ++k) {
+    tab.go(bench.url);
+    usable.push_back(
+        tab.value("new Promise(done=>{const look=()=>document.getElementById('fire').disabled===false?"
+                  "done(performance.now()):requestAnimationFrame(look);look()})")
+            .get<double>());
+  }
+  std::sort(usable.begin(), usable.end());
+  WARN("from asking for the page until a closing can be fired, 5 times: median " << usable[2] << " ms, worst "
+                                                                                 << usable[4] << " ms");
   std::vector<double> ms;
   for (int shot = 1; shot <= 31; ++shot) {
     tab.until("document.getElementById('fire').disabled === false");
