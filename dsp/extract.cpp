@@ -37,7 +37,7 @@ ContactTrain film_train(const Record& record, Channel c, const ExtractOptions& o
 
 }  // namespace
 
-Events extract_events(const Record& record, const ExtractOptions& o) {
+Events extract_events(const Record& record, const ExtractOptions& o, const RunBoth& both) {
   check(o);
   Events e;
   e.method = "wide-band force, ring and pulse fit";
@@ -46,8 +46,8 @@ Events extract_events(const Record& record, const ExtractOptions& o) {
   const std::optional<double> hertz = supply ? std::optional(supply->hertz) : std::nullopt;
   e.coil = coil_events(record, supply, o);
   e.core = core_events(record, o);
-  e.pvdf_a = film_train(record, Channel::pvdf_a, o, hertz, e.core.seat);
-  e.pvdf_b = film_train(record, Channel::pvdf_b, o, hertz, e.core.seat);
+  both([&] { e.pvdf_a = film_train(record, Channel::pvdf_a, o, hertz, e.core.seat); },
+       [&] { e.pvdf_b = film_train(record, Channel::pvdf_b, o, hertz, e.core.seat); });
   e.contact_voltage = contact_voltage_train(record, o);
 
   cross_check(e.contact_voltage, e.pvdf_a, e.pvdf_b, closing_end(record));
