@@ -1,6 +1,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <memory>
+#include <mutex>
 #include <nlohmann/json.hpp>
 #include <set>
 #include <thread>
@@ -196,11 +198,41 @@ std::int64_t plain_campaign(Store& store, const Scene& scene) {
                   : store.create_campaign(only_simulated(campaign_info(scene, "", "simulation only")));
 }
 
-RecordMaker maker_of(const sim::SceneChoice& choice, const std::string& name) {
-  return [choice, name](const sim::Specimen& s, const Conditions& c, const rigs::SimRigConfig& rig) {
+/// How much of the closings lay outside of what their fields were made from. Filled by many threads.
+class BeyondFields {
+ public:
+  void add(const sim::Trajectory& t) {
+    const std::scoped_lock lock(mutex_);
+    states_ += t.field_states, beyond_ += t.field_beyond;
+    ++runs_, touched_ += t.field_beyond > 0 ? 1 : 0;
+  }
+  double share() const {
+    return states_ > 0 ? static_cast<double>(beyond_) / static_cast<double>(states_) : 0;
+  }
+  std::string text() const {
+    return fmt::format(
+        "fields: {:.2g} % of the states of the magnet, in {} of {}, lie outside of what the fields were made "
+        "from "
+        "(largest gap or flux); there they are continued by the saturation law: take their times with care, "
+        "or make "
+        "the table larger\n",
+        100 * share(), touched_, counted(runs_, "run"));
+  }
+
+ private:
+  std::mutex mutex_;
+  std::int64_t states_ = 0, beyond_ = 0;
+  std::size_t runs_ = 0, touched_ = 0;
+};
+
+RecordMaker maker_of(const sim::SceneChoice& choice, const std::string& name,
+                     const std::shared_ptr<BeyondFields>& beyond) {
+  return [choice, name, beyond](const sim::Specimen& s, const Conditions& c, const rigs::SimRigConfig& rig) {
     const auto run = [&](const sim::Specimen& specimen, const Conditions& conditions, double duration,
                          double dt) {
-      return choice.rung.run({specimen, conditions, rig.supply}, duration, choice.setting, dt);
+      sim::Trajectory t = choice.rung.run({specimen, conditions, rig.supply}, duration, choice.setting, dt);
+      beyond->add(t);
+      return t;
     };
     return rigs::simulate_record_with(run, name, s, c, rig);
   };
@@ -250,6 +282,7 @@ Exit simulate_plan(const SimArgs& args) {
   std::optional<sim::SceneChoice> choice;
   RecordMaker maker = rigs::simulate_record;
   std::string identity;
+  const auto beyond = std::make_shared<BeyondFields>();
   if (wish.any()) {
     FieldCache cache;
     cache.folder = args.cache;
@@ -258,7 +291,7 @@ Exit simulate_plan(const SimArgs& args) {
     print_choice(*choice, wish, scene.specimen);
     identity =
         fmt::format("simulation by {}, {} {:g}", choice->rung.name(), choice->rung.setting, choice->setting);
-    maker = maker_of(*choice, identity);
+    maker = maker_of(*choice, identity, beyond);
   }
   const sim::Rung rung = choice ? choice->rung : sim::closing_rungs().front();
   const sim::BounceStudyOptions believed;
@@ -274,6 +307,7 @@ Exit simulate_plan(const SimArgs& args) {
   if (args.json) {
     Json j{{"campaign", campaign}, {"simulated", n}};
     if (choice) j["models"] = choice_json(*choice, wish.accuracy);
+    j["states_beyond_fields"] = beyond->share();
     j["bounces"] = Json::parse(bounce_json(bounces));
     fmt::print("{}\n", j.dump(2));
   }
@@ -284,6 +318,7 @@ Exit simulate_plan(const SimArgs& args) {
                         "cells, no tolerance; circuit+rigid is\n",
                         rung.name())
           : "nominal conditions of the plan, model alone; break A:\n" + bounce_text(bounces, believed));
+  if (beyond->share() > 0) fmt::print(stderr, "{}", beyond->text());
   fmt::print(stderr, "campaign {}: {} simulated\n", campaign, counted(n, "closing"));
   if (StopOnSignal::asked()) return Exit::interrupted;
   if (!choice || !wish.accuracy || choice->reached() == sim::Reached::met) return Exit::pass;

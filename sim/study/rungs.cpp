@@ -60,6 +60,27 @@ class CorrectedPotential final : public MagneticPotential {
   Part base_, plus_, minus_;
 };
 
+/// Counts the states that its potential had to extrapolate. For one run.
+class CountingPotential final : public MagneticPotential {
+ public:
+  explicit CountingPotential(std::shared_ptr<const MagneticPotential> inner) : inner_(std::move(inner)) {}
+
+  bool has_ring() const override { return inner_->has_ring(); }
+  MagneticResponse at(const MagneticState& s) const override {
+    const MagneticResponse r = inner_->at(s);
+    ++states_, beyond_ += r.beyond ? 1 : 0;
+    return r;
+  }
+  Trajectory told(Trajectory t) const {
+    t.field_states = states_, t.field_beyond = beyond_;
+    return t;
+  }
+
+ private:
+  std::shared_ptr<const MagneticPotential> inner_;
+  mutable std::int64_t states_ = 0, beyond_ = 0;
+};
+
 void refuse_unknown(std::string_view mechanics, const Case& c) {
   if (const std::string what = unknown_to(mechanics, c); !what.empty()) throw std::invalid_argument(what);
 }
@@ -135,7 +156,8 @@ Trajectory run_modal(const FieldRung& field, KnownParts& parts, const Case& c, d
   o.duration = duration;
   o.sample = sample_dt;
   o.pressed_gap = field.pressed_gap;
-  return modal_closing(c.specimen, c.conditions, *field.potential(c), parts.of(c.specimen), o);
+  const CountingPotential potential(field.potential(c));
+  return potential.told(modal_closing(c.specimen, c.conditions, potential, parts.of(c.specimen), o));
 }
 
 Trajectory run_explicit(const FieldRung& field, const Case& c, double duration, double cell_mm,
@@ -145,7 +167,9 @@ Trajectory run_explicit(const FieldRung& field, const Case& c, double duration, 
   o.cell = cell_mm * 1e-3;
   o.end = std::min(duration, explicit_duration);
   o.pressed_gap = field.pressed_gap;
-  return trajectory(solid_closing(c.specimen, c.conditions, *field.potential(c), o), c, duration, sample_dt);
+  const CountingPotential potential(field.potential(c));
+  return potential.told(
+      trajectory(solid_closing(c.specimen, c.conditions, potential, o), c, duration, sample_dt));
 }
 
 }  // namespace
@@ -211,8 +235,9 @@ Rung scene_rung(const FieldRung& field, std::string_view mechanics) {
     if (field.name == "circuit") return closing_rungs()[1];
     const auto with = [field](bool ledger) {
       return [field, ledger](const Case& c, double duration, double tolerance, double sample_dt) {
-        return simulate_rigid_with(*field.potential(c), c.specimen, c.conditions, duration, sample_dt,
-                                   tolerance, ledger, c.bench);
+        const CountingPotential potential(field.potential(c));
+        return potential.told(simulate_rigid_with(potential, c.specimen, c.conditions, duration, sample_dt,
+                                                  tolerance, ledger, c.bench));
       };
     };
     Rung r{field.name, "rigid", field.meaning + ", rigid parts", nullptr};

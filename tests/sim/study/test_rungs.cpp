@@ -46,6 +46,38 @@ TEST_CASE("a weak source is seen by every rung that knows it", "[rungs]") {
         Approx(late).margin(2e-6));
 }
 
+TEST_CASE("a closing tells how much of it lay outside of what its fields were made from", "[rungs]") {
+  /// The circuit, known for gaps up to `end` only.
+  struct Short final : MagneticPotential {
+    Short(std::shared_ptr<const MagneticPotential> of, double to) : whole(std::move(of)), end(to) {}
+    bool has_ring() const override { return whole->has_ring(); }
+    MagneticResponse at(const MagneticState& s) const override {
+      MagneticResponse r = whole->at(s);
+      r.beyond = s.gap > end;
+      return r;
+    }
+    std::shared_ptr<const MagneticPotential> whole;
+    double end;
+  };
+  const Case c;
+  const auto whole = circuit_field().potential(c);
+  const auto run = [&](double share, const char* mechanics) {
+    const auto fields =
+        pure_field("table", "a table", std::make_shared<Short>(whole, share * c.specimen.core.travel));
+    const Rung rung = scene_rung(fields, mechanics);
+    return rung.run(c, 0.02, rung.settings.empty() ? 1e-6 : rung.settings.front(), 0);
+  };
+  for (const char* mechanics : {"rigid", "modal"}) {
+    CAPTURE(mechanics);
+    const Trajectory all = run(1.5, mechanics), half = run(0.5, mechanics), none = run(-1, mechanics);
+    CHECK(all.field_states > 100);
+    CHECK(all.field_beyond == 0);
+    CHECK((half.field_beyond > 0 && half.field_beyond < half.field_states));
+    CHECK(none.field_beyond == none.field_states);
+    CHECK(half.truth.touch == all.truth.touch);  // told, not changed
+  }
+}
+
 TEST_CASE("a rung refuses what it does not model", "[rungs]") {
   const auto words = [](const char* mechanics, const Case& c) {
     const Rung rung = scene_rung(circuit_field(), mechanics);
