@@ -5,6 +5,7 @@
 #include <charconv>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <set>
 #include <vector>
 
 #include "core/version.h"
@@ -109,6 +110,17 @@ std::optional<std::int64_t> fits(std::string_view path, std::string_view pattern
   return id;
 }
 
+/// Refuses an object that names a key twice: which of the two values was meant is not known.
+Json::parser_callback_t one_value_a_key() {
+  return [open = std::vector<std::set<std::string>>()](int, Json::parse_event_t event, Json& parsed) mutable {
+    if (event == Json::parse_event_t::object_start) open.emplace_back();
+    if (event == Json::parse_event_t::object_end) open.pop_back();
+    if (event == Json::parse_event_t::key && !open.back().insert(parsed.get<std::string>()).second)
+      throw Problem{400, fmt::format("key '{}' stands there twice", parsed.get<std::string>().substr(0, 40))};
+    return true;
+  };
+}
+
 Reply act(const Route& route, const Call& call, Body& body, const Access& access) {
   const Request& r = call.request;
   if (route.right > access.right(r))
@@ -118,7 +130,7 @@ Reply act(const Route& route, const Call& call, Body& body, const Access& access
   if (*route.body != '\0') {
     if (!r.content_type.starts_with("application/json"))
       throw Problem{415, "the body is JSON: Content-Type: application/json"};
-    body.json = Json::parse(r.body, nullptr, false);
+    body.json = Json::parse(r.body, one_value_a_key(), false);
     if (!body.json.is_object())
       throw Problem{400, fmt::format("the body is no JSON object; such as {}", route.body)};
     // a word that is not understood may be what the closing was to be like

@@ -77,6 +77,7 @@ void Bench::Impl::work() {
     }
     if (!how.empty()) say(how);
     lock.lock();
+    if (!job->single) ended = Ended{job->scene.plan.name, job->campaign, job->done, job->shots.size()};
     job.reset();
     paused = end_asked = false;
     lock.unlock();
@@ -152,7 +153,9 @@ void Bench::Impl::doing(const char* what) {
 
 void Bench::Impl::between() {
   std::unique_lock lock(mutex);
+  const Clock::time_point from = Clock::now();
   wake.wait(lock, [this] { return !paused || stopped(); });
+  if (job) job->begun += Clock::now() - from;  // what is left is told from the time that firing took
 }
 
 void Bench::Impl::stored(std::int64_t shot) {
@@ -259,6 +262,7 @@ void Bench::Impl::begin(Job next) {
     }
     end_asked = paused = false;
     last_stop.reset();
+    ended.reset();
     job = std::move(next);
   }
   wake.notify_all();

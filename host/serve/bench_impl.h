@@ -69,7 +69,13 @@ struct Bench::Impl final : RunWatcher {
   std::condition_variable wake;
   Scene scene;
   rigs::RigInfo info;  ///< when the bench was started
+  struct Ended {
+    std::string name;
+    std::int64_t campaign = 0;
+    std::size_t done = 0, shots = 0;
+  };
   std::optional<Job> job;
+  std::optional<Ended> ended;  ///< the plan that ended last, until something else begins
   bool paused = false, ending = false;
   std::int64_t single_campaign = 0, newest_campaign = 0, newest_shot = 0;
   int singles = 0;  ///< single closings of this plan, so far

@@ -100,6 +100,7 @@ std::string Bench::Impl::state() const {
                 {"hold_time_ms", 1e3 * scene.plan.hold_time},
                 {"shots", scene.shots.size()}}},
               {"job", nullptr},
+              {"ended", nullptr},
               {"newest_shot", newest_shot ? Json(newest_shot) : Json(nullptr)},
               {"newest_campaign", newest_campaign ? Json(newest_campaign) : Json(nullptr)},
               {"stop", nullptr},
@@ -127,6 +128,9 @@ std::string Bench::Impl::state() const {
                            {"touch_s", job->aim->touch_time},
                            {"gain", job->aim->gain}};
   }
+  if (ended)
+    out["ended"] = {
+        {"name", ended->name}, {"campaign", ended->campaign}, {"done", ended->done}, {"shots", ended->shots}};
   if (last_stop) out["stop"] = {{"off", last_stop->off}, {"text", last_stop->text}, {"ms", last_stop->ms}};
   return out.dump(-1, ' ', false, Json::error_handler_t::replace);
 }

@@ -76,6 +76,8 @@ Reply get_comparison(const Call& c) {
       throw Problem{
           400,
           fmt::format("'{}' is missing: a campaign's number, as in /api/compare?first=1&second=2", which)};
+  if (number_of_query(c, "first") == number_of_query(c, "second"))
+    throw Problem{400, "'first' and 'second' are the same campaign: there is nothing to compare"};
   const Store store = reader(c);
   return json_reply(pair_document(store, campaign_of(store, number_of_query(c, "first")),
                                   campaign_of(store, number_of_query(c, "second"))));

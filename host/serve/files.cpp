@@ -12,7 +12,11 @@ namespace powbench::host {
 
 std::string written_file(const std::string& kind, const std::vector<KeyLine>& values,
                          const std::vector<KeyLine>& defaults) {
-  std::string out = "# powbench " + kind + " file; a key that is left out has its default\n", section;
+  std::string needed, section;
+  for (const KeyLine& k : values)
+    if (k.required) needed += (needed.empty() ? "" : ", ") + k.key;
+  std::string out = "# powbench " + kind + " file; a key that is left out has its default" +
+                    (needed.empty() ? "" : "; needed: " + needed) + "\n";
   for (std::size_t i = 0; i < values.size(); ++i) {
     const KeyLine& k = values[i];
     if (k.value.empty() || (!k.required && i < defaults.size() && k.value == defaults[i].value)) continue;

@@ -177,13 +177,15 @@ TEST_CASE("live bench: two campaigns compared, only newer shots, what to take al
   for (const auto& [wrong, why] :
        {std::pair{"", "'first' is missing: a campaign's number, as in /api/compare?first=1&second=2"},
         {"first=1", "'second' is missing"},
+        {"first=1&second=1", "'first' and 'second' are the same campaign: there is nothing to compare"},
         {"first=a", "'first=a' in the address: a whole number is wanted, as in first=1"},
         {"first=1&second=x", "'second=x' in the address: a whole number is wanted"}}) {
     CHECK(query("/api/compare", wrong).status == 400);
     CHECK_THAT(query("/api/compare", wrong).body, Contains(why));
   }
   // a simulated value has the u of its inputs, not of the reading of its curve; a measured one beside it says whether they agree
-  const json shots = s.get("/api/campaigns/1/shots");  // a range of a temporary would not outlive its first line
+  const json shots =
+      s.get("/api/campaigns/1/shots");  // a range of a temporary would not outlive its first line
   for (const json& shot : shots.at("shots")) {
     const json touch = shot.at("quantities").at("t_ct1");
     const host::Store store(s.folder.file("lab.db"), host::Store::Mode::read_only);
@@ -330,6 +332,8 @@ TEST_CASE("live bench: bad input is one sentence and changes nothing", "[serve]"
       {"POST", "/api/fire", R"({"angle_deg": 360.1})", 400, "outside 0 to 360"},
       {"POST", "/api/fire", R"({"angle_deg": 90, "supply_volts": 50})", 400,
        "unknown key 'supply_volts'; known: touch_deg, angle_deg"},
+      {"POST", "/api/fire", R"({"angle_deg": 90, "angle_deg": 45})", 400,
+       "key 'angle_deg' stands there twice"},
       {"POST", "/api/plan/run", R"({"text": "angles_deg = [0]\nrepeats = 1", "dry": true})", 400,
        "unknown key 'dry'"},
       {"POST", "/api/fire", R"({"angle_deg": -0.01})", 400, "outside"},

@@ -72,6 +72,67 @@ TEST_CASE("live page: an unfinished plan is gone on with from the list of campai
   CHECK(tab.errors() == std::vector<std::string>());
 }
 
+TEST_CASE("live page: what comes while another page is looked at has its size and its place", "[.slow]") {
+  const Folder folder;
+  LiveBench bench(folder);
+  Browser browser(folder);
+  Tab tab = browser.open(bench.url + "#documents");
+  tab.size(1200, 1000);
+  tab.until("!document.getElementById('fire').disabled");
+  const auto fire = [&](int shot) {
+    tab.value("document.getElementById('fire-form').requestSubmit()");
+    tab.until("fetch('/api/bench').then(r=>r.json()).then(b=>b.newest_shot>=" + std::to_string(shot) +
+              "&&b.job===null)");
+  };
+  const auto widths = [&](const std::string& of) {
+    return tab.value("Math.min(...[...document.querySelectorAll('" + of +
+                     " canvas')].map(c=>c.clientWidth))");
+  };
+  const std::string drawn =
+      "document.querySelectorAll('#panels .closer-panel canvas').length > 0 && "
+      "document.querySelectorAll('#trend canvas').length > 0";
+  fire(1);
+  press(tab, "tab-test");
+  tab.until(drawn);
+  CHECK(widths("#panels") > 800);
+  CHECK(widths("#trend") > 800);
+  press(tab, "tab-documents");
+  tab.size(1000, 900);
+  fire(2);
+  press(tab, "tab-test");
+  tab.until("document.getElementById('shot-title').textContent.startsWith('Shot ') && " + drawn);
+  CHECK(widths("#panels") > 700);
+  CHECK(widths("#panels") < 1000);
+  CHECK(widths("#trend") > 700);
+  CHECK(widths("#trend") < 1000);
+  // a plan that was ended says so where it ran, and the list of shots that stands open grows
+  press(tab, "tab-parameters");
+  tab.until("document.getElementById('text').value.length > 10");
+  tab.value(
+      "(()=>{const t=document.getElementById('text');t.value='name = \"half\"\\nangles_deg = [0, 90]\\n"
+      "repeats = 3\\npause_s = 0.3\\n';t.dispatchEvent(new Event('input'))})()");
+  tab.until(says("6 shots in about"));
+  press(tab, "run");
+  tab.until("document.getElementById('end').hidden === false");
+  press(tab, "end");
+  tab.until("/^half: ended at [1-5] of 6/.test(document.getElementById('job').textContent)");
+  press(tab, "tab-documents");
+  const std::string half =
+      "[...document.querySelectorAll('#campaigns tr')].find(r=>/half/.test(r.textContent))";
+  tab.until(half);
+  tab.value(half + ".cells[0].querySelector('button').click()");
+  const std::string shots = "document.querySelectorAll('#shots tr').length";
+  tab.until(shots + " > 0 && " + shots + " < 6");
+  const std::string go_on =
+      "[...document.querySelectorAll('#campaigns button')].find(b=>b.textContent==='Go on')";
+  tab.until(go_on);
+  tab.value(go_on + ".click()");
+  tab.until("/^half: all 6 done/.test(document.getElementById('job').textContent)");
+  press(tab, "tab-documents");
+  tab.until(shots + " >= 6");
+  CHECK(tab.errors() == std::vector<std::string>());
+}
+
 TEST_CASE("live page: tables wider than a phone say so, and the scope's labels are whole", "[.slow]") {
   const Folder folder;
   LiveBench bench(folder);

@@ -2,6 +2,7 @@
 // Documents: campaigns and their shots, reports and exports, two campaigns compared, additions to the test record.
 import { $, anchor, button, call, cells, clear, field, known, list, measured, newRow, numberOf, rounded, scaled, sentences, unitOf } from './base.js';
 
+/** @typedef {import('./base.js').State} State */
 /** @typedef {import('./base.js').ListedShot} ListedShot */
 /** @typedef {import('./base.js').Measured} Measured */
 /** @typedef {{id: number, name: string, created: string, origin: string, rig: string, specimen: string, angles_deg: number[], shots: number,
@@ -14,7 +15,7 @@ const mostShots = 2000;
 let campaigns = [];
 /** @type {ListedShot[]} */
 let shots = [];
-let shownCampaign = 0;
+let shownCampaign = 0, visible = false;
 /** @type {(id: number) => void} */
 let look = () => {};
 /** @param {(id: number) => void} act */
@@ -132,6 +133,14 @@ $('compare').addEventListener('submit', async (e) => {
 
 /** @param {boolean} on */
 export function opened(on) {
-  if (on) load();
+  visible = on;
+  if (on) again();
 }
-export function show() {}
+/** @param {State} state @param {State|null} before */
+export function show(state, before) {
+  if (visible && before && before.job && !state.job) again();
+}
+function again() {
+  load();
+  if (shownCampaign) open(shownCampaign);
+}

@@ -95,10 +95,10 @@ $('end').addEventListener('click', () => attempt(() => call('POST', '/api/plan/e
 
 /** @param {State} s */
 function showJob(s) {
-  const { status, job } = s;
+  const { status, job, ended } = s;
   $('state').textContent = status ? status.state : 'no answer';
   $('state').className = 'state' + (status ? (status.live ? ' live' : '') : ' gone');
-  $('job').textContent = !s.link.answers ? s.link.error : !job ? '' : job.kind === 'single' ? job.doing :
+  $('job').textContent = !s.link.answers ? s.link.error : !job ? (ended ? ended.name + ': ' + (ended.done < ended.shots ? 'ended at ' + ended.done + ' of ' + ended.shots + '; Documents, Go on fires the rest' : 'all ' + ended.shots + ' done') : '') : job.kind === 'single' ? job.doing :
     job.name + ': ' + job.done + ' of ' + job.shots + ', ' + (job.ending ? 'last shot' : job.doing) +
     (known(job.seconds_left) ? ', ' + duration(job.seconds_left) + ' left' : '') +
     (job.outside_limits ? ', ' + job.outside_limits + ' OUTSIDE LIMITS' : '');

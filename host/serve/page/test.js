@@ -12,6 +12,8 @@ const panels = typeof Dygraph === 'undefined' ? null : closingPanels($('panels')
 let closing = null;
 /** @type {any} */
 let trend = null;
+// what arrives while another page is looked at is drawn when this one is opened: a hidden element has no size
+let visible = false, undrawn = false;
 let shown = 0, newest = 0, stale = false, whole = true, trendCampaign = 0, trendNewest = 0;
 /** @type {ListedShot[]} */
 let trendShots = [];
@@ -88,8 +90,10 @@ export async function showShot(id) {
   showQuantities(shot);
   closing = (await waveforms)[0] || null;
   whole = !shot.has_record || shot.quantities.some((q) => known(q.simulated));
-  if (panels && closing) panels.draw(closing, closing.bounce, field('stripped').checked);
-  else $('panels').textContent = shot.has_record ? 'This program was built without the charting library.' : 'This shot has no record.';
+  undrawn = !visible;
+  if (panels && closing) {
+    if (visible) panels.draw(closing, closing.bounce, field('stripped').checked);
+  } else $('panels').textContent = shot.has_record ? 'This program was built without the charting library.' : 'This shot has no record.';
   await showTrend(shot.campaign);
 }
 
@@ -103,6 +107,7 @@ async function showTrend(campaign) {
   drawTrend();
 }
 function drawTrend() {
+  if (!visible || !panels) return;
   const select = /** @type {HTMLSelectElement} */ ($('trend-of')), option = select.selectedOptions[0];
   const symbol = select.value, [unit, factor] = unitOf(option.dataset.unit || 's');
   const rows = trendShots.filter((s) => known(s.quantities[symbol].value)).map((s) => [s.id, [scaled(s.quantities[symbol].value, factor), scaled(s.quantities[symbol].u, 2 * factor) || 0]]);
@@ -120,8 +125,14 @@ function drawTrend() {
 $('trend-of').addEventListener('change', drawTrend);
 matchMedia('(prefers-color-scheme: dark)').addEventListener('change', drawTrend);
 
-/** @param {boolean} _ */
-export function opened(_) {}
+/** @param {boolean} on */
+export function opened(on) {
+  visible = on;
+  if (!on || !panels) return;
+  if (closing) panels.draw(closing, (!undrawn && panels.range()) || closing.bounce, field('stripped').checked);
+  undrawn = false;
+  drawTrend();
+}
 
 /** The newest shot, one at a time: what arrives while one is drawn is drawn next. @param {State} state @param {State|null} before */
 export function show(state, before) {
