@@ -53,6 +53,19 @@ double half_sine_energy_below(double hertz, double width) {
   return std::min(1.0, sum * h / 3 / (pi * pi / 16));
 }
 
+double half_sine_taken_db(const std::function<double(double)>& gain, double width) {
+  constexpr int pieces = 4000;
+  constexpr double end = 8;  // over the width
+  double all = 0, left = 0;
+  for (int i = 0; i < pieces; ++i) {
+    const double u = end * (i + 0.5) / pieces, density = half_sine_density(u), g = gain(u / width);
+    all += density;
+    left += density * std::min(g * g, 1.0);
+  }
+  const double beyond = all * (1 / half_sine_energy_below(end, 1.0) - 1);
+  return decibel((all - left + beyond) / (all + beyond));
+}
+
 BandOverlapError::BandOverlapError(const BandReport& r) : std::runtime_error(sentence(r)) {}
 
 BandReport find_bands(const Coherence& c, const BandQuestion& q) {

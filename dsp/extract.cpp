@@ -9,8 +9,10 @@
 #include "dsp/contact_voltage.h"
 #include "dsp/core_seat.h"
 #include "dsp/doubt.h"
+#include "dsp/event_filter.h"
 #include "dsp/force.h"
 #include "dsp/pole.h"
+#include "dsp/requested.h"
 
 namespace powbench::dsp {
 
@@ -32,15 +34,18 @@ ContactTrain film_train(const Record& record, Channel c, const ExtractOptions& o
     none.reason = record.find(c) ? "the channel stays at one value" : "no such channel";
     return none;
   }
-  return analyse_force(f, closing_end(record, f.signal), seat, o).train;
+  ContactTrain train = analyse_force(f, closing_end(record, f.signal), seat, o).train;
+  if (o.filter.judged) admit_filter(train, effect_of(o.filter, f.signal.rate()));
+  return train;
 }
 
 }  // namespace
 
 Events extract_events(const Record& record, const ExtractOptions& o, const RunBoth& both) {
   check(o);
+  if (o.filter.wanted() && !o.filter.judged) return extract_on_request(record, o).events;
   Events e;
-  e.method = "wide-band force, ring and pulse fit";
+  e.method = (o.filter.judged ? name_of(o.filter) : std::string("wide-band")) + " force, ring and pulse fit";
   e.parameters_hash = parameters_hash(o);
   const auto supply = supply_fit(record, o);
   const std::optional<double> hertz = supply ? std::optional(supply->hertz) : std::nullopt;

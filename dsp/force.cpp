@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/events.h"
+#include "dsp/event_filter.h"
 #include "dsp/mains.h"
 #include "dsp/statistics.h"
 #include "dsp/zero_level.h"
@@ -217,6 +218,7 @@ Force restore_force(const Record& record, Channel channel, const ExtractOptions&
   const double own = is_a ? o.crosstalk_a : o.crosstalk_b, others = is_a ? o.crosstalk_b : o.crosstalk_a;
   if (own != 0 && f.present)
     unmix(f, restore_alone(record, is_a ? Channel::pvdf_b : Channel::pvdf_a, o, mains_hertz), own, others);
+  if (f.present && o.filter.judged) apply_filter(f.signal, o.filter);
   return f;
 }
 

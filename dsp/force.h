@@ -33,7 +33,7 @@ double closing_end(const Record&, const Signal&);
 void unmix(Force& force, const Force& other, double own_share, double other_share);
 
 /// From counts to force: offset and hum (fitted on the time before anything touches, refused with less than
-/// `min_hum_periods`), droop, sign, then the other film's share. A record without pre-trigger takes its first 0.5 ms (at most
+/// `min_hum_periods`), droop, sign, then the other film's share; last the filter of the options, where it was judged. A record without pre-trigger takes its first 0.5 ms (at most
 /// a fiftieth) for zero and carries flag_no_hum_fit.
 /// `mains_hertz`: fitted on the mains channel, or nothing (then it is fitted on the hum itself when that
 /// stands out).

@@ -36,6 +36,14 @@ std::string to_text(const ExtractOptions& o) {
 #define POWBENCH_X(type, name, value, meaning) text += std::string(#name "=") + value_text(o.name) + "\n";
   POWBENCH_EXTRACT_OPTIONS(POWBENCH_X)
 #undef POWBENCH_X
+  const EventFilter& f = o.filter;
+  if (f.wanted()) {
+    constexpr const char* kinds[] = {"none", "plain", "lowpass", "bandstop"};
+    text += std::string("filter=") + kinds[static_cast<int>(f.kind)] + "\n";
+    text += "filter_low_hertz=" + value_text(f.low_hertz) +
+            "\nfilter_high_hertz=" + value_text(f.high_hertz) + "\n";
+    text += std::string("filter_phase=") + (f.phase == FilterPhase::zero ? "zero" : "causal") + "\n";
+  }
   return text;
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <string>
 
 /// Every parameter of the extraction, with its default. Printed with the results and hashed into them.
@@ -45,14 +46,35 @@ namespace powbench::dsp {
   X(double, core_band_low_hertz, 1e3, "Hz: lower edge of the displayed core-vibration band")                \
   X(double, core_band_high_hertz, 10e3, "Hz: upper edge of the displayed core-vibration band")
 
+enum class FilterPhase : std::uint8_t { zero, causal };
+
+/// A filter that somebody wants on the force channels before events are looked for; none unless requested.
+struct EventFilter {
+  enum class Kind : std::uint8_t {
+    none,
+    plain,  ///< low-pass at the end of the contact band, where the core's vibration leaves room for one (dsp/bands.h)
+    low,   ///< low-pass at `high_hertz`
+    stop,  ///< band-stop between `low_hertz` and `high_hertz`
+  };
+  Kind kind = Kind::none;
+  double low_hertz = 0,
+         high_hertz = 0;  ///< Hz, -3 dB; of `plain` the end of its pass band, found by extract_on_request
+  FilterPhase phase = FilterPhase::zero;
+  bool judged =
+      false;  ///< set by extract_on_request when the filter leaves the contacts in; only then it is applied
+
+  bool wanted() const { return kind != Kind::none; }
+};
+
 struct ExtractOptions {
 #define POWBENCH_X(type, name, value, meaning) type name = value;
   POWBENCH_EXTRACT_OPTIONS(POWBENCH_X)
 #undef POWBENCH_X
+  EventFilter filter;
 };
 
-/// Canonical text: one `name=value` a line in table order, doubles with 17 digits. Equal options give equal
-/// text.
+/// Canonical text: one `name=value` a line in table order, doubles with 17 digits; behind it the filter, where one is wanted.
+/// Equal options give equal text.
 std::string to_text(const ExtractOptions&);
 
 /// FNV-1a (64 bit) of to_text, 16 hexadecimal digits.

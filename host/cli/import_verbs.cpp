@@ -13,6 +13,7 @@
 #include "host/config/bad_input.h"
 #include "host/export/events_json.h"
 #include "host/export/write_file.h"
+#include "host/gather/event_filter.h"
 #include "host/gather/scene.h"
 #include "host/gather/vibration.h"
 #include "host/import/foreign_table.h"
@@ -32,12 +33,10 @@ Imported read(const std::string& file, const std::string& calibration) {
                      calibration.empty() ? std::nullopt : std::optional<std::filesystem::path>(calibration));
 }
 
-/// Events; where no closing angle was commanded, the one reached is taken for it, and without either there is none.
-Events extract_imported(Imported& in, const RunOptions& options) {
-  Events e = extract_checked(in.record, options);
+/// Where no closing angle was commanded, the one reached is taken for it, and without either there is none.
+void take_angle(Imported& in, const Events& e) {
   if (!in.angle_commanded && e.coil.closing_angle.known())
     in.record.conditions.closing_angle = wrap_turn(e.coil.closing_angle.value);
-  return e;
 }
 
 /// Why the record shows no closing angle; "" when it does.
@@ -140,7 +139,8 @@ Exit import_waveform_file(const ImportArgs& args) {
   const Scene scene = imported_scene(in);
   RunOptions options = run_options(scene.plan);
   options.angle_tolerance = 0;  // nobody set one
-  const Events events = extract_imported(in, options);
+  const Events events = extract_checked(in.record, options);
+  take_angle(in, events);
   const std::string no_angle = no_angle_reason(in, events);
   Record& record = in.record;
   record.conditions.seed = identity(record);
@@ -181,20 +181,24 @@ Exit show_file_events(const EventsArgs& args) {
   Imported in = read(args.shot, args.calibration);
   const LabRule rule{args.force_percent, args.voltage_percent, args.min_opening_us};
   set_rule(in.options, rule);
+  set_filter_options(in.options, args);
   RunOptions run = run_options(Plan{});
   run.extract = in.options;
-  Events events = extract_imported(in, run);
-  apply_rule(events, in.record, in.options, rule);
+  FilteredEvents found = extract_filtered(in.record, run, false);
+  Events& events = found.events;
+  take_angle(in, events);
+  apply_rule(events, in.record, found.used, rule);
   for (const std::string& note : in.notes) fmt::print(stderr, "{}: {}\n", args.shot, note);
   if (args.json) {
     auto out = nlohmann::ordered_json::parse(to_events_json(events, in.record, 2, in.options));
-    out["bands"] = nlohmann::ordered_json::parse(bands_json(in.record, events, in.options));
+    out["bands"] = nlohmann::ordered_json::parse(bands_json(in.record, events, found.bare));
+    if (found.filter) out["filter"] = nlohmann::ordered_json::parse(filter_json(*found.filter));
     fmt::print("{}\n", out.dump(2));
     return Exit::pass;
   }
   fmt::print("{}, method {}\n", args.shot, events.method);
   print_events(events);
-  for (const std::string& line : band_lines(in.record, events, in.options)) fmt::print("  {}\n", line);
+  print_bands(in.record, found);
   return Exit::pass;
 }
 

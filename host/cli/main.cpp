@@ -169,6 +169,23 @@ void add_result_verbs(CLI::App& app) {
       ->check(CLI::Range(1.0, 99.0));
   show->add_option("--min-opening-us", events->min_opening_us, "lab rule: shorter openings count as closed")
       ->check(CLI::Range(0.0, 1e5));
+  show->add_option(
+      "--filter", events->filter,
+      "of the force before events are looked for: none, plain (low-pass where the vibration leaves "
+      "room for one), lowpass:2kHz or bandstop:3.1kHz..3.6kHz");
+  show->add_option(
+      "--phase", events->phase,
+      "of the filter: zero (forward and backward) or causal (its delay is taken out of the times)");
+  show->add_option("--band", events->band,
+                   "where core vibration is looked for and modelled, such as 800Hz..18kHz (the default)");
+  show->footer(
+      "Without --filter the vibration is taken out by a model fitted to the record, and no filter is "
+      "applied. A "
+      "filter moves "
+      "edges: what it adds to u, what it leaves of the vibration and what it takes from the shortest contact "
+      "are printed "
+      "with the events. One that takes more than -20 dB (a hundredth) of that contact's energy is refused.\n"
+      "  powbench events 7 --filter bandstop:14kHz..16kHz --phase causal");
   add_result_options(show, *events);
   auto comparison = std::make_shared<CompareArgs>();
   CLI::App* compared = verb(app, "compare", "Measured beside simulated beside published; or two campaigns",

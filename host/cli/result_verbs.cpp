@@ -10,8 +10,10 @@
 #include "dsp/extract.h"
 #include "host/cli/show.h"
 #include "host/cli/verbs.h"
+#include "host/config/filter_text.h"
 #include "host/export/events_json.h"
 #include "host/export/write_file.h"
+#include "host/gather/event_filter.h"
 #include "host/gather/gather.h"
 #include "host/gather/pdf.h"
 #include "host/gather/scene.h"
@@ -207,6 +209,17 @@ void print_events(const Events& events) {
                micro(2 * p.longest_disagreement.u));
 }
 
+void set_filter_options(dsp::ExtractOptions& o, const EventsArgs& args) {
+  const FilterMistake m = set_filter(o, {args.filter, args.phase, args.band});
+  if (!m.key.empty()) throw BadInput({fmt::format("--{}: {}; allowed {}", m.key, m.what, m.allowed)});
+}
+
+void print_bands(const Record& record, const FilteredEvents& found) {
+  if (found.filter)
+    for (const std::string& line : filter_lines(*found.filter)) fmt::print("  {}\n", line);
+  for (const std::string& line : band_lines(record, found.events, found.bare)) fmt::print("  {}\n", line);
+}
+
 Exit show_events(const EventsArgs& args) {
   std::int64_t id = 0;
   const char* const end = args.shot.data() + args.shot.size();
@@ -218,16 +231,19 @@ Exit show_events(const EventsArgs& args) {
   RunOptions options = stored_options(campaign, stored_plan(campaign));
   const LabRule rule{args.force_percent, args.voltage_percent, args.min_opening_us};
   set_rule(options.extract, rule);
+  set_filter_options(options.extract, args);
   Record record = store.load_record(id);
   record.conditions = shot.conditions;
-  Events events = extract_checked(record, options);
-  apply_rule(events, record, options.extract, rule);
+  FilteredEvents found = extract_filtered(record, options, args.filter.empty());
+  Events& events = found.events;
+  apply_rule(events, record, found.used, rule);
   if (args.json) {
     Json out = Json::parse(to_json(events, 2));
     // What a file's result has under these keys stands here too; `core` alone differs, as the store has it.
     Json agreed = Json::parse(to_events_json(events, record, 2, options.extract));
     for (const char* key : {"channels", "closing_angle_deg", "u_closing_angle_deg"}) out[key] = agreed[key];
-    out["bands"] = Json::parse(bands_json(record, events, options.extract));
+    out["bands"] = Json::parse(bands_json(record, events, found.bare));
+    if (found.filter) out["filter"] = Json::parse(filter_json(*found.filter));
     fmt::print("{}\n", out.dump(2));
     return Exit::pass;
   }
@@ -236,7 +252,7 @@ Exit show_events(const EventsArgs& args) {
                                            : std::string("closing angle not known"),
              events.method);
   print_events(events);
-  for (const std::string& line : band_lines(record, events, options.extract)) fmt::print("  {}\n", line);
+  print_bands(record, found);
   return Exit::pass;
 }
 

@@ -1,10 +1,19 @@
 #pragma once
 
 #include "core/events.h"
+#include "dsp/options.h"
+#include "host/cli/verbs.h"
+#include "host/gather/event_filter.h"
 
 namespace powbench::host {
 
 /// Quantities and contact trains as a table for people, to stdout.
 void print_events(const Events&);
+
+/// Sets --filter, --phase and --band. Throws BadInput that names the option and what is allowed.
+void set_filter_options(dsp::ExtractOptions&, const EventsArgs&);
+
+/// What the filter does, where there is one, and what is known of the vibration, to stdout.
+void print_bands(const Record&, const FilteredEvents&);
 
 }  // namespace powbench::host

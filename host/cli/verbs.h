@@ -121,6 +121,8 @@ struct EventsArgs : ResultArgs {
   std::optional<double> force_percent;    ///< lab rule: closed above this share of the settled force
   std::optional<double> voltage_percent;  ///< of the open-circuit voltage: open above it
   std::optional<double> min_opening_us;   ///< shorter openings count as closed
+  std::string filter, phase,
+      band;  ///< of the force channels, see host/config/filter_text.h; "" = none wanted
 };
 Exit show_events(const EventsArgs&);
 Exit show_file_events(const EventsArgs&);

@@ -83,6 +83,14 @@ FileKind kind_of(Plan& p) {
   kind.text("fields", p.fields, "circuit, table, field2d, field3d, or auto: climb as far as it takes");
   kind.text("mechanics", p.mechanics, "plant, rigid, modal, explicit, or auto");
   kind.text("channels", p.channels, "that are simulated, such as \"contact_a laser\"; left out: all");
+  kind.section(
+      "events",
+      "how they are extracted; stored with the campaign, so that `powbench events` finds the same again");
+  kind.text("filter", p.events.filter,
+            "of the force: " + std::string(filter_forms) +
+                "; a shot whose contacts it would eat is taken without it");
+  kind.text("phase", p.events.phase, "of the filter: " + std::string(phase_forms) + "; left out: zero");
+  kind.text("band", p.events.band, "where core vibration is looked for, such as 800Hz..18kHz, the default");
   return kind;
 }
 
@@ -147,6 +155,9 @@ void check(FileReader& reader, Plan& p) {
   check_rung(reader, "fields", p.fields, sim::field_names);
   check_rung(reader, "mechanics", p.mechanics, sim::mechanics_names);
   check_channels(reader, p.channels);
+  dsp::ExtractOptions unused;
+  if (const FilterMistake m = set_filter(unused, p.events); !m.key.empty())
+    reader.fail("events", m.key, m.what, std::string(m.allowed));
   if (!p.test.recorded.empty() && !is_day(p.test.recorded))
     reader.fail("test", "recorded", "is no day", "a day as 2030-12-31");
   for (std::size_t i = 0; i < p.limits.size(); ++i) {

@@ -12,6 +12,7 @@
 #include "core/quantities.h"
 #include "core/units.h"
 #include "host/config/bad_input.h"
+#include "host/config/filter_text.h"
 #include "host/config/key_line.h"
 #include "host/config/test_record.h"
 #include "sim/specimen.h"
@@ -61,6 +62,8 @@ struct Plan {
                                std::numeric_limits<double>::quiet_NaN()};
   std::string fields, mechanics;  ///< of the simulation, by name or `auto`; "" = no wish
   TestRecord test;
+  FilterWords
+      events;  ///< filter of the force channels, its phase, where vibration is looked for; "" = the default
   std::string channels;  ///< that the simulation records, by name; "" = all
 
   std::filesystem::path folder;  ///< of the plan file; not part of the resolved text

@@ -75,6 +75,7 @@ RunOptions run_options(const Plan& plan) {
   options.extract.mains_hertz = plan.mains_hertz;
   options.extract.crosstalk_a = plan.crosstalk_a;
   options.extract.crosstalk_b = plan.crosstalk_b;
+  set_filter(options.extract, plan.events);  // read_plan refused what is wrong
   options.limits = plan_limits(plan);
   if (std::isfinite(plan.supply_u)) options.supply_u = plan.supply_u;
   if (std::isfinite(plan.coil_temperature_u)) options.coil_temperature_u = plan.coil_temperature_u;

@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/counted.h"
+#include "dsp/event_filter.h"
 #include "dsp/extract.h"
 #include "dsp/force.h"
 #include "dsp/spectrum.h"
@@ -167,10 +168,12 @@ void apply_rule(Events& e, const Record& record, const dsp::ExtractOptions& opti
     const dsp::FilmVibration v = dsp::film_vibration(record, film, e, options);
     const ContactTrain fitted = *train;
     *train = dsp::threshold_train(v.stripped, v.settled, fitted.noise, dsp::closing_end(record, v.force), r);
+    if (options.filter.judged) dsp::admit_filter(*train, dsp::effect_of(options.filter, v.force.rate()));
     train->flags |= fitted.flags;
   }
   dsp::conclude(e, record, options);
-  e.method = fmt::format("crossing of {:g} % of the settled force", *rule.force_percent);
+  e.method = fmt::format("crossing of {:g} % of the settled force{}", *rule.force_percent,
+                         options.filter.judged ? ", " + dsp::name_of(options.filter) : "");
 }
 
 namespace {

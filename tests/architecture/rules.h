@@ -145,7 +145,6 @@ inline const std::vector<std::string_view>& unreached_functions() {
                                                    "estimator_coverage",
                                                    "factor_entries",
                                                    "factorisations",
-                                                   "filter_forward",
                                                    "fix",
                                                    "flops",
                                                    "fluxes",
@@ -183,7 +182,6 @@ inline const std::vector<std::string_view>& unreached_functions() {
                                                    "twin_condition",
                                                    "with_ratio",
                                                    "without_losses",
-                                                   "zero_phase",
                                                    "zero_phase_frames"};
   return table;
 }

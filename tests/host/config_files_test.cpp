@@ -105,6 +105,34 @@ TEST_CASE("wanted channels are named one by one, and a wrong name is told with t
              "coil_current, coil_voltage, mains_voltage, contact_a, aux"});
 }
 
+TEST_CASE(
+    "a plan's filter is read with units, refused with what is allowed, and absent from the text of a plan "
+    "without one",
+    "[config]") {
+  using Kind = dsp::EventFilter::Kind;
+  const Plan plan =
+      parse_plan(good + "[events]\nfilter = \"bandstop:3.1..3.6 kHz\"\nphase = \"causal\"\n", "p.toml");
+  dsp::ExtractOptions o;
+  CHECK(set_filter(o, plan.events).key.empty());
+  CHECK(o.filter.kind == Kind::stop);
+  CHECK(o.filter.low_hertz == 3100);
+  CHECK(o.filter.high_hertz == 3600);
+  CHECK(o.filter.phase == dsp::FilterPhase::causal);
+  CHECK(text_of(o.filter) == "bandstop:3.1kHz..3.6kHz");
+  CHECK(resolved_text(parse_plan(resolved_text(plan), "x")) == resolved_text(plan));
+  CHECK(resolved_text(parse_plan(good, "p.toml")).find("events") == std::string::npos);
+  CHECK(plan_errors(good + "[events]\nfilter = \"highpass:2kHz\"\n") ==
+        Errors{"p.toml:4: [events] filter = \"highpass:2kHz\": 'highpass:2kHz' is no filter; allowed " +
+               std::string(filter_forms)});
+  CHECK(plan_errors(good + "[events]\nband = \"18kHz..800Hz\"\n") ==
+        Errors{"p.toml:4: [events] band = \"18kHz..800Hz\": '18kHz..800Hz' ends below its start; allowed " +
+               std::string(band_forms)});
+  for (const char* text : {"none", "plain", "lowpass:750Hz", "bandstop:900Hz..1.25kHz"}) {
+    CHECK(read_filter(text, o.filter).empty());
+    CHECK(text_of(o.filter) == text);
+  }
+}
+
 TEST_CASE("wrong types and odd values each have their sentence", "[config]") {
   CHECK(plan_errors(good + "seed = 1.5\n") ==
         Errors{"p.toml:3: seed = 1.5: is a number, must be a whole number; allowed 0..2^53"});

@@ -89,6 +89,44 @@ TEST_CASE("a shot of the simulated rig: export, import, events: the same times",
   CHECK(run(folder, {"report", "--db", db, "-o", folder.file("out")}).status == 0);
 }
 
+TEST_CASE("the plan's filter: stored with the campaign, found again, refused where it would eat bounces",
+          "[system]") {
+  Folder folder;
+  const std::string db = folder.file("a.db");
+  const auto fired = [&](const char* filter) {
+    const std::string plan = folder.write(
+        "p.toml", std::string("angles_deg = [60]\nrepeats = 1\n[events]\nfilter = \"") + filter + "\"\n");
+    REQUIRE(run(folder, {"run", plan, "--rig", "sim:", "--db", db, "--progress", "none"}).status == 0);
+  };
+  fired("lowpass:40kHz");
+  const json kept = json::parse(run(folder, {"show", "1", "--db", db, "--json"}).out)["events"];
+  const json again = json::parse(run(folder, {"events", "1", "--db", db, "--json"}).out);
+  CHECK(again["filter"]["applied"].get<bool>());
+  CHECK(again["filter"]["films"].size() == 2);
+  CHECK(kept["pvdf_a"]["contacts"].size() >= 2);
+  CHECK(kept["pvdf_a"] == again["pvdf_a"]);
+  CHECK(kept["parameters_hash"] == again["parameters_hash"]);
+  const json bare = json::parse(run(folder, {"events", "1", "--db", db, "--filter", "none", "--json"}).out);
+  CHECK_FALSE(bare.contains("filter"));
+  CHECK(bare["pvdf_a"] != again["pvdf_a"]);
+  CHECK(bare["parameters_hash"] != again["parameters_hash"]);
+  const Finished causal = run(folder, {"events", "1", "--db", db, "--phase", "causal"});
+  CHECK_THAT(causal.out, Contains("low-pass 40 kHz causal; delay 2.8 us taken out of the times"));
+
+  fired(
+      "lowpass:2kHz");  // the rig's bounces are a tenth of a millisecond: the shot is kept, without the filter
+  const Finished refused = run(folder, {"events", "2", "--db", db});
+  CHECK(refused.status == 0);
+  CHECK_THAT(refused.out,
+             Contains("filter lowpass:2kHz refused, events without it: ") && Contains("a low-pass from"));
+  CHECK(run(folder, {"events", "2", "--db", db, "--filter", "lowpass:2kHz"}).status == 2);
+  const Finished narrow = run(folder, {"events", "1", "--db", db, "--band", "15kHz..18kHz", "--json"});
+  REQUIRE(narrow.status == 0);
+  const json bands = json::parse(narrow.out)["bands"];
+  for (const json& film : bands)
+    for (const json& hertz : film["modes_hertz"]) CHECK(hertz.get<double>() > 14e3);
+}
+
 TEST_CASE("a stranger's file without a database: events or one clear sentence", "[system]") {
   Folder folder;
   const Finished quiet = run(folder, {"events", folder.write("quiet.csv", pulse_file), "--json"});
