@@ -187,6 +187,8 @@ Exit show_file_events(const EventsArgs& args) {
   FilteredEvents found = extract_filtered(in.record, run, false);
   Events& events = found.events;
   take_angle(in, events);
+  write_strip(in.record, found, args,
+              "waveform file " + std::filesystem::path(args.shot).filename().string());
   apply_rule(events, in.record, found.used, rule);
   for (const std::string& note : in.notes) fmt::print(stderr, "{}: {}\n", args.shot, note);
   if (args.json) {

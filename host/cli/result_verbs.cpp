@@ -17,6 +17,7 @@
 #include "host/gather/gather.h"
 #include "host/gather/pdf.h"
 #include "host/gather/scene.h"
+#include "host/gather/strip_picture.h"
 #include "host/gather/verdict.h"
 #include "host/gather/vibration.h"
 #include "host/store/json.h"
@@ -214,6 +215,15 @@ void set_filter_options(dsp::ExtractOptions& o, const EventsArgs& args) {
   if (!m.key.empty()) throw BadInput({fmt::format("--{}: {}; allowed {}", m.key, m.what, m.allowed)});
 }
 
+void write_strip(const Record& record, const FilteredEvents& found, const EventsArgs& args,
+                 const std::string& origin) {
+  if (args.picture.empty()) return;
+  if (!args.picture.ends_with(".svg"))
+    throw BadInput({fmt::format("--picture {}: a picture is .svg", args.picture)});
+  write_file(args.picture, strip_svg(record, found, origin + ", " + found.events.method));
+  fmt::print(stderr, "{}\n", args.picture);
+}
+
 void print_bands(const Record& record, const FilteredEvents& found) {
   if (found.filter)
     for (const std::string& line : filter_lines(*found.filter)) fmt::print("  {}\n", line);
@@ -236,6 +246,8 @@ Exit show_events(const EventsArgs& args) {
   record.conditions = shot.conditions;
   FilteredEvents found = extract_filtered(record, options, args.filter.empty());
   Events& events = found.events;
+  write_strip(record, found, args,
+              fmt::format("{}, {} shot {}", name(campaign.origin), name(shot.kind), shot.id));
   apply_rule(events, record, found.used, rule);
   if (args.json) {
     Json out = Json::parse(to_json(events, 2));

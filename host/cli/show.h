@@ -1,5 +1,7 @@
 #pragma once
 
+#include <string>
+
 #include "core/events.h"
 #include "dsp/options.h"
 #include "host/cli/verbs.h"
@@ -12,6 +14,9 @@ void print_events(const Events&);
 
 /// Sets --filter, --phase and --band. Throws BadInput that names the option and what is allowed.
 void set_filter_options(dsp::ExtractOptions&, const EventsArgs&);
+
+/// Writes --picture, where it is wanted; `origin` stands on it.
+void write_strip(const Record&, const FilteredEvents&, const EventsArgs&, const std::string& origin);
 
 /// What the filter does, where there is one, and what is known of the vibration, to stdout.
 void print_bands(const Record&, const FilteredEvents&);

@@ -122,7 +122,8 @@ struct EventsArgs : ResultArgs {
   std::optional<double> voltage_percent;  ///< of the open-circuit voltage: open above it
   std::optional<double> min_opening_us;   ///< shorter openings count as closed
   std::string filter, phase,
-      band;  ///< of the force channels, see host/config/filter_text.h; "" = none wanted
+      band;             ///< of the force channels, see host/config/filter_text.h; "" = none wanted
+  std::string picture;  ///< .svg to write: the force before and after, in time and frequency
 };
 Exit show_events(const EventsArgs&);
 Exit show_file_events(const EventsArgs&);
