@@ -113,8 +113,17 @@ TEST_CASE("the plan's filter: stored with the campaign, found again, refused whe
   const Finished causal = run(folder, {"events", "1", "--db", db, "--phase", "causal"});
   CHECK_THAT(causal.out, Contains("low-pass 40 kHz causal; delay 2.8 us taken out of the times"));
 
-  fired(
-      "lowpass:2kHz");  // the rig's bounces are a tenth of a millisecond: the shot is kept, without the filter
+  const std::string picture = folder.file("strip.svg");
+  REQUIRE(run(folder, {"events", "1", "--db", db, "--picture", picture}).status == 0);
+  const std::string drawn = read_file(picture);
+  CHECK_THAT(drawn, Contains("SIMULATED RIG, measured shot 1, low-pass 40 kHz zero phase force") &&
+                        Contains("film B / N") && Contains("frequency / kHz") && !Contains("nan"));
+  REQUIRE(run(folder, {"events", "1", "--db", db, "--filter", "none", "--picture", picture}).status == 0);
+  CHECK(read_file(picture) != drawn);
+  CHECK(run(folder, {"events", "1", "--db", db, "--picture", "strip.png"}).status == 2);
+
+  // the rig's bounces are a tenth of a millisecond: the shot is kept, without the filter
+  fired("lowpass:2kHz");
   const Finished refused = run(folder, {"events", "2", "--db", db});
   CHECK(refused.status == 0);
   CHECK_THAT(refused.out,
