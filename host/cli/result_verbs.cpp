@@ -6,6 +6,7 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
+#include "core/counted.h"
 #include "dsp/core_seat.h"
 #include "dsp/extract.h"
 #include "host/cli/show.h"
@@ -169,14 +170,16 @@ void print_train(const char* title, const ContactTrain& train) {
     fmt::print("  {}: shows {}: {}\n", title, name(train.shows), train.reason);
     return;
   }
-  fmt::print("  {}: {} re-openings, resolves {:.0f} us{}\n", title, train.bounce_count,
-             train.resolution * 1e6, train.flags ? " [" + flag_names(train.flags) + "]" : "");
+  fmt::print("  {}: {}, resolves {:.0f} us{}\n", title,
+             counted(static_cast<std::size_t>(train.bounce_count), "re-opening"), train.resolution * 1e6,
+             train.flags ? " [" + flag_names(train.flags) + "]" : "");
   const std::pair<const char*, const BounceTrain*> parts[] = {{"first train", &train.first_train},
                                                               {"second train", &train.second_train}};
   for (const auto& [name, part] : parts)
     if (part->from.known())
-      fmt::print("    {}: {} re-openings, {} .. {} ms\n", name, part->openings, shown(part->from.value, "s"),
-                 shown(part->to.value, "s"));
+      fmt::print("    {}: {}, {} .. {} ms\n", name,
+                 counted(static_cast<std::size_t>(part->openings), "re-opening"),
+                 shown(part->from.value, "s"), shown(part->to.value, "s"));
   for (const Contact& c : train.contacts)
     fmt::print("    touch {:>9} ms +- {:>4} us  release {:>9} ms +- {:>4} us  peak {:>8} N  real {:>5}  {}\n",
                shown(c.touch.value, "s"), micro(2 * c.touch.u), shown(c.release.value, "s"),

@@ -22,8 +22,9 @@ std::string digits(double value) {
   return fmt::format("{:#.5g}", value);
 }
 
+/// A limit is printed as it is applied, not rounded.
 std::string plain(double value) {
-  return fmt::format("{:.5g}", value);
+  return fmt::format("{:.12g}", value);
 }
 
 bool in_milli(const Quantity& q) {

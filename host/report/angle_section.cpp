@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/counted.h"
 #include "core/quantities.h"
 #include "host/report/number.h"
 #include "host/report/sections.h"
@@ -129,7 +130,7 @@ Markup angle_section(const ReportInput& input, const AngleView& view, const Rang
       .text(std::isfinite(view.angle) ? angle_text(view.angle) : "not known");
   int valid = 0;
   for (const auto* shot : view.shots) valid += shot->events.has_value() ? 1 : 0;
-  out.element("span", fmt::format(" {} of {} shots measured", valid, view.shots.size()),
+  out.element("span", fmt::format(" {} of {} measured", valid, counted(view.shots.size(), "shot")),
               {{"class", "aside"}});
   out.close();
   const bool drawn =

@@ -62,10 +62,11 @@ void best_answer(Markup& out, const ReportInput& input) {
   if (std::isfinite(b.confidence))
     sure = b.confidence < 0.5
                ? fmt::format("Not told apart from {} (confidence below 50 %).", angle_text(b.runner_up))
-               : fmt::format(
-                     "Confidence {}{:.0f} % that none of the other {} measured angles is better; next is {}.",
-                     b.confidence > 0.995 ? "above " : "", std::min(99.0, std::floor(b.confidence * 100)),
-                     b.angles - 1, angle_text(b.runner_up));
+               : fmt::format("Confidence {}{:.0f} % that none of the other {} is better; next is {}.",
+                             b.confidence > 0.995 ? "above " : "",
+                             std::min(99.0, std::floor(b.confidence * 100)),
+                             counted(static_cast<std::size_t>(b.angles - 1), "measured angle"),
+                             angle_text(b.runner_up));
   if (b.two_modes) sure += " The repeats there fall into two groups.";
   answer(out, "Best closing angle", fmt::format("{}: {}", angle_text(b.angle), bounce),
          fmt::format("{} Closing at random among them bounces {} ms longer on average ({} %).", sure,

@@ -165,6 +165,9 @@ TEST_CASE("limits: open ends, both ends, unknown values, wrong names", "[compare
   CHECK(l.of({9e-3, 0}) == Outcome::pass);
   CHECK(l.of({9.0001e-3, 0}) == Outcome::fail);
   CHECK(range_text(l) == "\xE2\x89\xA4 9 ms");
+  l.high = 12.3725e-3;  // what is signed is what is applied
+  CHECK(range_text(l) == "\xE2\x89\xA4 12.3725 ms");
+  l.high = 9e-3;
   l.low = 1e-3;
   CHECK(l.of({0.5e-3, 0}) == Outcome::fail);
   CHECK(range_text(l) == "1 to 9 ms");
