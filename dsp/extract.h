@@ -17,8 +17,8 @@ inline void in_turn(const std::function<void()>& first, const std::function<void
 /// Everything that happened in one closing. Pure: equal record and options give equal events, bit for bit.
 /// What a record does not show stays unknown (NaN) or not present; bad options or a record whose scale or
 /// rate cannot mean anything throw std::invalid_argument.
-/// No number is silent: `conclude` has been applied. The two films are given to `both`: side by side they take little more than half
-/// the time and give the same events.
+/// No number is silent: `conclude` has been applied. The two films are given to `both`: in turn or side by side, the events are
+/// the same.
 Events extract_events(const Record&, const ExtractOptions& = {}, const RunBoth& both = in_turn);
 
 /// Sets `angle_off` where the angle reached is further than `tolerance` (rad) from the commanded one, clears it elsewhere; nothing is
