@@ -206,6 +206,7 @@ class BeyondFields {
     states_ += t.field_states, beyond_ += t.field_beyond;
     ++runs_, touched_ += t.field_beyond > 0 ? 1 : 0;
   }
+  bool counted_any() const { return states_ > 0; }
   double share() const {
     return states_ > 0 ? static_cast<double>(beyond_) / static_cast<double>(states_) : 0;
   }
@@ -307,7 +308,7 @@ Exit simulate_plan(const SimArgs& args) {
   if (args.json) {
     Json j{{"campaign", campaign}, {"simulated", n}};
     if (choice) j["models"] = choice_json(*choice, wish.accuracy);
-    j["states_beyond_fields"] = beyond->share();
+    j["states_beyond_fields"] = beyond->counted_any() ? Json(beyond->share()) : Json();
     j["bounces"] = Json::parse(bounce_json(bounces));
     fmt::print("{}\n", j.dump(2));
   }

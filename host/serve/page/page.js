@@ -93,12 +93,19 @@ async function attempt(act) {
 $('pause').addEventListener('click', () => attempt(() => call('POST', '/api/plan/pause', { on: !(state && state.job && state.job.paused) })));
 $('end').addEventListener('click', () => attempt(() => call('POST', '/api/plan/end', {})));
 
+/** @param {State['ended']} ended */
+function endedText(ended) {
+  if (!ended) return '';
+  if (ended.done >= ended.shots) return ended.name + ': all ' + ended.shots + ' done';
+  return ended.name + ': ended at ' + ended.done + ' of ' + ended.shots + '; Documents, Go on fires the rest';
+}
+
 /** @param {State} s */
 function showJob(s) {
   const { status, job, ended } = s;
   $('state').textContent = status ? status.state : 'no answer';
   $('state').className = 'state' + (status ? (status.live ? ' live' : '') : ' gone');
-  $('job').textContent = !s.link.answers ? s.link.error : !job ? (ended ? ended.name + ': ' + (ended.done < ended.shots ? 'ended at ' + ended.done + ' of ' + ended.shots + '; Documents, Go on fires the rest' : 'all ' + ended.shots + ' done') : '') : job.kind === 'single' ? job.doing :
+  $('job').textContent = !s.link.answers ? s.link.error : !job ? endedText(ended) : job.kind === 'single' ? job.doing :
     job.name + ': ' + job.done + ' of ' + job.shots + ', ' + (job.ending ? 'last shot' : job.doing) +
     (known(job.seconds_left) ? ', ' + duration(job.seconds_left) + ' left' : '') +
     (job.outside_limits ? ', ' + job.outside_limits + ' OUTSIDE LIMITS' : '');
