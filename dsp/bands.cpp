@@ -19,10 +19,6 @@ double half_sine_density(double u) {
   return v * v;
 }
 
-double decibel(double share) {
-  return share > 0 ? 10 * std::log10(std::min(share, 1.0)) : -std::numeric_limits<double>::infinity();
-}
-
 std::vector<bool> coherent_bins(const Coherence& c, double threshold) {
   const std::size_t n = c.value.size();
   std::vector<bool> above(n), core(n);
@@ -41,6 +37,10 @@ std::string sentence(const BandReport& r) {
 }
 
 }  // namespace
+
+double decibel(double share) {
+  return share > 0 ? 10 * std::log10(std::min(share, 1.0)) : -std::numeric_limits<double>::infinity();
+}
 
 double half_sine_energy_below(double hertz, double width) {
   // Simpson's rule; the total, the integral of the density over u = 0 .. infinity, is pi^2 / 16.

@@ -53,6 +53,9 @@ BandReport find_bands(const Coherence&, const BandQuestion& = {});
 /// Throws BandOverlapError when the bands overlap.
 FilterSpec plain_filter(const BandReport&, double rate);
 
+/// 10 lg of a share of power, 1 at most; minus infinity for none.
+double decibel(double share);
+
 /// Share of the energy of a half-sine pulse of `width` seconds that lies below `hertz`: 0.99 at 1.18 / width.
 double half_sine_energy_below(double hertz, double width);
 

@@ -28,6 +28,28 @@ double open_sigma(std::span<const double> x, const std::vector<std::uint8_t>& op
   return std::sqrt(squares / static_cast<double>(left.size()));
 }
 
+/// 1 where the force averages to zero: open, whatever rings on top. Gaussian mean of 80 us, or with `both_means` of 200 us too
+/// (it also cancels slow modes), below `open_level`, 120 us clear of any other force.
+std::vector<std::uint8_t> zero_on_average(const Signal& force, double open_level, bool both_means) {
+  std::vector<std::uint8_t> open(force.size());
+  const auto guard = static_cast<std::size_t>(120e-6 / force.dt);  // a contact's own foot is not open time
+  // The longer mean also cancels slow modes, the shorter one also sees short openings.
+  for (const auto& [width, level] : {std::pair(80e-6, open_level), std::pair(200e-6, open_level)}) {
+    if (width > 100e-6 && !both_means) break;
+    const auto mean = bell_mean(force.value, width / force.dt);
+    std::size_t run = 0;  // samples since the mean last left zero
+    for (std::size_t i = 0; i <= open.size(); ++i) {
+      if (i < open.size() && std::abs(mean[i]) < level) {
+        ++run;
+        continue;
+      }
+      for (std::size_t k = i - run + guard; k + guard < i; ++k) open[k] = 1;
+      run = 0;
+    }
+  }
+  return open;
+}
+
 constexpr double wide = 30e-6;  ///< s: removes 15 kHz, keeps openings of 0.12 ms
 
 Round with(Round r, Detection d, const Signal& force) {

@@ -15,10 +15,6 @@ namespace powbench::dsp {
 
 namespace {
 
-double decibel(double share) {
-  return share > 0 ? 10 * std::log10(std::min(share, 1.0)) : -std::numeric_limits<double>::infinity();
-}
-
 /// Shortest time closed or open between two edges, s.
 double shortest_piece(const ContactTrain& t) {
   double shortest = 1e-3;

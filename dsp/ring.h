@@ -73,10 +73,6 @@ std::optional<Pole> strongest_pole(const RingInput&, const Ring& ring, const Ext
 Ring grow_ring(const RingInput&, std::vector<Pole> start, const ExtractOptions&, double* reduced = nullptr,
                double hopeless = std::numeric_limits<double>::infinity());
 
-/// 1 where the force averages to zero: open, whatever rings on top. Gaussian mean of 80 us, or with `both_means` of 200 us too
-/// (it also cancels slow modes), below `open_level`, 120 us clear of any other force.
-std::vector<std::uint8_t> zero_on_average(const Signal& force, double open_level, bool both_means);
-
 /// The time in [t1, t2] from which on taking the ring out leaves less behind. With `usable` the signal is a
 /// residual and compared as it is where usable; without, it is a force, and both are high-passed first.
 double find_onset(const Signal&, const std::vector<std::uint8_t>* usable, const Ring&, double t1, double t2);

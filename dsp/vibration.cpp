@@ -19,10 +19,6 @@ namespace {
 
 constexpr double before_impact = 0.3e-3, after_impact = 5e-3;  // s
 
-double decibel(double share) {
-  return share > 0 ? 10 * std::log10(std::min(share, 1.0)) : -std::numeric_limits<double>::infinity();
-}
-
 const ContactTrain& train_of(const Events& e, Channel film) {
   return film == Channel::pvdf_a ? e.pvdf_a : e.pvdf_b;
 }
