@@ -40,8 +40,4 @@ EdgeAnswer locate_edge(const Signal& force, const EdgeQuestion&);
 /// over all of `closed`, says where it began. Known where the laws leave room for no other answer than theirs.
 EdgeAnswer locate_edge_beyond(const Signal& force, const EdgeQuestion&, double foot);
 
-/// Largest (side +1) or smallest (-1) force between two times, from a polynomial through it; N. The part used shrinks until the polynomial fits; the
-/// last change of the value counts as uncertainty. Not known with fewer than six good samples.
-Measured locate_extreme(const Signal& force, double from, double to, int side, double noise);
-
 }  // namespace powbench::dsp

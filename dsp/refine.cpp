@@ -5,6 +5,7 @@
 
 #include "dsp/dip.h"
 #include "dsp/edge.h"
+#include "dsp/extreme.h"
 #include "dsp/shows.h"
 #include "dsp/statistics.h"
 

@@ -5,6 +5,7 @@
 
 #include "bench/dsp_synth.h"
 #include "dsp/edge.h"
+#include "dsp/extreme.h"
 #include "dsp/refine.h"
 #include "tests/effort.h"
 
