@@ -71,7 +71,7 @@ std::unique_ptr<Rig> open(const std::string& uri, const SimRigConfig& sim, const
       meant = "ip:" + uri;
   }
   if (!meant.empty()) meant = "; did you mean '" + meant + "'?";
-  throw RigError("unknown rig '" + uri + "'" + meant + "; a rig is named like " + known);
+  throw UnknownRig("unknown rig '" + uri + "'" + meant + "; a rig is named like " + known);
 }
 
 }  // namespace powbench::rigs

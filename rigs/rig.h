@@ -22,6 +22,11 @@ class RigError : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
+/// No such address of a rig: nothing was tried.
+class UnknownRig : public RigError {
+  using RigError::RigError;
+};
+
 /// What a rig says about itself.
 struct RigInfo {
   std::string uri;

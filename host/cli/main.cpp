@@ -349,6 +349,9 @@ int main(int argc, char** argv) {
   } catch (const StoreError& e) {
     fmt::print(stderr, "powbench: {}\n", e.what());
     return leave(Exit::data_damaged);
+  } catch (const rigs::UnknownRig& e) {
+    fmt::print(stderr, "powbench: {}\n", e.what());
+    return leave(Exit::bad_input);
   } catch (const rigs::RigError& e) {
     fmt::print(stderr, "powbench: {}\n", e.what());
     return leave(Exit::rig_fault);

@@ -21,6 +21,7 @@
 #include "host/gather/strip_picture.h"
 #include "host/gather/verdict.h"
 #include "host/gather/vibration.h"
+#include "host/report/number.h"
 #include "host/store/json.h"
 
 namespace powbench::host {
@@ -39,6 +40,12 @@ std::string shown(double si, const std::string& unit) {
   return fmt::format("{:.3f}", unit == "s" || unit == "m" || unit == "A" ? si * 1e3 : si);
 }
 
+/// The same to the digits of its U, where that is known.
+std::string shown(double si, const std::string& unit, double U) {
+  const ReadableUnit readable = readable_unit(unit);
+  return digits_of(si * readable.per_si, decimals_for(U * readable.per_si, 3));
+}
+
 std::string shown_unit(const std::string& unit) {
   return unit == "s" ? "ms" : unit == "m" ? "mm" : unit == "A" ? "mA" : unit;
 }
@@ -50,7 +57,7 @@ std::string degrees_text(double angle) {
 Json row_json(const ComparisonRow& r) {
   return {{"quantity", r.quantity},
           {"unit", r.unit},
-          {"closing_angle_deg", number(degrees(r.closing_angle))},
+          {"closing_angle_deg", number(stored_degrees(r.closing_angle))},
           {"repeats", r.repeats},
           {"measured", number(r.measured.value)},
           {"u_measured", number(r.measured.u)},
@@ -69,7 +76,7 @@ Json curve_json(const CurveRow& r) {
   const CurveDeviation& d = r.median;
   return {{"quantity", r.quantity},
           {"unit", r.unit},
-          {"closing_angle_deg", number(degrees(r.closing_angle))},
+          {"closing_angle_deg", number(stored_degrees(r.closing_angle))},
           {"repeats", r.repeats},
           {"measured", number(d.measured)},
           {"simulated", number(d.simulated)},
@@ -111,8 +118,8 @@ Exit list_campaigns(const ResultArgs& args) {
         for (const auto& [outcome, shots] : store.outcomes(c.id, kind)) n += shots;
         return n;
       };
-      fmt::print("{:>4}  {}  {:<15}  {:<20} {:>5} shots, {:>4} simulated  {}\n", c.id, c.created,
-                 name(c.origin), c.name, count(ShotKind::measured), count(ShotKind::simulated),
+      fmt::print("{:>4}  {}  {:<15}  {:<20} {:>11}, {:>4} simulated  {}\n", c.id, c.created, name(c.origin),
+                 c.name, counted(count(ShotKind::measured), "shot"), count(ShotKind::simulated),
                  c.finished ? "finished" : "unfinished");
       continue;
     }
@@ -127,7 +134,7 @@ Exit list_campaigns(const ResultArgs& args) {
                          {"angle_deg", number(s.angle_deg)},
                          {"outcome", name(s.outcome)},
                          {"reason", s.reason},
-                         {"seed", s.conditions.seed},
+                         {"seed", seed_json(c.origin, s.conditions)},
                          {"record_sha256", s.record_hash}});
     Json earlier = Json::array();
     for (const StoredShot& s : store.earlier_attempts(c.id))
@@ -189,14 +196,25 @@ void print_train(const char* title, const ContactTrain& train) {
 
 }  // namespace
 
+std::string digits_of(double value, int decimals) {
+  if (!std::isfinite(value)) return "-";
+  const double one = std::pow(10.0, decimals);
+  return fmt::format("{:.{}f}", std::round(value * one) / one + 0.0, decimals);
+}
+
+nlohmann::ordered_json seed_json(Origin origin, const Conditions& c) {
+  return origin == Origin::import ? Json(nullptr) : Json(c.seed);
+}
+
 void print_events(const Events& events) {
   fmt::print("  +- is U (k = 2)\n");
   for (const Quantity& q : quantity_table) {
     const Measured m = q.of(events);
     const std::string unit(q.unit);
     const bool time = unit == "s";  // in ms the uncertainty of a time would read zero
-    fmt::print("  {:<9} {:>10} {:<3} +- {:<6} {:<3} {}\n", q.symbol, shown(m.value, unit), shown_unit(unit),
-               time ? micro(2 * m.u) : shown(2 * m.u, unit), time ? "us" : shown_unit(unit), q.meaning);
+    fmt::print("  {:<9} {:>10} {:<3} +- {:<6} {:<3} {}\n", q.symbol, shown(m.value, unit, 2 * m.u),
+               shown_unit(unit), time ? micro(2 * m.u) : shown(2 * m.u, unit, 2 * m.u),
+               time ? "us" : shown_unit(unit), q.meaning);
   }
   if (!events.coil.no_angle.empty()) fmt::print("  no closing angle: {}\n", events.coil.no_angle);
   print_train("contact voltage", events.contact_voltage);
@@ -289,10 +307,11 @@ Exit compare_campaign(const ResultArgs& args) {
       list.push_back(row_json(r));
       continue;
     }
-    const double E = r.difference_over_U();
+    const double E = r.difference_over_U(), U = r.coverage * r.measured.u;
+    const double U_simulated = std::isfinite(r.u_simulated) ? 2 * r.u_simulated : U;
     fmt::print("{:<9} {:>7}  {:>3} {:>10} {:>8} {:>8} {:>10} {:>7} {:<9} {:>4} {}{}\n", r.quantity,
-               degrees_text(r.closing_angle), r.repeats, shown(r.measured.value, r.unit),
-               shown(r.coverage * r.measured.u, r.unit), shown(r.scatter, r.unit), shown(r.simulated, r.unit),
+               degrees_text(r.closing_angle), r.repeats, shown(r.measured.value, r.unit, U),
+               shown(U, r.unit, U), shown(r.scatter, r.unit, U), shown(r.simulated, r.unit, U_simulated),
                std::isfinite(E) ? fmt::format("{:.2f}", E) : "-",
                std::isfinite(r.simulated) ? agreement(E) : "", shown_unit(r.unit), name(r.outcome),
                r.against_simulation == Outcome::fail ? ", FAIL against the simulation" : "");

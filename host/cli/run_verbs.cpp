@@ -1,6 +1,8 @@
 #include <fmt/format.h>
 
+#include <filesystem>
 #include <nlohmann/json.hpp>
+#include <optional>
 
 #include "core/counted.h"
 #include "host/cli/verbs.h"
@@ -51,10 +53,14 @@ Exit run_plan(const RunArgs& args) {
     fmt::print(stderr, "{} would be fired; nothing was done\n", counted(scene.shots.size(), "shot"));
     return Exit::pass;
   }
-  Store store(args.database);
   const StopOnSignal stop;
-  // the rig first: a campaign that could not begin leaves no trace
+  // the rig before a store is made: a campaign that could not begin leaves no trace; one that cannot be used is refused before
+  std::optional<Store> there;
+  std::error_code ignored;
+  if (std::filesystem::exists(args.database, ignored)) there.emplace(args.database);
   const auto rig = open_rig(args.rig, scene.specimen);
+  if (!there) there.emplace(args.database);
+  Store& store = *there;
   const std::int64_t campaign =
       begin_campaign(store, scene, args.rig, rig->info(), args.resume,
                      [](const std::string& text) { fmt::print(stderr, "{}\n", text); });

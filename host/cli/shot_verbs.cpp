@@ -28,13 +28,6 @@ Json number(double x) {
   return std::isfinite(x) ? Json(x) : Json(nullptr);
 }
 
-/// With so many decimals, and no sign on a zero; a dash where it is not known.
-std::string digits_of(double value, int decimals) {
-  if (!std::isfinite(value)) return "-";
-  const double one = std::pow(10.0, decimals);
-  return fmt::format("{:.{}f}", std::round(value * one) / one + 0.0, decimals);
-}
-
 /// "12.345 +- 0.004", in units of 1/scale of SI, to the digits of U = k u; a dash where it is not known.
 std::string plain(const Measured& m, double scale, int decimals, double k = 2) {
   if (!m.known()) return "-";
@@ -130,7 +123,7 @@ Exit show_shot(const ShotArgs& args) {
                 {"mains_hertz", number(s.conditions.mains_hertz)},
                 {"hold_time_s", number(s.conditions.hold_time)},
                 {"ambient_K", number(s.conditions.ambient)},
-                {"seed", s.conditions.seed},
+                {"seed", seed_json(origin, s.conditions)},
                 {"started", s.started},
                 {"attempt", s.attempt},
                 {"outcome", name(s.outcome)},
@@ -219,6 +212,14 @@ Exit annotate(const AnnotateArgs& args) {
   Store store(args.database, Store::Mode::read_write);
   const CampaignInfo campaign = store.campaign(args.campaign);
   store.annotate(campaign.id, args.key, args.text);
+  const std::string begun = campaign.created.substr(0, 10);
+  if (campaign.origin != Origin::import)  // when those were recorded, another line of the record says
+    for (const Instrument& i : expired(unused, begun))
+      fmt::print(
+          stderr,
+          "calibration expired: {}, certificate {}, was valid until {}, the test began on {}; the report "
+          "says so on page 1\n",
+          i.name, i.certificate, i.valid_until, begun);
   fmt::print(stderr, "campaign {}, {}: {} added; what was fired and recorded is unchanged\n", campaign.id,
              campaign.name, args.key);
   return Exit::pass;
@@ -245,7 +246,7 @@ Exit compare_campaigns(const CompareArgs& args) {
     if (args.json) {
       list.push_back({{"quantity", r.quantity},
                       {"unit", r.unit},
-                      {"closing_angle_deg", number(degrees(r.closing_angle))},
+                      {"closing_angle_deg", number(stored_degrees(r.closing_angle))},
                       {"n", {r.n[0], r.n[1]}},
                       {"first", measured_json(r.first)},
                       {"second", measured_json(r.second)},

@@ -1,13 +1,22 @@
 #pragma once
 
+#include <nlohmann/json_fwd.hpp>
 #include <string>
 
+#include "core/conditions.h"
 #include "core/events.h"
+#include "core/origin.h"
 #include "dsp/options.h"
 #include "host/cli/verbs.h"
 #include "host/gather/event_filter.h"
 
 namespace powbench::host {
+
+/// With so many decimals, and no sign on a zero; a dash where it is not known.
+std::string digits_of(double value, int decimals);
+
+/// The seed of a shot; null of an import: nobody drew one.
+nlohmann::ordered_json seed_json(Origin, const Conditions&);
 
 /// Quantities and contact trains as a table for people, to stdout.
 void print_events(const Events&);

@@ -179,23 +179,18 @@ CampaignInfo only_simulated(CampaignInfo info) {
   return info;
 }
 
-/// Beside the measurement of this plan where nothing is simulated yet, else in a campaign of the same identity.
-std::int64_t campaign_for(Store& store, const Scene& scene, const std::string& identity) {
+/// Beside the newest measurement of this plan, else in the campaign of simulations alone by the same model.
+std::int64_t campaign_for(Store& store, const Scene& scene, const std::string& model) {
+  std::optional<std::int64_t> measured, alone;
   for (const CampaignInfo& c : store.campaigns()) {
     if (c.plan_hash != scene.plan_hash || c.specimen_hash != scene.specimen_hash) continue;
-    if (c.rig_identity == identity) return c.id;
-    if (!c.rig_uri.empty() && store.shots(c.id, ShotKind::simulated).empty()) return c.id;
+    if (!c.rig_uri.empty())
+      measured = c.id;
+    else if (c.rig_identity == model)
+      alone = c.id;
   }
-  return store.create_campaign(only_simulated(campaign_info(scene, "", identity)));
-}
-
-/// Of the plant of the simulated rig, beside the measurement of this plan if there is one.
-std::int64_t plain_campaign(Store& store, const Scene& scene) {
-  std::optional<std::int64_t> campaign;
-  for (const CampaignInfo& c : store.campaigns())
-    if (c.plan_hash == scene.plan_hash && c.specimen_hash == scene.specimen_hash) campaign = c.id;
-  return campaign ? *campaign
-                  : store.create_campaign(only_simulated(campaign_info(scene, "", "simulation only")));
+  if (measured) return *measured;
+  return alone ? *alone : store.create_campaign(only_simulated(campaign_info(scene, "", model)));
 }
 
 /// How much of the closings lay outside of what their fields were made from. Filled by many threads.
@@ -251,6 +246,13 @@ sim::SceneChoice choose(const Wish& wish, const Scene& scene, const sim::Supply&
   }
 }
 
+std::string said(const SimulatedCount& n) {
+  std::string text = counted(n.stored, "closing") + " simulated";
+  if (n.renewed > 0) text += fmt::format(", {} of them anew: their inputs have changed", n.renewed);
+  if (n.kept > 0) text += fmt::format("; {} kept: nothing that they come from has changed", n.kept);
+  return text;
+}
+
 /// Touches and bounces of the first shot at each angle, and how far they can be believed.
 std::vector<BounceRow> bounces_of_scene(const sim::Rung& rung, const Scene& scene, const sim::Supply& bench,
                                         const sim::BounceStudyOptions& options) {
@@ -277,12 +279,13 @@ Exit simulate_plan(const SimArgs& args) {
     fmt::print(stderr, "specimen '{}' takes mechanics = rigid\n", scene.specimen.name);
     wish.mechanics = "rigid";
   }
-  rigs::SimRigConfig sensors = args.rig_file.empty() ? rigs::SimRigConfig{} : read_rig(args.rig_file).config;
-  sensors.sensors.channels = wanted_channels(scene.plan);
+  RigFile bench = args.rig_file.empty() ? RigFile{} : read_rig(args.rig_file);
+  bench.config.sensors.channels = wanted_channels(scene.plan);
+  const rigs::SimRigConfig& sensors = bench.config;
   const StopOnSignal stop;
   std::optional<sim::SceneChoice> choice;
   RecordMaker maker = rigs::simulate_record;
-  std::string identity;
+  std::string model = "simulation only";
   const auto beyond = std::make_shared<BeyondFields>();
   if (wish.any()) {
     FieldCache cache;
@@ -290,23 +293,28 @@ Exit simulate_plan(const SimArgs& args) {
     cache.say = [](const std::string& text) { fmt::print(stderr, "{}\n", text); };
     choice = choose(wish, scene, sensors.supply, cache);
     print_choice(*choice, wish, scene.specimen);
-    identity =
+    model =
         fmt::format("simulation by {}, {} {:g}", choice->rung.name(), choice->rung.setting, choice->setting);
-    maker = maker_of(*choice, identity, beyond);
+    maker = maker_of(*choice, model, beyond);
   }
   const sim::Rung rung = choice ? choice->rung : sim::closing_rungs().front();
   const sim::BounceStudyOptions believed;
   const auto bounces = bounces_of_scene(rung, scene, sensors.supply, believed);
   Store store(args.database);
-  const std::int64_t campaign = choice ? campaign_for(store, scene, identity) : plain_campaign(store, scene);
+  const std::int64_t campaign = campaign_for(store, scene, model);
   const int threads =
       args.threads > 0 ? args.threads : static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
   Progress progress("simulate", scene.plan.angles.size(), progress_style(args.progress));
-  const std::size_t n = simulate_campaign(store, campaign, scene.shots, scene.specimen, sensors,
-                                          run_options(scene.plan), threads, progress, maker, args.nominal);
+  const SimulatedCount n = simulate_campaign(
+      store, campaign, scene.shots, scene.specimen, sensors, run_options(scene.plan), progress,
+      {model + "\n" + scene.specimen_text + resolved_text(bench), maker, args.nominal, threads});
   progress.finish();
   if (args.json) {
-    Json j{{"campaign", campaign}, {"simulated", n}};
+    Json j{{"campaign", campaign},
+           {"simulated", n.stored},
+           {"renewed", n.renewed},
+           {"kept", n.kept},
+           {"nominal", args.nominal}};
     if (choice) j["models"] = choice_json(*choice, wish.accuracy);
     j["states_beyond_fields"] = beyond->counted_any() ? Json(beyond->share()) : Json();
     j["bounces"] = Json::parse(bounce_json(bounces));
@@ -320,7 +328,7 @@ Exit simulate_plan(const SimArgs& args) {
                         rung.name())
           : "nominal conditions of the plan, model alone; break A:\n" + bounce_text(bounces, believed));
   if (beyond->share() > 0) fmt::print(stderr, "{}", beyond->text());
-  fmt::print(stderr, "campaign {}: {} simulated\n", campaign, counted(n, "closing"));
+  fmt::print(stderr, "campaign {}: {}\n", campaign, said(n));
   if (StopOnSignal::asked()) return Exit::interrupted;
   if (!choice || !wish.accuracy || choice->reached() == sim::Reached::met) return Exit::pass;
   return choice->reached() == sim::Reached::not_met ? Exit::outside_limits : Exit::not_known;

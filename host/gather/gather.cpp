@@ -16,6 +16,8 @@
 #include "host/gather/verdict.h"
 #include "host/gather/vibration.h"
 #include "host/report/view.h"
+#include "host/run/simulate.h"
+#include "host/store/json.h"
 #include "rigs/sealed_shot.h"
 
 namespace powbench::host {
@@ -273,6 +275,17 @@ std::optional<DeviceShape> shape_of(const sim::Specimen& s) {
 
 }  // namespace
 
+/// The closings of the angle, as they stand now, had other conditions than the simulation was made under.
+bool outdated(const StoredShot& simulated, const std::vector<PlannedShot>& planned,
+              const std::vector<Events>& measured, const RunOptions& options) {
+  const double angle = radians(simulated.angle_deg);
+  const auto asked = std::find_if(planned.begin(), planned.end(), [&](const PlannedShot& p) {
+    return same_angle(effective_angle(p.conditions), angle);
+  });
+  return asked != planned.end() &&
+         to_json(inputs_of(asked->conditions, measured, options).conditions) != to_json(simulated.conditions);
+}
+
 ReportInput gather_report(const Store& store, const CampaignInfo& c, const std::string& database) {
   const Plan plan = stored_plan(c);
   const sim::Specimen specimen = stored_specimen(c);
@@ -283,7 +296,9 @@ ReportInput gather_report(const Store& store, const CampaignInfo& c, const std::
   input.specimen = specimen.name;
   input.device = shape_of(specimen);
   input.unplanned = unplanned(c, plan);
-  input.planned = input.unplanned ? 0 : expand(plan, specimen.name).size();
+  const std::vector<PlannedShot> planned =
+      input.unplanned ? std::vector<PlannedShot>() : expand(plan, specimen.name);
+  input.planned = planned.size();
   input.origin = c.origin;
   input.decision = plan.decision;
   input.most_from_simulation = plan.limits_vs_simulation;
@@ -319,7 +334,9 @@ ReportInput gather_report(const Store& store, const CampaignInfo& c, const std::
       const InputSpread prediction = store.prediction(s.id);
       group.u_simulated = prediction.u;
       if (!events) continue;
-      input.simulated.push_back({radians(s.angle_deg), *events, std::move(waves), spread_of(prediction)});
+      const bool nominal = prediction.empty();
+      input.simulated.push_back({radians(s.angle_deg), *events, std::move(waves), spread_of(prediction),
+                                 nominal, !nominal && outdated(s, planned, group.measured, options)});
       continue;
     }
     const Judgement judged = judged_anew(s, events, options);

@@ -36,6 +36,9 @@ void print_pdf(const fs::path& html, const fs::path& pdf) {
     throw BadInput(
         {"--pdf: no browser is installed to print with; install Debian's chromium, or name one in "
          "POWBENCH_BROWSER"});
+  if (access(browser.c_str(), X_OK) != 0)
+    throw BadInput(
+        {"POWBENCH_BROWSER: " + browser + " is no program that can be started; allowed: a Chromium"});
   fs::remove(pdf);
   std::vector<std::string> words{browser,
                                  "--headless",

@@ -24,6 +24,29 @@ void answer(Markup& out, std::string_view question, std::string_view main, const
   out.close();
 }
 
+/// The first reason for a verdict that is none of PASS and NOT JUDGED, with how many more there are; or empty.
+std::string why(const ReportInput& input) {
+  const Outcome is = verdict(input);
+  if (is == Outcome::pass || is == Outcome::not_judged) return {};
+  std::string first;
+  std::size_t more = 0;
+  const auto add = [&](const std::string& reason) {
+    if (first.empty())
+      first = reason;
+    else
+      ++more;
+  };
+  for (const auto& shot : input.shots)
+    if (shot.outcome == is && !shot.reason.empty()) add(fmt::format("shot {}: {}", shot.index, shot.reason));
+  for (const auto& row : input.comparison.rows)
+    if (is == Outcome::fail && row.against_simulation == Outcome::fail)
+      add(fmt::format("{} at {}: simulation and measurement differ by {:.2g} %, allowed {:g} %", row.quantity,
+                      angle_text(row.closing_angle), 100 * std::fabs(row.simulated / row.measured.value - 1),
+                      100 * input.most_from_simulation));
+  if (first.empty()) return {};
+  return "Why: " + first + (more > 0 ? fmt::format(" (and {} more). ", more) : ". ");
+}
+
 void verdict_answer(Markup& out, const ReportInput& input) {
   const Counts c = count(input);
   std::string detail = input.unplanned
@@ -38,10 +61,12 @@ void verdict_answer(Markup& out, const ReportInput& input) {
   add(c.not_judged, "not judged");
   add(c.errors, "without a valid measurement");
   add(c.missing, "not fired");
-  detail += ". ";
-  detail += input.limits.empty() && !std::isfinite(input.most_from_simulation)
-                ? std::string("The plan sets no limit, so nothing was judged.")
-                : std::string(decision_text(input.decision));
+  detail += ". " + why(input);
+  detail +=
+      input.limits.empty() && !std::isfinite(input.most_from_simulation)
+          ? std::string(c.failed + c.not_observed > 0 ? "The plan sets no limit on a quantity."
+                                                      : "The plan sets no limit, so nothing was judged.")
+          : std::string(decision_text(input.decision));
   answer(out, "Verdict", name(verdict(input)), detail);
 }
 
@@ -88,7 +113,27 @@ std::string times_text(double E) {
   return E < 9.995 ? fixed(E, 2) : fixed(E, 0);
 }
 
-void agreement_answer(Markup& out, const std::vector<const ComparisonRow*>& rows) {
+/// What the simulations are of, where it is not the conditions that the closings had.
+std::string simulated_of(const ReportInput& input) {
+  const auto all = input.simulated.size();
+  const auto count = [&](bool SimulatedClosing::*is) {
+    return static_cast<std::size_t>(
+        std::count_if(input.simulated.begin(), input.simulated.end(), [&](const auto& s) { return s.*is; }));
+  };
+  std::string text;
+  if (const auto n = count(&SimulatedClosing::nominal); n > 0)
+    text += fmt::format(
+        " Simulated {}at the conditions that the plan asks for, not those of the closings; the simulation's "
+        "uncertainty is not known.",
+        n < all ? fmt::format("in {} of {} angles ", n, all) : "");
+  if (const auto n = count(&SimulatedClosing::outdated); n > 0)
+    text += fmt::format(
+        " {} of {} simulations {} older than closings of {} angle: run powbench sim again, it renews them.",
+        n, all, n == 1 ? "is" : "are", n == 1 ? "its" : "their");
+  return text;
+}
+
+void agreement_answer(Markup& out, const ReportInput& input, const std::vector<const ComparisonRow*>& rows) {
   if (rows.empty())
     return answer(out, "Measurement and simulation", "not known",
                   "Nothing was simulated, or no uncertainty is known.");
@@ -103,7 +148,8 @@ void agreement_answer(Markup& out, const std::vector<const ComparisonRow*>& rows
          fmt::format("Largest difference over U: {} at {}, measured {} {}, simulated {} {}: {} U.",
                      worst.quantity, angle_text(worst.closing_angle),
                      with_uncertainty(worst.measured, worst.coverage, unit.per_si, unit.decimals), unit.name,
-                     simulated_text(worst), unit.name, times_text(worst.difference_over_U())));
+                     simulated_text(worst), unit.name, times_text(worst.difference_over_U())) +
+             simulated_of(input));
 }
 
 void ranking(Markup& out, const std::vector<const ComparisonRow*>& rows) {
@@ -142,6 +188,32 @@ void ranking(Markup& out, const std::vector<const ComparisonRow*>& rows) {
     out.close();
   }
   out.close().close();
+  const auto differ = static_cast<std::size_t>(
+      std::count_if(rows.begin(), rows.end(), [](const auto* r) { return r->difference_over_U() > 1; }));
+  if (differ > most_ranked)
+    out.element("p",
+                fmt::format("The {} largest; {} more differ. The tables of the figures show all.",
+                            most_ranked, differ - most_ranked),
+                {{"class", "fine"}});
+}
+
+/// Of how many measured closings the scales are taken on trust; said beside their U.
+void calibration_warning(Markup& out, const ReportInput& input) {
+  std::size_t measured = 0, without = 0;
+  for (const auto& shot : input.shots) {
+    if (!shot.events) continue;
+    ++measured;
+    if ((shot.events->flags & flag_no_calibration) != 0) ++without;
+  }
+  if (without > 0)
+    out.element(
+        "p",
+        fmt::format(
+            "No valid calibration for {}: the scales of {} channels are taken on trust, and no U "
+            "of this report holds what they may be off by.",
+            without == measured ? "these records" : fmt::format("{} of {} records", without, measured),
+            without == 1 ? "its" : "their"),
+        {{"class", "warn"}});
 }
 
 void times(Markup& out, const ReportInput& input) {
@@ -203,8 +275,9 @@ Markup answers_section(const ReportInput& input) {
   out.open("div", {{"class", "answers"}});
   verdict_answer(out, input);
   best_answer(out, input);
-  agreement_answer(out, rows);
+  agreement_answer(out, input, rows);
   out.close();
+  calibration_warning(out, input);
   times(out, input);
   ranking(out, rows);
   return out.close();

@@ -237,8 +237,8 @@ Markup typical_section(const ReportInput& input) {
   Markup out;
   if (view.shots.empty() || view.shots.front()->waveforms.empty()) return out;
   out.open("section", {{"id", "typical"}});
-  out.element("h2", fmt::format("One typical closing: shot {} at {}", view.shots.front()->index,
-                                std::isfinite(view.angle) ? angle_text(view.angle) : "an angle not known"));
+  out.element(
+      "h2", fmt::format("One typical closing: shot {} {}", view.shots.front()->index, at_angle(view.angle)));
   out.open("figure").embed(waveform_figure(input, view, time_window(input), true));
   out.element(
       "figcaption",

@@ -66,6 +66,15 @@ std::string angle_text(double radians) {
   return text + std::string(degree);
 }
 
+std::string at_angle(double radians) {
+  return "at " + (std::isfinite(radians) ? angle_text(radians) : std::string("an angle not known"));
+}
+
+std::string range_of(double low, double high, int decimals) {
+  const std::string from = fixed(low, decimals), to = fixed(high, decimals);
+  return from == to ? from : from + " to " + to;
+}
+
 std::string short_hash(const std::string& hash) {
   return hash.empty() ? std::string(no_value) : hash.substr(0, 12);
 }

@@ -34,6 +34,12 @@ ReadableUnit readable_unit(std::string_view si_unit);
 /// Angle in degrees with the degree sign, as many of at most two decimals as it needs.
 std::string angle_text(double radians);
 
+/// "at 60°", "at an angle not known".
+std::string at_angle(double radians);
+
+/// "5.96 to 6.03", or "5.96" where both read the same.
+std::string range_of(double low, double high, int decimals);
+
 /// First 12 characters of a hash.
 std::string short_hash(const std::string&);
 

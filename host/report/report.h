@@ -49,6 +49,8 @@ struct SimulatedClosing {
   Events events;
   std::vector<Waveform> waveforms;
   std::vector<Waveform> spread = {};  ///< standard uncertainty of a curve by its inputs; absent: not known
+  bool nominal = false;   ///< as the plan asks, not under the conditions of the closings; its u is not known
+  bool outdated = false;  ///< closings were measured since, and have moved the mean of their conditions
 };
 
 /// Where everything comes from. Empty = unknown, printed as a dash.

@@ -95,7 +95,10 @@ Markup shot_section(const ReportInput& input) {
     const bool train = shot.events && !timing_train(*shot.events).contacts.empty();
     out.element("td",
                 train ? fmt::format("{}", timing_train(*shot.events).bounce_count) : std::string(no_value));
-    out.element("td", fmt::format("{:x}", shot.conditions.seed), {{"class", "code"}});
+    out.element("td",
+                input.origin == Origin::import ? std::string(no_value)  // nobody drew one
+                                               : fmt::format("{:x}", shot.conditions.seed),
+                {{"class", "code"}});
     out.element("td", short_hash(shot.record_hash), {{"class", "code"}});
     out.element("td", remarks.of(shot), {{"class", "left"}});
     out.close();

@@ -3,20 +3,66 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/phase.h"
 #include "core/quantities.h"
+#include "host/compare/compare.h"
 #include "host/report/number.h"
 #include "host/report/sections.h"
 
 namespace powbench::host {
 namespace {
 
+/// How the closings kept to the angle that was asked for.
+struct AngleKept {
+  Range seen;  ///< deg: reached less asked; empty where no tolerance was given or no angle is known
+  std::size_t closings = 0, off = 0;
+  std::string where;  ///< shots that were off
+};
+
+AngleKept angle_kept(const ReportInput& input) {
+  constexpr std::size_t most_named = 5;
+  AngleKept kept;
+  for (const auto& shot : input.shots) {
+    const double asked = effective_angle(shot.conditions);
+    if (!(input.angle_tolerance > 0) || !shot.events || !std::isfinite(asked)) continue;
+    const Measured& reached = shot.events->coil.closing_angle;
+    if (!reached.known()) continue;
+    kept.seen.include(degrees(wrap_half_turn(reached.value - asked)));
+    ++kept.closings;
+    if ((shot.events->coil.flags & flag_angle_off) == 0) continue;
+    if (++kept.off <= most_named) kept.where += fmt::format("{} {}", kept.off > 1 ? "," : "", shot.index);
+  }
+  if (kept.off > most_named) kept.where += fmt::format(" and {} more", kept.off - most_named);
+  return kept;
+}
+
+void angle_row(Markup& out, const AngleKept& angle, double tolerance) {
+  out.open("tr").element("th", "\xCE\xB1", {{"scope", "row"}, {"class", "sym"}});
+  out.element("td", "closing angle reached, less the one asked for", {{"class", "left"}});
+  out.element("td", fmt::format("\xC2\xB1{:g}\xC2\xB0", degrees(tolerance)));
+  out.element("td", fmt::format("{} to {}\xC2\xB0", signed_fixed(angle.seen.low, 2),
+                                signed_fixed(angle.seen.high, 2)));
+  out.open("td");
+  if (angle.off == 0)
+    out.text(fmt::format("kept by all {}", angle.closings));
+  else
+    out.element("span", name(Outcome::fail), {{"class", badge_class(Outcome::fail)}})
+        .text(std::string(angle.off == 1 ? " shot" : " shots") + angle.where);
+  out.close().close();
+}
+
 void limits_table(Markup& out, const ReportInput& input) {
   out.element("h3", "Limits");
+  const AngleKept angle = angle_kept(input);
   if (input.limits.empty()) {
-    out.element("p", "The plan sets none: nothing was judged.", {{"class", "fine"}});
-    return;
+    out.element("p",
+                angle.seen.empty() ? "The plan sets none: nothing was judged."
+                                   : "The plan sets none on a quantity: none was judged.",
+                {{"class", "fine"}});
+    if (angle.seen.empty()) return;
+  } else {
+    out.element("p", decision_text(input.decision), {{"class", "fine"}});
   }
-  out.element("p", decision_text(input.decision), {{"class", "fine"}});
   out.open("table", {{"class", "limits"}}).open("thead").open("tr");
   out.element("th", "Quantity", {{"scope", "col"}, {"colspan", "2"}});
   for (const std::string_view head : {"allowed", "measured, all angles", "result"})
@@ -40,13 +86,14 @@ void limits_table(Markup& out, const ReportInput& input) {
     out.open("tr").element("th", limit.quantity, {{"scope", "row"}, {"class", "sym"}});
     out.element("td", quantity != nullptr ? quantity->meaning : "", {{"class", "left"}});
     out.element("td", range_text(limit));
-    out.element("td", seen.empty() ? std::string(no_value)
-                                   : fmt::format("{} to {} {}", fixed(seen.low, unit.decimals),
-                                                 fixed(seen.high, unit.decimals), unit.name));
+    out.element("td", seen.empty()
+                          ? std::string(no_value)
+                          : range_of(seen.low, seen.high, unit.decimals) + " " + std::string(unit.name));
     out.open("td").element("span", name(outcome), {{"class", badge_class(outcome)}});
     if (!where.empty()) out.text(" at").text(where);
     out.close().close();
   }
+  if (!angle.seen.empty()) angle_row(out, angle, input.angle_tolerance);
   out.close().close();
 }
 

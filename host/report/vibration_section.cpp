@@ -160,8 +160,8 @@ Markup vibration_section(const VibrationView& v) {
 
   if (!v.spectra.empty()) {
     out.open("figure");
-    out.element("h3", fmt::format("{}, shot {} at {}: spectra around the core impact", v.film, v.shot,
-                                  angle_text(v.angle)));
+    out.element("h3", fmt::format("{}, shot {} {}: spectra around the core impact", v.film, v.shot,
+                                  at_angle(v.angle)));
     out.embed(spectra_figure(v));
     out.element("figcaption", "Blue shade: contact band. Orange shade: core bands.");
     out.close();

@@ -236,8 +236,7 @@ Markup waveform_figure(const ReportInput& input, const AngleView& view, const Ra
         panel_plot(input, view, panel, {bounce, channel_range(input, panel.channel, bounce), y, true}));
     y += zoom_height + bottom;
   }
-  return figure(page_width, y, fmt::format("Measured and simulated signals at {}", angle_text(view.angle)),
-                drawn);
+  return figure(page_width, y, fmt::format("Measured and simulated signals {}", at_angle(view.angle)), drawn);
 }
 
 }  // namespace powbench::host

@@ -1,21 +1,26 @@
 #include "host/run/simulate.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <atomic>
 #include <cmath>
 #include <mutex>
 #include <optional>
-#include <set>
 #include <thread>
 #include <utility>
 
 #include "core/channels.h"
+#include "core/counted.h"
 #include "core/phase.h"
 #include "core/quantities.h"
+#include "core/version.h"
 #include "dsp/signal.h"
 #include "host/compare/compare.h"
 #include "host/compare/repeats.h"
 #include "host/run/stop.h"
+#include "host/store/hash.h"
+#include "host/store/json.h"
 
 namespace powbench::host {
 
@@ -60,6 +65,18 @@ struct Twin {
   Events events;
   std::vector<std::vector<double>> curves;
 };
+
+/// What a simulation came from: in words, and the hash of all that went in.
+std::string basis(const ClosingInputs& in, std::size_t closings, const std::string& made_with) {
+  const std::string text =
+      fmt::format("{}\n{}\n{:.17g} {:.17g} {:.17g} {:.17g}\n{}", program_version, to_json(in.conditions),
+                  in.u_angle, in.u_volts, in.u_hertz, in.u_ambient, made_with);
+  constexpr std::size_t digits = 12;
+  return fmt::format("{}; inputs {}",
+                     closings == 0 ? std::string("at the conditions that the plan asks for")
+                                   : "under the mean conditions of " + counted(closings, "measured closing"),
+                     sha256_hex(text).substr(0, digits));
+}
 
 /// What one angle's thread leaves.
 struct Simulated {
@@ -107,6 +124,7 @@ InputSpread input_uncertainty(const ClosingInputs& in, const sim::Specimen& spec
   std::map<std::string, double> variance;
   for (const Quantity& q : quantity_table) variance[std::string(q.symbol)] = 0;
   std::vector<std::vector<double>> curve_variance(std::size(smooth_channels));
+  const Twin middle(in.conditions, specimen, rig, options);
   for (const Input& input : inputs) {
     if (!(input.u > 0.01 * input.least_step)) continue;  // moves nothing that a sample shows
     const double step = std::max(input.u, input.least_step);
@@ -118,8 +136,11 @@ InputSpread input_uncertainty(const ClosingInputs& in, const sim::Specimen& spec
     const Twin a(low, specimen, rig, options), b(high, specimen, rig, options);
     const double scale = input.u / (2 * step);
     const auto square = [scale](double d) { return d * scale * d * scale; };
-    for (const Quantity& q : quantity_table)
-      variance[std::string(q.symbol)] += square(q.of(b.events).value - q.of(a.events).value);
+    for (const Quantity& q : quantity_table) {
+      const double from = q.of(middle.events).value;
+      variance[std::string(q.symbol)] +=
+          2 * (square(q.of(a.events).value - from) + square(q.of(b.events).value - from));
+    }
     for (std::size_t c = 0; c < curve_variance.size(); ++c) {
       curve_variance[c].resize(std::min(a.curves[c].size(), b.curves[c].size()));
       for (std::size_t k = 0; k < curve_variance[c].size(); ++k)
@@ -142,49 +163,59 @@ std::int64_t keep_simulated(Store& store, StoredShot shot, const rigs::Simulated
   return store.store_shot(shot, &closing.record, &events, extraction_info(options));
 }
 
-std::size_t simulate_campaign(Store& store, std::int64_t campaign, std::span<const PlannedShot> plan,
-                              const sim::Specimen& specimen, const rigs::SimRigConfig& rig,
-                              const RunOptions& options, int threads, Progress& progress,
-                              const RecordMaker& make_record, bool nominal) {
-  std::set<double> known;
-  for (const StoredShot& s : store.shots(campaign, ShotKind::simulated)) known.insert(s.angle_deg);
+SimulatedCount simulate_campaign(Store& store, std::int64_t campaign, std::span<const PlannedShot> plan,
+                                 const sim::Specimen& specimen, const rigs::SimRigConfig& rig,
+                                 const RunOptions& options, Progress& progress, const Simulation& how) {
+  std::map<double, std::string> known;  // what the stored ones came from
+  for (const StoredShot& s : store.shots(campaign, ShotKind::simulated)) known[s.angle_deg] = s.reason;
   std::map<double, std::vector<Events>> measured;
-  if (!nominal)
+  if (!how.nominal)
     for (const StoredShot& s : store.shots(campaign, ShotKind::measured))
       if (auto events = powbench::measured(s.outcome) ? store.load_events(s.id) : std::nullopt)
         measured[s.angle_deg].push_back(std::move(*events));
   // one simulation for each angle: its closings differ by noise and by what a mean of their conditions holds
-  std::map<double, StoredShot> missing;
+  std::map<double, StoredShot> angles;
   for (const PlannedShot& planned : plan) {
     StoredShot shot = stored(campaign, ShotKind::simulated, planned);
-    if (!known.contains(shot.angle_deg)) missing.emplace(shot.angle_deg, shot);
+    angles.emplace(shot.angle_deg, shot);
   }
+  SimulatedCount count;
   std::vector<StoredShot> shots;
-  for (auto& [angle, shot] : missing) shots.push_back(shot);
+  std::vector<ClosingInputs> inputs;
+  for (auto& [angle, shot] : angles) {
+    const std::vector<Events>& closings = measured[angle];
+    const ClosingInputs in =
+        closings.empty() ? ClosingInputs{shot.conditions} : inputs_of(shot.conditions, closings, options);
+    shot.conditions = in.conditions;
+    shot.reason = basis(in, closings.size(), how.made_with);
+    const auto before = known.find(angle);
+    if (before != known.end() && before->second == shot.reason) {
+      ++count.kept;
+      continue;
+    }
+    if (before != known.end()) ++count.renewed;
+    shots.push_back(shot), inputs.push_back(in);
+  }
 
   std::vector<Simulated> results(shots.size());
   std::atomic<std::size_t> next = 0, finished = 0;
   std::mutex mutex;
   std::exception_ptr trouble;
-  std::size_t first_open = 0, stored_shots = 0;  // all before the first are stored
+  std::size_t first_open = 0;  // all before the first are stored
   const auto store_one = [&](std::size_t i) {
     const Simulated result = std::exchange(results[i], {});
     if (!result.closing) return;
     const std::int64_t id = keep_simulated(store, shots[i], *result.closing, result.events, options);
     if (!result.prediction.empty()) store.store_prediction(id, result.prediction);
-    ++stored_shots;
+    ++count.stored;
   };
   const auto work = [&] {
     for (std::size_t i = next++; i < shots.size() && !StopOnSignal::asked(); i = next++) {
       try {
         Simulated result;
-        const auto closings = measured.find(shots[i].angle_deg);
-        if (closings != measured.end()) {
-          const ClosingInputs inputs = inputs_of(shots[i].conditions, closings->second, options);
-          shots[i].conditions = inputs.conditions;
-          result.prediction = input_uncertainty(inputs, specimen, rig, options);
-        }
-        result.closing = make_record(specimen, shots[i].conditions, rig);
+        if (!measured.at(shots[i].angle_deg).empty())
+          result.prediction = input_uncertainty(inputs[i], specimen, rig, options);
+        result.closing = how.make(specimen, shots[i].conditions, rig);
         result.events = extract_checked(result.closing->record, options);
         const std::scoped_lock lock(mutex);
         results[i] = std::move(result);
@@ -199,12 +230,12 @@ std::size_t simulate_campaign(Store& store, std::int64_t campaign, std::span<con
     }
   };
   std::vector<std::thread> pool;
-  for (int t = 0; t < std::max(threads, 1); ++t) pool.emplace_back(work);
+  for (int t = 0; t < std::max(how.threads, 1); ++t) pool.emplace_back(work);
   for (auto& t : pool) t.join();
   // behind an angle that was stopped or has failed
   for (; first_open < shots.size(); ++first_open) store_one(first_open);
   if (trouble) std::rethrow_exception(trouble);
-  return stored_shots;
+  return count;
 }
 
 }  // namespace powbench::host

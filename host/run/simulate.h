@@ -31,8 +31,9 @@ struct ClosingInputs {
 /// coil's temperature.
 ClosingInputs inputs_of(const Conditions& asked, std::span<const Events> measured, const RunOptions& options);
 
-/// Standard uncertainty (SI) of each quantity, by symbol, from those of the inputs: u^2 = sum (dq/dx u_x)^2, slopes by central
-/// differences of the plant through the rig's sensors. NaN: a quantity that does not exist on both sides.
+/// Standard uncertainty (SI) of each quantity, by symbol, from those of the inputs: u^2 = sum ((q+ - q0)^2 + (q- - q0)^2) / 2
+/// over the inputs, each moved by its u (or by what a sample shows, scaled), of the plant through the rig's sensors: (dq/dx u_x)^2 where
+/// q is a straight line, and a bounce more or less close by counts. NaN: a quantity that does not exist at all three.
 /// Likewise each smooth curve (travel, coil current) as means over 0.1 ms up to 60 ms.
 InputSpread input_uncertainty(const ClosingInputs&, const sim::Specimen&, const rigs::SimRigConfig&,
                               const RunOptions&);
@@ -41,11 +42,28 @@ InputSpread input_uncertainty(const ClosingInputs&, const sim::Specimen&, const 
 std::int64_t keep_simulated(Store&, StoredShot, const rigs::SimulatedClosing&, const Events&,
                             const RunOptions&);
 
-/// One closing for each angle of the plan, on `threads` threads, stored with record and events. Where the campaign has measured
-/// closings and not `nominal`: under their conditions, with its uncertainty. Each is stored as soon as those of the angles before
-/// it are; what is stored already is kept. An angle that fails is thrown at the end, the others are stored.
-std::size_t simulate_campaign(Store&, std::int64_t campaign, std::span<const PlannedShot>,
-                              const sim::Specimen&, const rigs::SimRigConfig&, const RunOptions&, int threads,
-                              Progress&, const RecordMaker& = rigs::simulate_record, bool nominal = false);
+/// How a campaign is simulated.
+struct Simulation {
+  std::string
+      made_with;  ///< everything but the conditions that a record depends on, as text: model, specimen, sensors
+  RecordMaker make = rigs::simulate_record;
+  bool nominal = false;  ///< as the plan asks, whatever the closings really had
+  int threads = 1;
+};
+
+/// What became of the angles of a plan.
+struct SimulatedCount {
+  std::size_t stored = 0;   ///< simulated now
+  std::size_t renewed = 0;  ///< of these: in the place of a simulation whose inputs have changed since
+  std::size_t kept = 0;     ///< stored before from the same inputs
+};
+
+/// One closing for each angle of the plan, stored with record and events. Where the campaign has measured closings and not
+/// `nominal`: under their conditions, with its uncertainty. Each is stored as soon as those of the angles before it are. Its reason
+/// tells its conditions and the hash of all that went in; one with another hash is simulated anew, and stays as an earlier attempt.
+/// An angle that fails is thrown at the end, the others are stored.
+SimulatedCount simulate_campaign(Store&, std::int64_t campaign, std::span<const PlannedShot>,
+                                 const sim::Specimen&, const rigs::SimRigConfig&, const RunOptions&,
+                                 Progress&, const Simulation& = {});
 
 }  // namespace powbench::host

@@ -132,7 +132,8 @@ std::string Bench::Impl::run_job(const Job& now) {
   if (!stopped() && summary.done() > 0) {
     doing("simulating");
     if (!now.single)
-      simulate_campaign(store, campaign, now.shots, now.scene.specimen, sensors.config, options, 1, silent);
+      simulate_campaign(store, campaign, now.shots, now.scene.specimen, sensors.config, options, silent,
+                        {now.scene.specimen_text + resolved_text(sensors)});
     else if (const Ahead::Made made = wanting ? ahead.wait(key_of(now)) : nullptr)
       keep_simulated(store, beside, made->simulated, made->events, options);
   }

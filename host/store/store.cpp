@@ -40,7 +40,7 @@ struct Store::Impl {
   }
   mutable std::set<std::string> checked{};
 
-  /// The number of the next attempt at this shot; one that gave a valid record has none.
+  /// The number of the next attempt at this shot; a closing that gave a valid record has none.
   int next_attempt(const StoredShot& shot) {
     Statement s(db,
                 "SELECT outcome, attempt FROM shot WHERE campaign_id = ? AND kind = ? AND number = ? "
@@ -48,7 +48,7 @@ struct Store::Impl {
     s.bind(shot.campaign).bind(name(shot.kind)).bind(shot.number);
     if (!s.step()) return 1;
     const Outcome before = outcome_from(s.text(0));
-    if (measured(before))
+    if (shot.kind == ShotKind::measured && measured(before))
       throw StoreError("shot " + std::to_string(shot.number) + " is stored already and is not overwritten");
     return static_cast<int>(s.integer(1)) + 1;
   }

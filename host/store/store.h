@@ -90,7 +90,7 @@ class Store {
  public:
   /// Marks the file as a powbench store ("PoWb").
   static constexpr std::uint32_t application_id = 0x506F5762;
-  static constexpr int schema_version = 5;
+  static constexpr int schema_version = 6;
 
   enum class Mode { read_only, read_write };
 
@@ -111,7 +111,7 @@ class Store {
                                             const std::string& specimen_hash) const;
 
   /// Shot, record and events in one transaction. id, record_hash and attempt of `shot` are ignored. Returns the shot's id.
-  /// A shot that is there already (same campaign, kind, number) gets another attempt, and only if it has no valid record.
+  /// A shot that is there already (same campaign, kind, number) gets another attempt, a measured one only if it has no valid record.
   std::int64_t store_shot(const StoredShot& shot, const Record* record, const Events* events,
                           const ExtractionInfo& extraction);
   /// All shots of a campaign, by kind, then number; of each the last attempt.

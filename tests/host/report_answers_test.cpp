@@ -1,0 +1,121 @@
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <string>
+
+#include "host/compare/compare.h"
+#include "host/report/number.h"
+#include "host/report/report.h"
+
+/// What page 1 says beside its numbers: why a verdict is what it is, what a simulation is of, what no U holds.
+
+using namespace powbench;
+using namespace powbench::host;
+using Catch::Contains;
+
+namespace {
+
+Events closing(double touch, double reached_deg) {
+  Events e;
+  e.contact_voltage.present = true;
+  Contact c;
+  c.touch = {touch, 2e-6};
+  e.contact_voltage.contacts = {c};
+  e.contact_voltage.settled = c.touch;
+  e.contact_voltage.bounce_time = {1e-3, 3e-6};
+  e.core.seat = {touch + 2e-3, 10e-6};
+  e.coil.closing_angle = {radians(reached_deg), radians(0.02)};
+  return e;
+}
+
+ReportInput campaign(std::initializer_list<double> reached) {
+  ReportInput in;
+  in.campaign = "pages";
+  in.planned = reached.size();
+  in.angle_tolerance = radians(1.5);
+  for (const double angle : reached) {
+    ReportShot s;
+    s.index = static_cast<int>(in.shots.size()) + 11;
+    s.conditions.closing_angle = radians(60);
+    s.conditions.seed = 0xabc123;
+    s.events = closing(12e-3, angle);
+    s.outcome = Outcome::not_judged;
+    if (std::fabs(angle - 60) > 1.5) {
+      s.events->coil.flags |= flag_angle_off;
+      s.outcome = Outcome::fail;
+      s.reason = "closing angle " + std::to_string(static_cast<int>(angle)) + " deg, commanded 60 deg";
+    }
+    in.shots.push_back(s);
+  }
+  return in;
+}
+
+std::string page(ReportInput in) {
+  std::vector<AngleGroup> groups;
+  for (const auto& s : in.shots)
+    group_at(groups, effective_angle(s.conditions)).measured.push_back(*s.events);
+  for (const auto& s : in.simulated) group_at(groups, s.closing_angle).simulated.push_back(s.events);
+  in.comparison = compare(groups, {}, in.limits);
+  return render_html(in);
+}
+
+}  // namespace
+
+TEST_CASE("a FAIL by the closing angle says so on page 1, with the shot and the limit", "[report]") {
+  const std::string off = page(campaign({60.1, 63, 64, 57}));
+  CHECK_THAT(off, Contains("Why: shot 12: closing angle 63 deg, commanded 60 deg (and 2 more)."));
+  CHECK_THAT(off, Contains("closing angle reached, less the one asked for"));
+  CHECK_THAT(off, Contains(" shots 12, 13, 14"));
+  CHECK_THAT(off, Contains("+4.00\xC2\xB0"));
+  CHECK_THAT(off, !Contains("so nothing was judged"));
+  const std::string kept = page(campaign({60.1, 59.9}));
+  CHECK_THAT(kept, Contains("kept by all 2"));
+  CHECK_THAT(kept, !Contains("Why:"));
+  CHECK_THAT(kept, !Contains("badge pass"));  // not judged is never green
+}
+
+TEST_CASE("a simulation of other conditions than the closings had says so on page 1", "[report]") {
+  ReportInput in = campaign({60.1, 60.2});
+  in.simulated.push_back({radians(60), closing(12.1e-3, 60), {}});
+  CHECK_THAT(page(in), !Contains("asks for, not those of the closings") && !Contains("older than closings"));
+  in.simulated[0].nominal = true;
+  CHECK_THAT(page(in),
+             Contains("Simulated at the conditions that the plan asks for, not those of the closings"));
+  in.simulated[0].nominal = false;
+  in.simulated[0].outdated = true;
+  CHECK_THAT(page(in), Contains("1 of 1 simulations is older than closings of its angle"));
+}
+
+TEST_CASE("records without a valid calibration say so beside their U", "[report]") {
+  ReportInput in = campaign({60.1, 60.2});
+  CHECK_THAT(page(in), !Contains("No valid calibration"));
+  in.shots[0].events->flags |= flag_no_calibration;
+  CHECK_THAT(page(in), Contains("No valid calibration for 1 of 2 records"));
+  in.shots[1].events->flags |= flag_no_calibration;
+  CHECK_THAT(page(in), Contains("No valid calibration for these records"));
+}
+
+TEST_CASE("an import has no seed, and its angle may be unknown", "[report]") {
+  ReportInput in = campaign({60.1});
+  CHECK_THAT(page(in), Contains("abc123"));
+  in.origin = Origin::import;
+  CHECK_THAT(page(in), !Contains("abc123"));
+  CHECK(at_angle(radians(60)) == "at 60\xC2\xB0");
+  CHECK(at_angle(std::nan("")) == "at an angle not known");
+  CHECK(range_of(12.371, 12.373, 2) == "12.37");
+  CHECK(range_of(12.371, 12.383, 2) == "12.37 to 12.38");
+}
+
+TEST_CASE("of more differences than page 1 lists it tells how many there are", "[report]") {
+  ReportInput in;
+  in.campaign = "many";
+  in.planned = 4;
+  for (int i = 0; i < 4; ++i) {
+    ReportShot s;
+    s.index = i + 1;
+    s.conditions.closing_angle = radians(20.0 * i);
+    s.events = closing(12e-3, 20.0 * i);
+    in.shots.push_back(s);
+    in.simulated.push_back({radians(20.0 * i), closing(15e-3, 20.0 * i), {}});
+  }
+  CHECK_THAT(page(in), Contains("The 5 largest; "));
+}
