@@ -95,13 +95,17 @@ void draw_series(Plot& plot, const ReportInput& input, const Series& series) {
 std::vector<Plot::LegendEntry> legend_of(const ReportInput& input, const std::vector<Series>& all) {
   std::vector<Plot::LegendEntry> legend;
   for (const auto& series : all) {
+    const auto rows = rows_of(input, series.quantity);
+    const bool simulated =
+        std::any_of(rows.begin(), rows.end(), [](const auto* r) { return std::isfinite(r->simulated); });
     const std::string name = all.size() > 1 ? fmt::format("{}, ", series.name) : std::string();
     legend.push_back({name + "measured", {}, false, {series.shape, colour::measured, 4}, true});
-    legend.push_back({name + "simulated",
-                      {colour::simulated, 2.2, 0.6, series.dash},
-                      true,
-                      {series.shape, colour::simulated, 2.6},
-                      true});
+    if (simulated)
+      legend.push_back({name + "simulated",
+                        {colour::simulated, 2.2, 0.6, series.dash},
+                        true,
+                        {series.shape, colour::simulated, 2.6},
+                        true});
   }
   if (!input.published.empty()) {
     legend.push_back({"published measurement", {}, false, {Shape::triangle, colour::published, 4}, true});

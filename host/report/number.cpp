@@ -63,6 +63,7 @@ std::string angle_text(double radians) {
   std::string text = fixed(degrees(radians), 2);
   text.resize(text.find_last_not_of('0') + 1);
   if (text.ends_with('.')) text.pop_back();
+  if (text == "360") text = "0";
   return text + std::string(degree);
 }
 

@@ -21,6 +21,11 @@ std::string pair(double x, double y) {
   return len(x) + " " + len(y);
 }
 
+/// Of a text in UTF-8.
+std::ptrdiff_t characters(std::string_view text) {
+  return std::count_if(text.begin(), text.end(), [](char c) { return (c & 0xC0) != 0x80; });
+}
+
 void draw_marker(Markup& out, double x, double y, const Marker& m) {
   const double r = m.size;
   const std::string_view fill = m.filled ? m.color : std::string_view("#ffffff");
@@ -159,9 +164,16 @@ void Plot::error_bar(XY at, double half_height, const Stroke& stroke) {
   if (!std::isfinite(at.x) || !std::isfinite(at.y) || !(half_height > 0) || !std::isfinite(half_height))
     return;
   constexpr double cap = 3.5;
-  const double x = px(at.x), high = py(at.y + half_height), low = py(at.y - half_height);
-  path(fmt::format("M{}h{}M{}V{}M{}h{}", pair(x - cap, high), len(2 * cap), pair(x, high), len(low),
-                   pair(x - cap, low), len(2 * cap)),
+  const double x = px(at.x), top = box_.top, bottom = box_.top + box_.height;
+  const double high = py(at.y + half_height), low = py(at.y - half_height);
+  // an end outside of the frame is an arrow at the frame
+  const auto end = [&](double y, double edge, double inwards) {
+    return (y - edge) * inwards >= 0 ? fmt::format("M{}h{}", pair(x - cap, y), len(2 * cap))
+                                     : fmt::format("M{}L{}L{}", pair(x - cap, edge + 2 * inwards * cap),
+                                                   pair(x, edge), pair(x + cap, edge + 2 * inwards * cap));
+  };
+  path(end(high, top, 1) + fmt::format("M{}V{}", pair(x, std::max(high, top)), len(std::min(low, bottom))) +
+           end(low, bottom, -1),
        stroke);
 }
 
@@ -189,9 +201,14 @@ void Plot::x_labels(const Ticks& ticks, std::string_view title, std::string_view
 }
 
 void Plot::y_labels(const Ticks& ticks, std::string_view title) {
+  std::ptrdiff_t longest = 1;
+  for (const double y : ticks.at) longest = std::max(longest, characters(fixed(y, ticks.decimals)));
+  constexpr double room = 5;  // characters beside the title; more are made smaller
+  const std::string size = fmt::format("{:.0f}%", 100 * std::min(1.0, room / static_cast<double>(longest)));
+  outside_.open("g", {{"text-anchor", "end"}, {"font-size", size}});
   for (const double y : ticks.at)
-    outside_.element("text", fixed(y, ticks.decimals),
-                     {{"x", len(box_.left - 8)}, {"y", len(py(y) + 4)}, {"text-anchor", "end"}});
+    outside_.element("text", fixed(y, ticks.decimals), {{"x", len(box_.left - 8)}, {"y", len(py(y) + 4)}});
+  outside_.close();
   const double x = box_.left - 50, y = box_.top + box_.height / 2;
   outside_.element("text", title,
                    {{"transform", fmt::format("translate({} {}) rotate(-90)", len(x), len(y))},
@@ -213,10 +230,10 @@ void Plot::text_left(double y, std::string_view text) {
 }
 
 void Plot::legend(const std::vector<LegendEntry>& entries, double height_above) {
-  constexpr double per_character = 6.9, sample = 24, space = 18;
+  constexpr double per_character = 7.6, sample = 24, space = 18;
   double width = 0;
   for (const auto& e : entries)
-    width += sample + 6 + per_character * static_cast<double>(e.text.size()) + space;
+    width += sample + 6 + per_character * static_cast<double>(characters(e.text)) + space;
   double x = box_.left + box_.width - width + space;
   const double y = box_.top - height_above;
   for (const auto& e : entries) {
@@ -229,7 +246,7 @@ void Plot::legend(const std::vector<LegendEntry>& entries, double height_above) 
                    {"stroke-dasharray", e.stroke.dash.empty() ? std::string_view("none") : e.stroke.dash}});
     if (e.has_marker) draw_marker(outside_, x + sample / 2, y - 4, e.marker);
     outside_.element("text", e.text, {{"x", len(x + sample + 6)}, {"y", len(y)}});
-    x += sample + 6 + per_character * static_cast<double>(e.text.size()) + space;
+    x += sample + 6 + per_character * static_cast<double>(characters(e.text)) + space;
   }
 }
 

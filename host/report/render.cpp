@@ -55,13 +55,13 @@ std::string render_html(const ReportInput& input) {
   out.embed(record_section(input));
   out.embed(limits_section(input));
   const auto angles = angles_of(input);
-  if (!angles.empty()) {
-    out.embed(chart_section(input));
-    out.embed(closer_section(input));
-  }
+  // of one angle alone its own page shows all of it
+  const bool over_angles = angles.size() > 1 || !input.published.empty();
+  if (over_angles) out.embed(chart_section(input));
+  if (!angles.empty()) out.embed(closer_section(input));
   // on paper one closing and where everything comes from share a page
   out.open("div", {{"class", "together"}});
-  if (!angles.empty()) out.embed(typical_section(input));
+  if (over_angles && !angles.empty()) out.embed(typical_section(input));
   out.embed(provenance_section(input));
   out.close();
   out.open("h2", {{"class", "appendix"}}).text("Appendix").close();

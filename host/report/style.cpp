@@ -101,7 +101,8 @@ footer { margin-top: 36px; color: var(--soft); font-size: 13px; }
   .columns { columns: 1; }
   section { overflow-x: auto; }
   svg.plot { min-width: 620px; }
-  .grid svg.plot { min-width: 0; font-size: 15px; }
+  .grid svg.plot { min-width: 0; font-size: 14px; }
+  .closer-panel .dygraph-legend { top: 18px !important; font-size: 11px; }
 }
 @media screen { section.angle { content-visibility: auto; contain-intrinsic-size: auto 1180px; } }
 @media screen and (prefers-color-scheme: dark) {
@@ -142,10 +143,14 @@ footer { margin-top: 36px; color: var(--soft); font-size: 13px; }
   .verdict { font-size: 15pt; padding: 5pt 14pt; }
   .provenance, .parameters { font-size: 7.6pt; }
   .provenance div { padding: 1.5pt 0; }
+  #definitions dl { font-size: 8pt; gap: 2pt 12pt; }
+  .columns { columns: 3; column-gap: 14pt; }
+  .parameters th, .parameters td { padding: 1pt 3pt; }
+  footer { display: none; }
   section { margin-top: 12pt; }
   h2.appendix { break-before: page; margin: 0; padding: 0; border: 0; }
   section.angle { break-inside: avoid; margin-top: 4pt; }
-  figure, tr, .answers, .provenance div, .together, #limits { break-inside: avoid; }
+  figure, tr, .answers, .provenance div, .together, #definitions, #limits { break-inside: avoid; }
   .times th, .times td { padding: 1.6pt 2.5pt; white-space: nowrap; }
   figure { margin-bottom: 5pt; }
   .grid { gap: 2pt 14pt; }

@@ -67,6 +67,7 @@ TEST_CASE("a FAIL by the closing angle says so on page 1, with the shot and the 
   CHECK_THAT(off, Contains(" shots 12, 13, 14"));
   CHECK_THAT(off, Contains("+4.00\xC2\xB0"));
   CHECK_THAT(off, !Contains("so nothing was judged"));
+  CHECK_THAT(off, !Contains("Behaviour over the closing angle"));  // there is one
   const std::string kept = page(campaign({60.1, 59.9}));
   CHECK_THAT(kept, Contains("kept by all 2"));
   CHECK_THAT(kept, !Contains("Why:"));
@@ -99,6 +100,7 @@ TEST_CASE("an import has no seed, and its angle may be unknown", "[report]") {
   CHECK_THAT(page(in), Contains("abc123"));
   in.origin = Origin::import;
   CHECK_THAT(page(in), !Contains("abc123"));
+  CHECK(at_angle(radians(359.999)) == "at 0\xC2\xB0");
   CHECK(at_angle(radians(60)) == "at 60\xC2\xB0");
   CHECK(at_angle(std::nan("")) == "at an angle not known");
   CHECK(range_of(12.371, 12.373, 2) == "12.37");
