@@ -165,3 +165,39 @@ TEST_CASE("the report in a browser: desk, keyboard, phone, dark, paper", "[.slow
   CHECK(pages.size() < 14);
   for (const int lines : pages) CHECK(lines >= 15);
 }
+
+/// As the browser's own clock sees it. Printed, not asserted.
+TEST_CASE("the report of 60 closings in a browser: when it can be used, how long a zoom takes", "[.slow]") {
+  const Folder folder;
+  const std::string plan = folder.write(
+      "p.toml", "angles_deg = [0, 15, 30, 45, 60, 75, 90, 105, 120, 135, 150, 165]\nrepeats = 5\n");
+  const std::string db = folder.file("60.db");
+  REQUIRE(run(folder, {"run", plan, "--rig", "sim:", "--db", db}).status == 0);
+  REQUIRE(run(folder, {"report", "--db", db, "-o", folder.file("out")}).status == 0);
+  Browser browser(folder);
+  const std::string page = "file://" + folder.file("out/report.html");
+  Tab tab = browser.open(page);
+  tab.size(1200, 900);
+  std::vector<double> usable, zoom;
+  for (int k = 0; k < 5; ++k) {
+    tab.go(page);
+    usable.push_back(
+        tab.value("new Promise(done=>{const look=()=>document.querySelector('#closer .closer-panel canvas')?"
+                  "done(performance.now()):requestAnimationFrame(look);look()})")
+            .get<double>());
+    for (const char* button : {"bounce", "in", "whole"})
+      zoom.push_back(
+          tab.value(std::string("new Promise(done=>{const t=performance.now();document."
+                                "querySelector('button[data-do=") +
+                    button +
+                    "]').click();"
+                    "requestAnimationFrame(()=>requestAnimationFrame(()=>done(performance.now()-t)))})")
+              .get<double>());
+  }
+  std::sort(usable.begin(), usable.end());
+  std::sort(zoom.begin(), zoom.end());
+  WARN("from asking for the page until its curves can be zoomed, 5 times: median "
+       << usable[2] << " ms, worst " << usable[4] << " ms; a zoom until it is drawn, 15 times: median "
+       << zoom[7] << " ms, worst " << zoom[14] << " ms");
+  CHECK(tab.errors() == std::vector<std::string>());
+}
