@@ -106,9 +106,18 @@ Exit list_shots(const ResultArgs& args) {
   return Exit::pass;
 }
 
+/// A shot's number is its own in a store; a campaign beside it must be the shot's.
+static StoredShot shot_of(const Store& store, const ShotArgs& args) {
+  StoredShot s = store.shot(args.shot);
+  if (args.campaign && *args.campaign != s.campaign)
+    throw BadInput({fmt::format("--campaign {}: shot {} is of campaign {}; leave --campaign out",
+                                *args.campaign, s.id, s.campaign)});
+  return s;
+}
+
 Exit show_shot(const ShotArgs& args) {
   const Store store(args.database, Store::Mode::read_only);
-  const StoredShot s = store.shot(args.shot);
+  const StoredShot s = shot_of(store, args);
   const CampaignInfo campaign = store.campaign(s.campaign);
   const auto events = store.load_events(s.id);
   const auto seal = sealed(store, s);
@@ -185,7 +194,7 @@ Exit plot_shot(const ShotArgs& args) {
   if (kind != ".svg" && kind != ".html")
     throw BadInput({fmt::format("-o {}: a picture is .svg or .html", file)});
   const Store store(args.database, Store::Mode::read_only);
-  const ReportInput input = gather_shot(store, args.shot);
+  const ReportInput input = gather_shot(store, shot_of(store, args).id);
   write_file(file, kind == ".svg" ? render_shot_svg(input) : render_shot_html(input));
   if (args.json) fmt::print("{}\n", Json{{"picture", file}, {"shot", args.shot}}.dump(2));
   fmt::print(stderr, "{}\n", file);

@@ -100,6 +100,9 @@ TEST_CASE("mistakes on the command line", "[system]") {
       {{"rig", "--listen", "300.1.1.1"}, "is no address; give one such as 127.0.0.7"},
       {{"rig", "--listen", "0.0.0.0"}, "add --open-to-network"},
       {{"calibrate", "sim:", "--id", "a", "--expires", "tomorrow"}, "as 2030-12-31"},
+      {{"show", "1", "--campaign", "2", "--db", db},
+       "--campaign 2: shot 1 is of campaign 1; leave --campaign out"},
+      {{"plot", "1", "--campaign", "2", "--db", db}, "shot 1 is of campaign 1"},
       {{"info", "teapot:"}, "unknown rig 'teapot:'; a rig is named like sim:"}};
   for (const Mistake& m : mistakes) {
     const Finished r = run(folder, m.words);
