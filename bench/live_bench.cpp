@@ -194,7 +194,7 @@ int main(int argc, char** argv) {
 
   std::size_t page = 0;
   for (const char* part : {"/", "/base.js", "/page.js", "/test.js", "/parameters.js", "/documents.js",
-                           "/rig.js", "/page.css", "/chart.js"})
+                           "/rig.js", "/trend.js", "/page.css", "/chart.js"})
     page += client.ask(http::verb::get, part).size();
 
   // by a script, that fires at once, and by a person, whose page tells the angle while the person still looks at it

@@ -1,22 +1,17 @@
 // @ts-check
 // Test: one closing, drawn at once; its quantities; the trend over its campaign.
 import { $, access, button, call, cells, clear, field, known, measured, newRow, numberOf, rounded, scaled, sentences, unitOf } from './base.js';
+import * as trend from './trend.js';
 
 /** @typedef {import('./base.js').State} State */
 /** @typedef {import('./base.js').Shot} Shot */
-/** @typedef {import('./base.js').ListedShot} ListedShot */
 
-const longestTrend = 500;
 const panels = typeof Dygraph === 'undefined' ? null : closingPanels($('panels'));
 /** @type {any} */
 let closing = null;
-/** @type {any} */
-let trend = null;
 // what arrives while another page is looked at is drawn when this one is opened: a hidden element has no size
 let visible = false, undrawn = false;
-let shown = 0, newest = 0, stale = false, whole = true, trendCampaign = 0, trendNewest = 0;
-/** @type {ListedShot[]} */
-let trendShots = [];
+let shown = 0, newest = 0, stale = false, whole = true;
 /** @type {Promise<void>|null} */
 let drawing = null;
 
@@ -94,44 +89,17 @@ export async function showShot(id) {
   if (panels && closing) {
     if (visible) panels.draw(closing, closing.bounce, field('stripped').checked);
   } else $('panels').textContent = shot.has_record ? 'This program was built without the charting library.' : 'This shot has no record.';
-  await showTrend(shot.campaign);
+  if (panels) await trend.show(shot.campaign);
 }
-
-/** Only what is new is asked for, and what is shown is bounded: a campaign may have thousands of shots. @param {number} campaign */
-async function showTrend(campaign) {
-  if (!panels) return;
-  if (campaign !== trendCampaign) trendShots = [], trendNewest = 0, trendCampaign = campaign;
-  const fresh = /** @type {ListedShot[]} */ ((await call('GET', '/api/campaigns/' + campaign + '/shots?after=' + trendNewest)).shots);
-  for (const s of fresh) trendNewest = Math.max(trendNewest, s.id);
-  trendShots = trendShots.concat(fresh.filter((s) => s.kind === 'measured')).slice(-longestTrend);
-  drawTrend();
-}
-function drawTrend() {
-  if (!visible || !panels) return;
-  const select = /** @type {HTMLSelectElement} */ ($('trend-of')), option = select.selectedOptions[0];
-  const symbol = select.value, [unit, factor] = unitOf(option.dataset.unit || 's');
-  const rows = trendShots.filter((s) => known(s.quantities[symbol].value)).map((s) => [s.id, [scaled(s.quantities[symbol].value, factor), scaled(s.quantities[symbol].u, 2 * factor) || 0]]);
-  if (trend) trend.destroy();
-  trend = null;
-  clear('trend');
-  $('trend-none').hidden = rows.length > 0;
-  $('trend').setAttribute('aria-label', option.text + ' over the number of the shot, ' + rows.length + ' shots');
-  const colour = getComputedStyle(document.documentElement).getPropertyValue('--measured').trim();
-  if (rows.length)
-    trend = new Dygraph($('trend'), rows, { labels: ['shot', option.text + ' / ' + unit], errorBars: true, sigma: 1, drawPoints: true,
-      pointSize: 3, strokeWidth: 0.4, colors: [colour], includeZero: false, xRangePad: 12, yRangePad: 8, axes: { y: { axisLabelWidth: 54 },
-        x: { axisLabelFormatter: (/** @type {number} */ v) => (Number.isInteger(v) ? String(v) : '') } } });
-}
-$('trend-of').addEventListener('change', drawTrend);
-matchMedia('(prefers-color-scheme: dark)').addEventListener('change', drawTrend);
 
 /** @param {boolean} on */
 export function opened(on) {
   visible = on;
-  if (!on || !panels) return;
+  if (!panels) return;
+  trend.opened(on);
+  if (!on) return;
   if (closing) panels.draw(closing, (!undrawn && panels.range()) || closing.bounce, field('stripped').checked);
   undrawn = false;
-  drawTrend();
 }
 
 /** The newest shot, one at a time: what arrives while one is drawn is drawn next. @param {State} state @param {State|null} before */

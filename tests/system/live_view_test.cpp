@@ -1,0 +1,71 @@
+#include <catch2/catch.hpp>
+#include <cstdlib>
+
+#include "tests/system/browser.h"
+#include "tests/system/live_bench.h"
+
+/// What a person reads off the pages of the live bench: angles, verdicts, mistakes.
+
+using namespace powbench::test;
+using Catch::Contains;
+
+namespace {
+
+const std::string no_job = "fetch('/api/bench').then(r=>r.json()).then(b=>b.job===null)";
+
+void run_plan(Tab& tab, const std::string& plan, int shots) {
+  press(tab, "tab-parameters");
+  tab.until("document.getElementById('text').value.length > 10");
+  tab.value("(()=>{const t=document.getElementById('text');t.value=" + nlohmann::json(plan).dump() +
+            ";t.dispatchEvent(new Event('input'))})()");
+  tab.until(says(std::to_string(shots) + " shots in about"));
+  press(tab, "run");
+  tab.until("document.getElementById('test').hidden === false");
+  tab.until(no_job);
+}
+
+void picture(Tab& tab, const std::string& name) {
+  if (const char* pictures = std::getenv("POWBENCH_PICTURES"))
+    tab.picture(std::string(pictures) + "/" + name);
+}
+
+}  // namespace
+
+TEST_CASE("live page: the trend tells the angles apart by colour, marker and name", "[.slow]") {
+  const Folder folder;
+  LiveBench bench(folder);
+  Browser browser(folder);
+  Tab tab = browser.open(bench.url);
+  tab.size(1200, 1400);
+  run_plan(tab, "name = \"angles\"\nangles_deg = [0, 90]\nrepeats = 3\n", 6);
+  const std::string items = "[...document.querySelectorAll('#trend-angles li')]";
+  tab.until(items + ".map(i=>i.textContent.match(/^ (.+): 3 shots/)?.[1]).join() === '0\u00b0,90\u00b0'");
+  CHECK(tab.value("new Set(" + items + ".map(i=>i.dataset.colour)).size") == 2);
+  CHECK(tab.value("new Set(" + items + ".map(i=>i.dataset.marker)).size") == 2);
+  const auto named = tab.value("document.getElementById('trend').getAttribute('aria-label')");
+  CHECK_THAT(named.get<std::string>(), Contains("0\u00b0: 3 shots") && Contains("90\u00b0: 3 shots"));
+  // in the picture there is as much ink of one angle as of the other
+  const std::string ink =
+      "(colour=>{const p=document.createElement('canvas').getContext('2d');p.fillStyle=colour;p.fillRect(0,0,"
+      "1,1);const [r,g,b]=p.getImageData(0,0,1,1).data;let n=0;for(const c of "
+      "document.querySelectorAll('#trend canvas')){const d=c.getContext('2d').getImageData(0,0,c.width,"
+      "c.height).data;for(let i=0;i<d.length;i+=4)n+=d[i+3]===255&&Math.abs(d[i]-r)+Math.abs(d[i+1]-g)+"
+      "Math.abs(d[i+2]-b)<6}return n})";
+  const auto drawn = [&](int angle) {
+    return tab
+        .value(ink + "(getComputedStyle(document.documentElement).getPropertyValue('--angle-" +
+               std::to_string(angle) + "').trim())")
+        .get<int>();
+  };
+  CHECK(drawn(0) >= 3 * 20);  // a marker has more than 20 points
+  CHECK(drawn(1) >= 3 * 20);
+  tab.value("document.getElementById('trend').scrollIntoView()");
+  picture(tab, "live-trend.png");
+  tab.value(
+      "(()=>{const s=document.getElementById('trend-at');s.value='90\u00b0';s.dispatchEvent(new "
+      "Event('change'))})()");
+  tab.until(items + ".length === 1");
+  CHECK(drawn(0) == 0);
+  CHECK(drawn(1) >= 3 * 20);  // an angle keeps its colour
+  CHECK(tab.errors() == std::vector<std::string>());
+}
