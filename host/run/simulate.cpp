@@ -111,6 +111,16 @@ ClosingInputs inputs_of(const Conditions& asked, std::span<const Events> measure
   return in;
 }
 
+ClosingInputs inputs_as_asked(const Conditions& asked, std::span<const Events> measured,
+                              const RunOptions& options) {
+  ClosingInputs in = inputs_of(asked, measured, options);
+  in.u_angle = std::hypot(in.u_angle, wrap_half_turn(in.conditions.closing_angle - asked.closing_angle));
+  in.u_volts = std::hypot(in.u_volts, in.conditions.supply_volts - asked.supply_volts);
+  in.u_hertz = std::hypot(in.u_hertz, in.conditions.mains_hertz - asked.mains_hertz);
+  in.conditions = asked;
+  return in;
+}
+
 InputSpread input_uncertainty(const ClosingInputs& in, const sim::Specimen& specimen,
                               const rigs::SimRigConfig& rig, const RunOptions& options) {
   struct Input {

@@ -31,6 +31,11 @@ struct ClosingInputs {
 /// coil's temperature.
 ClosingInputs inputs_of(const Conditions& asked, std::span<const Events> measured, const RunOptions& options);
 
+/// Of a simulation that was made as asked: `conditions` are those, and what the closings really had differently is part of u, as an
+/// error that is not corrected: u^2 = u_mean^2 + (mean - asked)^2.
+ClosingInputs inputs_as_asked(const Conditions& asked, std::span<const Events> measured,
+                              const RunOptions& options);
+
 /// Standard uncertainty (SI) of each quantity, by symbol, from those of the inputs: u^2 = sum ((q+ - q0)^2 + (q- - q0)^2) / 2
 /// over the inputs, each moved by its u (or by what a sample shows, scaled), of the plant through the rig's sensors: (dq/dx u_x)^2 where
 /// q is a straight line, and a bounce more or less close by counts. NaN: a quantity that does not exist at all three.

@@ -136,6 +136,7 @@ std::string Bench::Impl::run_job(const Job& now) {
                         {now.scene.specimen_text + resolved_text(sensors)});
     else if (const Ahead::Made made = wanting ? ahead.wait(key_of(now)) : nullptr)
       keep_simulated(store, beside, made->simulated, made->events, options);
+    if (now.single) predict_later(store, now);
   }
   if (!now.single)
     say(fmt::format("plan {}: {} of {} shots recorded, {} outside limits{}{}", now.scene.plan.name,

@@ -10,6 +10,7 @@
 
 #include "host/serve/ahead.h"
 #include "host/serve/bench.h"
+#include "host/serve/later.h"
 #include "host/serve/looker.h"
 #include "host/serve/stoppable_rig.h"
 #include "host/serve/touch.h"
@@ -51,9 +52,10 @@ struct Bench::Impl final : RunWatcher {
   Job single(double angle) const;
   void complete(Job& single) const;  ///< what it takes from the plan in force; the lock is held
   void prepare(double angle);
-  static bool simulated(const Store&, const StoredShot& beside);
+  static std::optional<StoredShot> simulated(const Store&, const StoredShot& beside);
   static Ahead::Key key_of(const Job& single);
   void simulate_ahead(const Job& single);
+  void predict_later(const Store&, const Job& single);
   TouchAim::Aim aim(double touch_angle);
 
   void log_line(const std::string&);  ///< the lock is held
@@ -78,7 +80,8 @@ struct Bench::Impl final : RunWatcher {
   std::optional<Ended> ended;  ///< the plan that ended last, until something else begins
   bool paused = false, ending = false;
   std::int64_t single_campaign = 0, newest_campaign = 0, newest_shot = 0;
-  int singles = 0;  ///< single closings of this plan, so far
+  std::int64_t newest_prediction = 0;  ///< simulated shot whose uncertainty was told last
+  int singles = 0;                     ///< single closings of this plan, so far
   std::optional<StopAnswer> last_stop;
   std::deque<std::string> log;
   std::shared_ptr<const std::string> frame;  ///< of the newest record
@@ -97,6 +100,7 @@ struct Bench::Impl final : RunWatcher {
   std::function<void()>
       with_shot;  ///< of the thread that fires: what is stored with the shot that it has just stored
   std::thread worker;
+  Later later;  ///< last: its tasks use what stands above
 };
 
 }  // namespace powbench::host

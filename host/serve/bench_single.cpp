@@ -1,8 +1,9 @@
 #include <fmt/format.h>
 
-#include <algorithm>
+#include <span>
 
 #include "core/phase.h"
+#include "host/run/simulate.h"
 #include "host/serve/bench_impl.h"
 #include "rigs/simulated_record.h"
 
@@ -10,10 +11,39 @@
 
 namespace powbench::host {
 
-/// True where the closing that would stand beside a shot is stored already.
-bool Bench::Impl::simulated(const Store& store, const StoredShot& beside) {
-  const auto all = store.shots(beside.campaign, ShotKind::simulated);
-  return std::any_of(all.begin(), all.end(), [&](const auto& s) { return s.angle_deg == beside.angle_deg; });
+/// The closing that stands beside a shot; nothing where none is stored.
+std::optional<StoredShot> Bench::Impl::simulated(const Store& store, const StoredShot& beside) {
+  for (const StoredShot& s : store.shots(beside.campaign, ShotKind::simulated))
+    if (s.angle_deg == beside.angle_deg) return s;
+  return std::nullopt;
+}
+
+/// What the uncertainties of the closing's conditions move its simulation by: eight closings more, so after the picture.
+void Bench::Impl::predict_later(const Store& store, const Job& single) {
+  const PlannedShot& shot = single.shots.front();
+  std::int64_t campaign = 0, measured_shot = 0;
+  {
+    const std::scoped_lock lock(mutex);
+    campaign = newest_campaign, measured_shot = newest_shot;
+  }
+  const auto beside = simulated(store, powbench::host::stored(campaign, ShotKind::simulated, shot));
+  const auto events = store.load_events(measured_shot);
+  if (!beside || !events || !store.prediction(beside->id).empty()) return;
+  later.add([this, id = beside->id, asked = shot.conditions, events = *events,
+             specimen = single.scene.specimen, options = run_options(single.scene.plan)] {
+    try {
+      Store own(database);
+      if (!own.prediction(id).empty()) return;
+      const ClosingInputs inputs = inputs_as_asked(asked, std::span(&events, 1), options);
+      own.store_prediction(id, input_uncertainty(inputs, specimen, sensors.config, options));
+      const std::scoped_lock lock(mutex);
+      newest_prediction = id;
+    } catch (const std::exception& e) {
+      say(fmt::format("the uncertainty of simulated shot {} is not known: {}", id, e.what()));
+      return;
+    }
+    changed();
+  });
 }
 
 Ahead::Key Bench::Impl::key_of(const Job& single) {

@@ -102,6 +102,7 @@ std::string Bench::Impl::state() const {
               {"job", nullptr},
               {"ended", nullptr},
               {"newest_shot", newest_shot ? Json(newest_shot) : Json(nullptr)},
+              {"newest_prediction", newest_prediction ? Json(newest_prediction) : Json(nullptr)},
               {"newest_campaign", newest_campaign ? Json(newest_campaign) : Json(nullptr)},
               {"stop", nullptr},
               {"log", log}};

@@ -70,7 +70,7 @@ constexpr Route of_bench[] = {
      "What the token of this request may do, and one for addresses, which may read until the program ends.",
      "", R"({"may_fire": true, "link_token": ""})", get_access},
     {"GET", "/api/bench", Right::read, "Rig, link, job, newest shot, log.", "",
-     R"({"version": "", "rig": {}, "link": {}, "status": {}, "plan": {}, "job": {}, "ended": {}, "newest_shot": 1, "newest_campaign": 1,
+     R"({"version": "", "rig": {}, "link": {}, "status": {}, "plan": {}, "job": {}, "ended": {}, "newest_shot": 1, "newest_prediction": 1, "newest_campaign": 1,
          "stop": {"off": true, "text": "", "ms": 1}, "log": [""]})",
      get_bench},
     {"POST", "/api/stop", Right::none,

@@ -182,6 +182,9 @@ std::string shot_document(const Store& store, const StoredShot& shot) {
     const Measured m = shown.of(q), p = predicted ? q.of(*predicted) : Measured{};
     const ComparisonRow row =
         compared.contains(std::string(q.symbol)) ? compared.at(std::string(q.symbol)) : ComparisonRow{};
+    // what is not known of the simulation is no zero: against a value without its U nothing is judged
+    const bool judged = std::isfinite(row.u_simulated);
+    const double over_U = judged ? row.difference_over_U() : unknown;
     rows.push_back({{"symbol", q.symbol},
                     {"unit", q.unit},
                     {"meaning", q.meaning},
@@ -189,8 +192,10 @@ std::string shot_document(const Store& store, const StoredShot& shot) {
                     {"u", number(m.u)},
                     {"simulated", number(p.value)},
                     {"simulated_u", number(row.u_simulated)},
-                    {"over_U", number(row.difference_over_U())},
-                    {"agreement", agreement(row.difference_over_U())}});
+                    {"over_U", number(over_U)},
+                    {"agreement", judged || !std::isfinite(p.value) ? agreement(over_U)
+                                  : row.u_simulated_unknown         ? "simulated U not known"
+                                                                    : "no simulated U yet"}});
   }
   return text(
       {{"id", shot.id},

@@ -50,6 +50,25 @@ TEST_CASE("simulated under the conditions that the closings had, not those that 
   CHECK(none.conditions.supply_volts == asked.supply_volts);
 }
 
+TEST_CASE("of a closing simulated as asked for, what it really had differently is part of u", "[simulate]") {
+  Conditions asked;
+  asked.closing_angle = radians(60);
+  asked.supply_volts = 230;
+  const RunOptions options;
+  const std::vector<Events> one{seen(0.4, 227, 49.9)};
+  const ClosingInputs real = inputs_of(asked, one, options), in = inputs_as_asked(asked, one, options);
+  CHECK(in.conditions.closing_angle == asked.closing_angle);
+  CHECK(in.conditions.supply_volts == 230);
+  CHECK(in.conditions.mains_hertz == asked.mains_hertz);
+  CHECK(degrees(in.u_angle) == Approx(std::hypot(0.4, 0.02)));
+  CHECK(in.u_volts == Approx(std::hypot(3.0, real.u_volts)));
+  CHECK(in.u_hertz == Approx(std::hypot(0.1, 1e-4)));
+  CHECK(in.u_ambient == real.u_ambient);
+  asked.polarity = -1;  // commanded to 240 deg
+  CHECK(degrees(inputs_as_asked(asked, std::vector<Events>{seen(180.4, 230, 50)}, options).u_angle) ==
+        Approx(std::hypot(0.4, 0.02)));
+}
+
 TEST_CASE("the inputs' uncertainty covers what other inputs do", "[simulate]") {
   // the rig is at 1 % more volts and 4 K more than the plan says: 2 u each; touch and seat have to move by some u
   const RunOptions options;

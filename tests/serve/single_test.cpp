@@ -2,7 +2,10 @@
 #include <future>
 #include <stdexcept>
 
+#include "host/gather/scene.h"
 #include "host/serve/ahead.h"
+#include "host/serve/documents.h"
+#include "host/serve/later.h"
 #include "tests/serve/served.h"
 
 /// Single closings and the simulation made before they are fired.
@@ -102,4 +105,63 @@ TEST_CASE("live bench: a plan that was ended is gone on with, where its rig and 
   store.create_campaign(c);
   refused("/api/campaigns/4/resume", 409, "another specimen file");
   CHECK(s.state().at("job").is_null());
+}
+
+TEST_CASE(
+    "live bench: a simulation without its U is not judged; a single closing's U comes after its picture",
+    "[serve]") {
+  const Served s;
+  REQUIRE(s.ask("POST", "/api/fire", R"({"angle_deg": 90})").status == 202);
+  s.until_ended();
+  wait_until("the prediction", [&] { return !s.state().at("newest_prediction").is_null(); });
+  host::Store store(s.folder.file("lab.db"));
+  const auto shots = store.shots(1);
+  REQUIRE(shots.size() == 2);
+  // the same two closings where nobody has told the simulation's U
+  const std::int64_t other = store.create_campaign(store.campaign(1));
+  for (host::StoredShot shot : shots) {
+    const Record record = store.load_record(shot.id);
+    const auto events = store.load_events(shot.id);
+    shot.campaign = other;
+    store.store_shot(shot, &record, &*events,
+                     host::extraction_info(host::run_options(scene_of(served_plan).plan)));
+  }
+  const auto touch = [&](std::int64_t campaign) {
+    for (const host::StoredShot& shot : store.shots(campaign, host::ShotKind::measured)) {
+      const json document = json::parse(host::shot_document(store, shot));
+      for (const json& q : document.at("quantities"))
+        if (q.at("symbol") == "t_ct1") return q;
+    }
+    return json();
+  };
+  const json with = touch(1), without = touch(other);
+  CHECK(with.at("simulated_u").get<double>() >
+        10e-6);  // what the coil's temperature and the voltage's scale leave open
+  CHECK(with.at("over_U").is_number());
+  CHECK(with.at("agreement") == "agrees");
+  CHECK(without.at("simulated") == with.at("simulated"));
+  CHECK(without.at("simulated_u").is_null());
+  CHECK(without.at("over_U").is_null());
+  CHECK(without.at("agreement") == "no simulated U yet");
+}
+
+TEST_CASE("live bench: of more tasks for later than are kept the oldest are dropped", "[serve]") {
+  std::vector<std::size_t> done;
+  {
+    host::Later later;
+    std::promise<void> begun, go_on, all;
+    later.add([&] {
+      begun.set_value();
+      go_on.get_future().wait();
+    });
+    begun.get_future().wait();
+    for (std::size_t i = 0; i < host::Later::most_waiting + 10; ++i)
+      later.add([&done, i] { done.push_back(i); });
+    go_on.set_value();
+    later.add([&] { all.set_value(); });
+    all.get_future().wait();
+  }
+  REQUIRE(!done.empty());
+  CHECK(done.front() >= 10);
+  CHECK(done.back() == host::Later::most_waiting + 9);
 }

@@ -11,7 +11,7 @@ const panels = typeof Dygraph === 'undefined' ? null : closingPanels($('panels')
 let closing = null;
 // what arrives while another page is looked at is drawn when this one is opened: a hidden element has no size
 let visible = false, undrawn = false;
-let shown = 0, newest = 0, stale = false, whole = true;
+let shown = 0, drawn = 0, newest = 0, stale = false, whole = true;
 /** @type {Promise<void>|null} */
 let drawing = null;
 
@@ -83,11 +83,13 @@ export async function showShot(id) {
     shot.started.replace('T', ' ').replace('Z', ' UTC');
   $('shot-title').classList.toggle('bad', shot.outcome === 'FAIL');
   showQuantities(shot);
+  const again = id === drawn, zoomed = again && panels ? panels.range() : null;
   closing = (await waveforms)[0] || null;
+  drawn = id;
   whole = !shot.has_record || shot.quantities.some((q) => known(q.simulated));
   undrawn = !visible;
   if (panels && closing) {
-    if (visible) panels.draw(closing, closing.bounce, field('stripped').checked);
+    if (visible) panels.draw(closing, zoomed || closing.bounce, field('stripped').checked);
   } else $('panels').textContent = shot.has_record ? 'This program was built without the charting library.' : 'This shot has no record.';
   if (panels) await trend.show(shot.campaign);
 }
@@ -110,7 +112,8 @@ export function show(state, before) {
     ' ms, specimen ' + state.plan.specimen + ' (from the plan)';
   const aim = state.job && state.job.aim;
   $('aimed').textContent = !aim ? '' : 'To touch there the coil is switched on at ' + aim.closing_angle_deg.toFixed(1) + '°; touch is predicted ' + (1e3 * aim.touch_s).toFixed(2) + ' ms later.';
-  if (before && before.job && !state.job) stale = !whole || !!drawing;  // the simulation is there now; what is being drawn may have been asked for before
+  if (before && before.newest_prediction !== state.newest_prediction && drawn === shown) stale = true;  // the simulation's U has come
+  if (before && before.job && !state.job) stale = stale || !whole || !!drawing;  // the simulation is there now; what is being drawn may have been asked for before
   newest = state.newest_shot || 0;
   if (!before || before.job || !before.status || before.plan.name !== state.plan.name || before.plan.specimen !== state.plan.specimen) prepare(state);
   drawNewest();
