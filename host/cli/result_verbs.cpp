@@ -36,8 +36,7 @@ Json number(double x) {
 
 /// Value in the unit people read, or a dash.
 std::string shown(double si, const std::string& unit) {
-  if (!std::isfinite(si)) return "-";
-  return fmt::format("{:.3f}", unit == "s" || unit == "m" || unit == "A" ? si * 1e3 : si);
+  return digits_of(si * readable_unit(unit).per_si, 3);
 }
 
 /// The same to the digits of its U, where that is known.
@@ -61,6 +60,7 @@ Json row_json(const ComparisonRow& r) {
           {"repeats", r.repeats},
           {"measured", number(r.measured.value)},
           {"u_measured", number(r.measured.u)},
+          {"U_measured", number(r.coverage * r.measured.u)},
           {"scatter", number(r.scatter)},
           {"simulated", number(r.simulated)},
           {"published_measurement", number(r.published_measurement)},

@@ -30,6 +30,10 @@ Json number(double x) {
 Json measured_json(const Measured& m) {
   return {{"value", number(m.value)}, {"u", number(m.u)}};
 }
+/// A mean with U = k u, 95.45 %.
+Json expanded_json(const Measured& m, double k) {
+  return {{"value", number(m.value)}, {"u", number(m.u)}, {"U", number(k * m.u)}};
+}
 std::string text(const Json& j) {
   return j.dump(-1, ' ', false, Json::error_handler_t::replace);
 }
@@ -258,8 +262,8 @@ std::string pair_document(const Store& store, const CampaignInfo& first, const C
                     {"unit", r.unit},
                     {"closing_angle_deg", number(degrees(r.closing_angle))},
                     {"n", {r.n[0], r.n[1]}},
-                    {"first", measured_json(r.first)},
-                    {"second", measured_json(r.second)},
+                    {"first", expanded_json(r.first, r.k[0])},
+                    {"second", expanded_json(r.second, r.k[1])},
                     {"difference", number(r.difference)},
                     {"U", number(r.U)},
                     {"over_U", number(r.over_U())},

@@ -3,6 +3,7 @@
 
 #include "tests/system/browser.h"
 #include "tests/system/live_bench.h"
+#include "tests/system/program.h"
 
 /// What a person reads off the pages of the live bench: angles, verdicts, mistakes.
 
@@ -67,5 +68,44 @@ TEST_CASE("live page: the trend tells the angles apart by colour, marker and nam
   tab.until(items + ".length === 1");
   CHECK(drawn(0) == 0);
   CHECK(drawn(1) >= 3 * 20);  // an angle keeps its colour
+  CHECK(tab.errors() == std::vector<std::string>());
+}
+
+TEST_CASE("live page: U of a mean is that of the report and of powbench compare, digit by digit", "[.slow]") {
+  const Folder folder;
+  LiveBench bench(folder);
+  Browser browser(folder);
+  Tab tab = browser.open(bench.url);
+  for (const char* name : {"before", "after"})
+    run_plan(tab, std::string("name = \"") + name + "\"\nangles_deg = [90]\nrepeats = 3\n", 3);
+  press(tab, "tab-documents");
+  tab.until("document.querySelectorAll('#first option').length === 2");
+  tab.value(
+      "document.getElementById('first').value='1';document.getElementById('second').value='2';"
+      "document.querySelector('#compare button').click()");
+  tab.until("document.querySelectorAll('#pair tr').length === 9");
+  const std::string db = folder.file("lab.db");
+  const std::string one = run(folder, {"compare", "--db", db, "--campaign", "1"}).out,
+                    two = run(folder, {"compare", "1", "2", "--db", db}).out;
+  REQUIRE(run(folder, {"report", "--db", db, "--campaign", "1", "-o", folder.file("report")}).status == 0);
+  const std::string report = read_file(folder.file("report") + "/report.html");
+  for (const char* quantity : {"t_ct1", "t_ct_bon", "t_xt1", "v_core", "F_peak", "i_peak"}) {
+    CAPTURE(quantity);
+    const auto shown =
+        tab.value("[...document.querySelectorAll('#pair tr')].find(r=>r.cells[0].textContent==='" +
+                  std::string(quantity) + "').cells[3].textContent")
+            .get<std::string>();
+    const auto at = shown.find(" \u00b1 ");
+    REQUIRE(at != std::string::npos);
+    const std::string value = shown.substr(0, at), U = shown.substr(at + 4);
+    CHECK_THAT(report, Contains(">" + shown + "<"));
+    CHECK_THAT(two, Contains(" " + value + " +- " + U + " "));
+    const std::string row = one.substr(one.find("\n" + std::string(quantity) + " "));
+    std::istringstream words(row);
+    std::string word, angle, n, mean, expanded;
+    words >> word >> angle >> n >> mean >> expanded;
+    CHECK(mean == value);
+    CHECK(expanded == U);
+  }
   CHECK(tab.errors() == std::vector<std::string>());
 }

@@ -99,14 +99,18 @@ export const sentences = (errors) => (Array.isArray(errors) ? errors : [String(e
 export const known = (x) => typeof x === 'number';
 /** A number as people write it, with a point or a comma; NaN for anything else. @param {string} text */
 export const numberOf = (text) => (/^\s*-?\d+([.,]\d*)?\s*$/.test(text) ? Number(text.replace(',', '.')) : NaN);
-/** A value to the digits that its U leaves. @param {number|null} value @param {number|null} U */
+/** A value to the digits that its U leaves, as the report writes it. @param {number|null} value @param {number|null} U */
 export function rounded(value, U) {
   if (!known(value)) return '–';
-  const digits = known(U) && U > 0 ? Math.max(0, Math.min(6, 1 - Math.floor(Math.log10(U)))) : 3;
-  return value.toFixed(digits) + (known(U) ? ' ± ' + U.toFixed(digits) : '');
+  const digits = known(U) && U > 0 ? Math.max(0, Math.min(4, 1 - Math.floor(Math.log10(U)))) : 3;
+  const text = value.toFixed(digits).replace(/^-(?=[0.]+$)/, '');
+  if (!known(U)) return text;
+  if (/[1-9]/.test(U.toFixed(digits))) return text + ' ± ' + U.toFixed(digits);
+  if (value === 0) return '0';  // a zero behind ± would claim that it is exact
+  return U > 0 ? text + ' ± <' + (10 ** -digits).toFixed(digits) : text;
 }
 /** @type {{[unit: string]: [string, number]}} */
-const readable = { s: ['ms', 1e3], m: ['mm', 1e3], A: ['A', 1], N: ['N', 1], 'm/s': ['m/s', 1] };
+const readable = { s: ['ms', 1e3], m: ['mm', 1e3], A: ['mA', 1e3], N: ['N', 1], 'm/s': ['m/s', 1] };
 /** The unit that people read, and its factor. @param {string} unit @returns {[string, number]} */
 export const unitOf = (unit) => readable[unit] || [unit, 1];
 /** @param {number|null} x @param {number} factor */

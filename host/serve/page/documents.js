@@ -4,10 +4,10 @@ import { $, anchor, button, call, cells, clear, field, known, list, measured, ne
 
 /** @typedef {import('./base.js').State} State */
 /** @typedef {import('./base.js').ListedShot} ListedShot */
-/** @typedef {import('./base.js').Measured} Measured */
 /** @typedef {{id: number, name: string, created: string, origin: string, rig: string, specimen: string, angles_deg: number[], shots: number,
  *   outcomes: {[outcome: string]: number}, outside_limits: number, finished: boolean, resumable: boolean}} Campaign */
-/** @typedef {{quantity: string, unit: string, closing_angle_deg: number|null, n: number[], first: Measured, second: Measured,
+/** @typedef {{value: number|null, u: number|null, U: number|null}} Mean */
+/** @typedef {{quantity: string, unit: string, closing_angle_deg: number|null, n: number[], first: Mean, second: Mean,
  *   difference: number|null, U: number|null, over_U: number|null, agreement: string}} PairRow */
 
 const mostShots = 2000;
@@ -120,7 +120,7 @@ $('compare').addEventListener('submit', async (e) => {
     $('pair-title').textContent = 'Campaign ' + c.second.id + ' (' + c.second.origin + ') against ' + c.first.id + ' (' + c.first.origin + '): ' +
       differ + ' of ' + rows.filter((r) => known(r.over_U)).length + ' comparisons differ by more than U';
     for (const r of rows) {
-      const [unit, factor] = unitOf(r.unit), two = (/** @type {Measured} */ m) => measured(m, factor);
+      const [unit, factor] = unitOf(r.unit), two = (/** @type {Mean} */ m) => rounded(scaled(m.value, factor), scaled(m.U, factor));
       cells(newRow('pair'), [r.quantity, [known(r.closing_angle_deg) ? r.closing_angle_deg.toFixed(1) : '–', 'n'], [r.n.join(', '), 'n'], [two(r.first), 'n'], [two(r.second), 'n'],
         [rounded(scaled(r.difference, factor), scaled(r.U, factor)), 'n'], unit, [known(r.over_U) ? r.over_U.toFixed(2) : '–', 'n'],
         [r.agreement, r.agreement === 'differs' ? 'bad' : '']]);
