@@ -216,6 +216,10 @@ Json responses(const Route& route) {
     content[reply] = {{"schema", {{"type", "string"}}}};
   const Json refused = {{"description", "{\"error\": sentence} or {\"errors\": [sentences]}"},
                         {"content", {{"application/json", {{"schema", {{"type", "object"}}}}}}}};
+  if (route.stream)
+    return {{"101", {{"description", "a WebSocket; each of its messages:"}, {"content", content}}},
+            {"426", refused},
+            {"default", refused}};
   return {{"2XX", {{"description", "done"}, {"content", content}}}, {"default", refused}};
 }
 
@@ -237,6 +241,9 @@ std::string openapi() {
                                          {"schema", {{"type", "integer"}, {"minimum", least}}}});
     };
     if (std::string_view(route.path).find("{id}") != std::string_view::npos) parameter("id", "path", true, 1);
+    if (route.stream)  // a browser sends no header with it
+      operation["parameters"].push_back(
+          {{"name", "token"}, {"in", "query"}, {"required", false}, {"schema", {{"type", "string"}}}});
     for (const char* name : route.query)
       if (name != nullptr) parameter(name, "query", std::string_view(name) != "after", 0);
     if (*route.body != '\0')

@@ -42,6 +42,7 @@ struct Route {
   Reply (*act)(const Call&);
   const char* query[2] = {nullptr, nullptr};  ///< whole numbers in the address; `after` may be left out
   const char* other_key = nullptr;            ///< a number in the place of the body's first key
+  bool stream = false;                        ///< a WebSocket: `reply` is each of its messages
 };
 
 std::span<const Route> bench_calls();

@@ -1,6 +1,7 @@
 #include <nlohmann/json.hpp>
 
 #include "host/serve/calls.h"
+#include "host/serve/http.h"
 
 namespace powbench::host {
 namespace {
@@ -65,14 +66,42 @@ Reply get_access(const Call& c) {
           .dump());
 }
 
+/// What comes over the WebSocket is sent by HttpServer; this is for whoever asks without one.
+Reply want_websocket(const Call&) {
+  throw Problem{426,
+                "this is a WebSocket: it sends, and takes nothing; a single answer is at /api/bench and "
+                "/api/shots/{id}/record"};
+}
+
+constexpr const char* state_example =
+    R"({"version": "", "rig": {}, "link": {}, "status": {}, "plan": {}, "job": {}, "ended": {}, "newest_shot": 1, "newest_prediction": 1,
+         "newest_campaign": 1, "stop": {"off": true, "text": "", "ms": 1}, "log": [""]})";
+
 constexpr Route of_bench[] = {
     {"GET", "/api/access", Right::read,
      "What the token of this request may do, and one for addresses, which may read until the program ends.",
      "", R"({"may_fire": true, "link_token": ""})", get_access},
-    {"GET", "/api/bench", Right::read, "Rig, link, job, newest shot, log.", "",
-     R"({"version": "", "rig": {}, "link": {}, "status": {}, "plan": {}, "job": {}, "ended": {}, "newest_shot": 1, "newest_prediction": 1, "newest_campaign": 1,
-         "stop": {"off": true, "text": "", "ms": 1}, "log": [""]})",
-     get_bench},
+    {"GET", "/api/bench", Right::read, "Rig, link, job, newest shot, log.", "", state_example, get_bench},
+    {"GET",
+     state_stream,
+     Right::read,
+     "WebSocket: what GET /api/bench answers, whenever it has changed, at most 25 times a second.",
+     "",
+     state_example,
+     want_websocket,
+     {},
+     nullptr,
+     true},
+    {"GET",
+     record_stream,
+     Right::read,
+     "WebSocket: the newest record in the form of GET /api/shots/{id}/record, at most 25 times a second.",
+     "",
+     "application/octet-stream",
+     want_websocket,
+     {},
+     nullptr,
+     true},
     {"POST", "/api/stop", Right::none,
      "Coil off and job over. `off` is true once the rig has confirmed it; 504 where it has not.", "",
      R"({"off": true, "text": "", "ms": 1})", post_stop},

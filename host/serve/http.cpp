@@ -211,10 +211,11 @@ class HttpServer::Impl::Client : public std::enable_shared_from_this<Client> {
   void act() {
     const Request request = request_of(parser_->get());
     if (websocket::is_upgrade(parser_->get())) {
-      const bool records = request.path == "/api/scope";
-      const Reply may = records || request.path == "/api/live"
-                            ? server_.handlers.listen(request)
-                            : refusal(404, "states are at /api/live, records at /api/scope");
+      const bool records = request.path == record_stream;
+      const Reply may =
+          records || request.path == state_stream
+              ? server_.handlers.listen(request)
+              : refusal(404, std::string("states are at ") + state_stream + ", records at " + record_stream);
       if (may.status != 200) return write(may, true);
       stream_.expires_never();
       const auto listener = std::make_shared<Listener>(server_, stream_.release_socket(), records);

@@ -9,6 +9,9 @@
 
 namespace powbench::host {
 
+/// Where the two kinds of WebSocket are.
+inline constexpr const char *state_stream = "/api/live", *record_stream = "/api/scope";
+
 /// HTTP/1.1 and two kinds of WebSocket, which only send: the newest state, and the newest record, whenever it has changed. One thread for the sockets, one
 /// for stops, two for everything else.
 class HttpServer {

@@ -1,6 +1,9 @@
 #include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
+#include <filesystem>
+#include <regex>
+#include <set>
 
 #include "tests/serve/served.h"
 
@@ -387,6 +390,14 @@ TEST_CASE("live bench: the description lists every call that answers", "[serve]"
       const host::Reply r = s.ask(name, place, body);
       if (harmless) CHECK(r.status == 200);
       CHECK(r.status != 405);
+      if (operation.at("responses").contains("101")) {  // tests/serve/http_test.cpp opens them
+        CHECK(r.status == 426);
+        const json& messages = operation.at("responses").at("101").at("content");
+        if (path == std::string("/api/live"))
+          CHECK(messages ==
+                api.at("paths").at("/api/bench").at("get").at("responses").at("2XX").at("content"));
+        continue;
+      }
       // what is described is what comes, field by field
       const json& content = operation.at("responses").at("2XX").at("content");
       if (r.status < 300 && content.contains("application/json")) {
@@ -411,4 +422,40 @@ TEST_CASE("live bench: the description lists every call that answers", "[serve]"
     }
   CHECK(compared >= 15);
   s.until_ended();
+}
+
+TEST_CASE("live bench: the description has every address of code and page, and no other", "[serve]") {
+  const Served s;
+  const auto calls = s.get("/api").at("paths");
+  std::set<std::string> described, in_code, in_page;
+  for (const auto& [path, unused] : calls.items()) described.insert(path);
+  namespace fs = std::filesystem;
+  const fs::path folder = fs::path(POWBENCH_SOURCE_DIR) / "host/serve";
+  // as a row of a table or a constant has it: the text begins with it and is nothing else
+  const std::regex whole("\"(/api(?:/[A-Za-z0-9_.{}/-]+)?)\"");
+  for (const auto& file : fs::directory_iterator(folder)) {
+    if (!file.is_regular_file() || (file.path().extension() != ".cpp" && file.path().extension() != ".h"))
+      continue;
+    const std::string text = read_file(file.path().string());
+    for (std::sregex_iterator it(text.begin(), text.end(), whole), end; it != end; ++it)
+      in_code.insert((*it)[1]);
+  }
+  CHECK(described == in_code);
+  // what the page asks for: '/api/shots/' + id + '/closing', '/api/files/' + kind
+  const std::regex part("'(/api[A-Za-z0-9_./-]*)[?']((?: \\+ [a-zA-Z.'()-]+ \\+ '([A-Za-z0-9_./-]*)')?)");
+  std::size_t looked = 0;
+  for (const auto& file : fs::directory_iterator(folder / "page")) {
+    const std::string text = read_file(file.path().string());
+    for (std::sregex_iterator it(text.begin(), text.end(), part), end; it != end; ++it) {
+      const std::string begin = (*it)[1], rest = (*it)[3];
+      CAPTURE(file.path().filename().string(), it->str());
+      ++looked;
+      const bool known = std::any_of(described.begin(), described.end(), [&](const std::string& path) {
+        return begin.back() == '/' ? path.starts_with(begin) && path.ends_with(rest) && path != begin
+                                   : path == begin;
+      });
+      CHECK(known);
+    }
+  }
+  CHECK(looked >= 20);
 }
