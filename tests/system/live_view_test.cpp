@@ -109,3 +109,54 @@ TEST_CASE("live page: U of a mean is that of the report and of powbench compare,
   }
   CHECK(tab.errors() == std::vector<std::string>());
 }
+
+TEST_CASE("live page: a list of keys that is older than the text says so", "[.slow]") {
+  const Folder folder;
+  LiveBench bench(folder);
+  Browser browser(folder);
+  Tab tab = browser.open(bench.url + "/#parameters");
+  tab.size(1200, 1000);
+  const auto write = [&](const std::string& text) {
+    tab.until("document.getElementById('text').value.length > 10");
+    tab.value("(()=>{const t=document.getElementById('text');t.value=" + nlohmann::json(text).dump() +
+              ";t.dispatchEvent(new Event('input'))})()");
+  };
+  const std::string repeats = "document.getElementById('key  repeats')",
+                    old = "document.getElementById('keys-old')",
+                    grey = "document.getElementById('keys-table').classList.contains('old')";
+  write("name = \"seven\"\nangles_deg = [0]\nrepeats = 7\n");
+  tab.until(says("7 shots in about"));
+  tab.until(repeats + ".value === '7'");
+  CHECK(tab.value(old + ".hidden") == true);
+  CHECK(tab.value(grey) == false);
+  CHECK(tab.value(repeats + ".placeholder") ==
+        "must be given");  // a default would be one that the program does not take
+  CHECK(tab.value("document.getElementById('key  pause_s').placeholder") != "must be given");
+
+  write("name = \"nine\"\nangles_deg = [0]\nrepeats = 9\nangels_deg = [1]\n");
+  tab.until("!" + old + ".hidden");
+  CHECK(tab.value(repeats + ".value") == "7");
+  CHECK(tab.value(grey) == true);
+  CHECK(tab.value(says(
+            "Old values: the text has mistakes, and this list is of the last text without one.")) == true);
+  // it is seen before the list, not behind it
+  CHECK(tab.value(old + ".getBoundingClientRect().bottom <= "
+                        "document.getElementById('keys-table').getBoundingClientRect().top") == true);
+  picture(tab, "live-plan-mistake.png");
+  // keys of another file are no old values of this one
+  press(tab, "file-specimen");
+  tab.until("document.getElementById('key bridges gap_mm')");
+  CHECK(tab.value(old + ".hidden") == true);
+  write("gap = \n");
+  tab.until("!" + old + ".hidden");
+  press(tab, "file-plan");
+  tab.until("document.getElementById('text').value.includes('nine')");
+  tab.until("document.getElementById('keys-old').textContent === 'No list yet: the text has mistakes.'");
+  CHECK(tab.value("document.querySelectorAll('#keys input').length") == 0);
+
+  write("name = \"nine\"\nangles_deg = [0]\nrepeats = 9\n");
+  tab.until(repeats + "?.value === '9'");
+  CHECK(tab.value(old + ".hidden") == true);
+  CHECK(tab.value(grey) == false);
+  CHECK(tab.errors() == std::vector<std::string>());
+}

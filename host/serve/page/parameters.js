@@ -75,7 +75,11 @@ async function check() {
   $('planned').textContent = reply.errors.length ? reply.errors.length + (reply.errors.length === 1 ? ' mistake' : ' mistakes') : 'No mistakes found.';
   if (reply.fired) showFired(reply.fired);
   if (reply.keys) keys = reply.keys;
-  $('keys-none').hidden = !mistakes;
+  const old = $('keys-old');
+  old.hidden = !mistakes;
+  old.textContent = !mistakes ? '' : keys.length ? 'Old values: the text has mistakes, and this list is of the last text without one.' :
+    'No list yet: the text has mistakes.';
+  $('keys-table').classList.toggle('old', mistakes);
   showKeys();
 }
 
@@ -96,7 +100,7 @@ function showKeys() {
     const input = document.createElement('input');
     input.id = 'key ' + k.section + ' ' + k.key;
     input.value = k.value;
-    input.placeholder = k.default || 'none';
+    input.placeholder = k.required ? 'must be given' : k.default || 'not set';
     input.setAttribute('aria-label', (k.section ? k.section + '.' : '') + k.key);
     input.addEventListener('change', () => set(k, input.value.trim()));
     const row = cells(newRow('keys'), [k.key, input, k.unit, k.meaning + (k.allowed ? '; allowed ' + k.allowed : '')]);
@@ -121,7 +125,7 @@ area.addEventListener('input', () => {
   timer = window.setTimeout(check, 250);
 });
 for (const one of ['plan', 'specimen', 'rig'])
-  $('file-' + one).addEventListener('change', () => { kind = one; $('noted-file').textContent = ''; load(); });
+  $('file-' + one).addEventListener('change', () => { kind = one; keys = []; $('noted-file').textContent = ''; load(); });
 $('template').addEventListener('click', () => put(texts[kind].template));
 $('reload').addEventListener('click', () => { delete texts[kind]; load(); });
 $('check').addEventListener('click', check);
