@@ -29,11 +29,12 @@ double seconds_since(std::chrono::steady_clock::time_point t) {
 }  // namespace
 
 Bench::Impl::Impl(const std::string& rig_uri, const Scene& first, const std::string& database_file,
-                  std::function<void()> on_change, std::function<void()> on_record)
+                  std::function<void()> on_change, std::function<void()> on_record, Clock& its_clock)
     : uri(rig_uri),
       database(database_file),
       changed(std::move(on_change)),
       recorded(std::move(on_record)),
+      clock(its_clock),
       sensors(host::rig_file(rig_uri)),
       endpoint(rigs::endpoint(rig_uri, sensors.config,
                               sensors.specimen.empty() ? first.specimen : load_specimen(sensors))),
@@ -111,12 +112,13 @@ std::string Bench::Impl::run_job(const Job& now) {
     job_rig = found;
     if (now.single) single_campaign = campaign;
     job->campaign = newest_campaign = campaign;
-    job->begun = Clock::now();
+    job->begun = clock.now();
     job->doing = "firing";
   }
   changed();
   RunOptions options = run_options(now.scene.plan);
   options.watcher = this;
+  options.clock = &clock;
   Progress silent("", now.shots.size(), Progress::Style::none);
   // a single closing is simulated as asked, which is known beforehand: beside the shot at the latest, and once for an angle
   const StoredShot beside = powbench::host::stored(campaign, ShotKind::simulated, now.shots.front());
@@ -155,9 +157,15 @@ void Bench::Impl::doing(const char* what) {
 
 void Bench::Impl::between() {
   std::unique_lock lock(mutex);
-  const Clock::time_point from = Clock::now();
+  if (!paused || stopped()) return;
+  const double from = clock.now();
+  waiting = true;
+  lock.unlock();
+  changed();
+  lock.lock();
   wake.wait(lock, [this] { return !paused || stopped(); });
-  if (job) job->begun += Clock::now() - from;  // what is left is told from the time that firing took
+  waiting = false;
+  if (job) job->begun += clock.now() - from;  // what is left is told from the time that firing took
 }
 
 void Bench::Impl::stored(std::int64_t shot) {
@@ -192,7 +200,7 @@ static std::string another_rig(const rigs::RigInfo& there, const rigs::RigInfo& 
 }
 
 StopAnswer Bench::Impl::stop() {
-  const auto begun = Clock::now();
+  const auto begun = std::chrono::steady_clock::now();
   struct Stopping {
     explicit Stopping(std::atomic<int>& n) : count(n) { ++count; }
     ~Stopping() { --count; }
@@ -272,8 +280,9 @@ void Bench::Impl::begin(Job next) {
 }
 
 Bench::Bench(const std::string& rig_uri, const Scene& scene, const std::string& database,
-             std::function<void()> changed, std::function<void()> recorded)
-    : impl_(std::make_unique<Impl>(rig_uri, scene, database, std::move(changed), std::move(recorded))) {}
+             std::function<void()> changed, std::function<void()> recorded, Clock& clock)
+    : impl_(
+          std::make_unique<Impl>(rig_uri, scene, database, std::move(changed), std::move(recorded), clock)) {}
 Bench::~Bench() = default;
 
 std::string Bench::state() const {

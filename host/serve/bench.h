@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "host/gather/scene.h"
+#include "host/run/machine_clock.h"
 #include "host/store/store.h"
 
 namespace powbench::host {
@@ -30,10 +31,11 @@ struct StopAnswer {
 class Bench {
  public:
   /// Opens rig and store; throws RigError, StoreError. `scene`: the plan that single closings take their conditions from.
-  /// `changed` is called, from any thread, whenever state() has changed, `recorded` when frame() has.
+  /// `changed` is called, from any thread, whenever state() has changed, `recorded` when frame() has. `clock`: of the pauses between
+  /// shots and of the time left; outlives the bench.
   Bench(
       const std::string& rig_uri, const Scene& scene, const std::string& database,
-      std::function<void()> changed, std::function<void()> recorded = [] {});
+      std::function<void()> changed, std::function<void()> recorded = [] {}, Clock& clock = machine_clock());
   ~Bench();
   Bench(const Bench&) = delete;
   Bench& operator=(const Bench&) = delete;

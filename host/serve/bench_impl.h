@@ -21,8 +21,6 @@ namespace powbench::host {
 /// The state of a bench and its threads: one that fires, the looker's, and whoever calls. Parts in bench.cpp (firing and stopping),
 /// bench_single.cpp (single closings) and bench_state.cpp (what others see).
 struct Bench::Impl final : RunWatcher {
-  using Clock = std::chrono::steady_clock;
-
   struct Job {
     Scene scene;
     std::vector<PlannedShot> shots;
@@ -31,12 +29,12 @@ struct Bench::Impl final : RunWatcher {
     std::optional<TouchAim::Aim> aim;  ///< of a closing at touch
     std::size_t before = 0;            ///< shots that the campaign has already
     std::size_t done = 0, outside = 0;
-    Clock::time_point begun{};
+    double begun = 0;  ///< of `clock`, s; without the pauses
     std::string doing = "waiting";
   };
 
   Impl(const std::string& rig_uri, const Scene& first, const std::string& database_file,
-       std::function<void()> on_change, std::function<void()> on_record);
+       std::function<void()> on_change, std::function<void()> on_record, Clock& clock);
   ~Impl() override;
 
   void work();
@@ -64,6 +62,7 @@ struct Bench::Impl final : RunWatcher {
 
   const std::string uri, database;
   const std::function<void()> changed, recorded;
+  Clock& clock;
   const RigFile sensors;
   const rigs::Endpoint endpoint;
 
@@ -78,7 +77,8 @@ struct Bench::Impl final : RunWatcher {
   };
   std::optional<Job> job;
   std::optional<Ended> ended;  ///< the plan that ended last, until something else begins
-  bool paused = false, ending = false;
+  bool paused = false, waiting = false,
+       ending = false;  ///< paused: asked for; waiting: and no shot is in flight
   std::int64_t single_campaign = 0, newest_campaign = 0, newest_shot = 0;
   std::int64_t newest_prediction = 0;  ///< simulated shot whose uncertainty was told last
   int singles = 0;                     ///< single closings of this plan, so far

@@ -108,7 +108,7 @@ std::string Bench::Impl::state() const {
               {"log", log}};
   if (job) {
     const auto total = job->shots.size();
-    const double passed = std::chrono::duration<double>(Clock::now() - job->begun).count();
+    const double passed = clock.now() - job->begun;
     const double eta =
         job->done > job->before && job->done < total
             ? passed / static_cast<double>(job->done - job->before) * static_cast<double>(total - job->done)
@@ -116,7 +116,9 @@ std::string Bench::Impl::state() const {
     out["job"] = {{"kind", job->single ? "single" : "plan"},
                   {"name", job->scene.plan.name},
                   {"campaign", job->campaign ? Json(job->campaign) : Json(nullptr)},
-                  {"doing", paused ? "paused" : job->doing},
+                  {"doing", waiting  ? "paused"
+                            : paused ? "pausing after this shot"
+                                     : job->doing},
                   {"paused", paused},
                   {"ending", end_asked.load()},
                   {"done", job->done},

@@ -1,3 +1,4 @@
+#include <atomic>
 #include <catch2/catch.hpp>
 #include <future>
 #include <stdexcept>
@@ -164,4 +165,53 @@ TEST_CASE("live bench: of more tasks for later than are kept the oldest are drop
   REQUIRE(!done.empty());
   CHECK(done.front() >= 10);
   CHECK(done.back() == host::Later::most_waiting + 9);
+}
+
+namespace {
+
+/// Stands still but for what is slept, and what a test adds.
+class StandingClock final : public Clock {
+ public:
+  double now() const override { return time_; }
+  void sleep(double seconds) override { add(seconds); }
+  void add(double seconds) {
+    for (double t = time_; !time_.compare_exchange_weak(t, t + seconds);) {
+    }
+  }
+
+ private:
+  std::atomic<double> time_ = 0;
+};
+
+}  // namespace
+
+TEST_CASE("live bench: the time left is told from the time that firing took, not from a pause", "[serve]") {
+  const Folder folder;
+  StandingClock clock;  // firing takes no time, the pause between two shots 2 s
+  host::Bench bench(
+      "sim:", scene_of(served_plan), folder.file("lab.db"), [] {}, [] {}, clock);
+  const auto job = [&] { return json::parse(bench.state()).at("job"); };
+  bench.run(scene_of("angles_deg = [0]\nrepeats = 500\npause_s = 2\n"));
+  double waited = 0;
+  for (int round = 0; round < 3; ++round) {
+    wait_until("some shots", [&] { return job().at("done") > 2 * round + 1; });
+    bench.pause(true);
+    CHECK(job().at("seconds_left").is_null());
+    wait_until("the pause", [&] { return job().at("doing") == "paused"; });
+    const int done = job().at("done").get<int>();
+    REQUIRE(done < 400);
+    CHECK(clock.now() - waited == Approx(2 * done));
+    clock.add(1000);
+    waited += 1000;
+    bench.pause(false);
+    wait_until("a shot after the pause", [&] { return job().at("done") > done; });
+    const json now = job();
+    const double left = now.at("seconds_left").get<double>(), shots = 500 - now.at("done").get<int>();
+    // of the shot just stored the 2 s behind it may not have passed yet
+    CHECK(left <= 2 * shots + 1e-6);
+    const double n = now.at("done").get<int>();
+    CHECK(left >= 2 * shots * (n - 1) / n - 1e-6);
+  }
+  bench.end();
+  wait_until("the end", [&] { return job().is_null(); });
 }
