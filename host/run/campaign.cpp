@@ -145,7 +145,7 @@ RunSummary run_campaign(Store& store, std::int64_t campaign, std::span<const Pla
     if (done.contains(planned.index)) continue;
     if (stop_asked(options)) {
       summary.interrupted = true;
-      summary.stopped = "stopped by the operator; go on with --resume";
+      summary.stopped = "stopped by the operator; " + options.how_to_go_on;
       break;
     }
     const StoredShot shot = stored(campaign, ShotKind::measured, planned);
@@ -167,13 +167,13 @@ RunSummary run_campaign(Store& store, std::int64_t campaign, std::span<const Pla
     summary.interlock = summary.interlock || result.interlock;
     if (!back) {
       summary.rig_lost = true;
-      summary.stopped = "the rig did not come back; what was stored is safe, go on with --resume";
+      summary.stopped = "the rig did not come back; what was stored is safe; " + options.how_to_go_on;
       break;
     }
     if (failures >= options.max_failures) {
-      summary.stopped = fmt::format(
-          "stopped after {} shots in a row without a record; mend the cause, then go on with --resume",
-          failures);
+      summary.stopped =
+          fmt::format("stopped after {} shots in a row without a record; mend the cause, then {}", failures,
+                      options.how_to_go_on);
       break;
     }
     pause_between(options);

@@ -33,6 +33,7 @@ struct RunOptions {
   std::chrono::milliseconds shot_limit{15'000};  ///< longest time for one shot, hold time included
   Clock* clock = &machine_clock();  ///< of the pauses between shots and in the search for a lost rig
   RunWatcher* watcher = nullptr;    ///< beside the signals, which always count
+  std::string how_to_go_on = "go on with --resume";  ///< of a campaign that stopped early, in words
 };
 
 /// Looks on while a campaign runs, and may hold or end it.

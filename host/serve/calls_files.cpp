@@ -63,7 +63,7 @@ const Parameters plan_parameters{
     plan_template,
     [](const Call& c, std::string text) -> std::string {
       c.bench.adopt(make_scene(plan_of(c, std::move(text))));
-      return "in force for single closings and the next run";
+      return "used from now on, for single closings and the next run";
     }};
 const Parameters specimen_parameters{
     "specimen",

@@ -15,7 +15,7 @@ void fail(int code, const std::string& path, const std::string& detail, int disk
   if (disk_error == ENOSPC || disk_error == EDQUOT) code = SQLITE_FULL;
   switch (code & 0xFF) {
     case SQLITE_FULL:
-      throw StoreError(path + ": no room left on the disk; free some and go on with --resume");
+      throw StoreError(path + ": no room left on the disk; free some, then go on");
     case SQLITE_BUSY:
     case SQLITE_LOCKED:
       throw StoreError(path + ": another program is writing to it; wait for it or use another file");

@@ -80,6 +80,10 @@ TEST_CASE("live bench: a plan that was ended is gone on with, where its rig and 
   s.until_ended();
   const std::size_t before = s.shots();
   REQUIRE(before < 6);
+  // the log is read by a person who has a page, not a command line
+  const std::string log = s.state().at("log").dump();
+  CHECK_THAT(log, Catch::Contains("the button 'Fire the rest' on the page Documents"));
+  CHECK_THAT(log, !Catch::Contains("--resume"));
   CHECK(s.get("/api/campaigns").at(0).at("resumable") == true);
   REQUIRE(s.ask("POST", "/api/campaigns/1/resume", "{}").status == 202);
   CHECK(s.state().at("job").at("done").get<std::size_t>() >= before);

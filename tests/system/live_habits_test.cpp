@@ -60,7 +60,7 @@ TEST_CASE("live page: an unfinished plan is gone on with from the list of campai
   tab.until(no_job);
   press(tab, "tab-documents");
   const std::string go_on =
-      "[...document.querySelectorAll('#campaigns button')].find(b=>b.textContent==='Go on')";
+      "[...document.querySelectorAll('#campaigns button')].find(b=>b.textContent==='Fire the rest')";
   tab.until(go_on);
   tab.value(go_on + ".click()");
   tab.until("document.getElementById('test').hidden === false");
@@ -124,7 +124,7 @@ TEST_CASE("live page: what comes while another page is looked at has its size an
   const std::string shots = "document.querySelectorAll('#shots tr').length";
   tab.until(shots + " > 0 && " + shots + " < 6");
   const std::string go_on =
-      "[...document.querySelectorAll('#campaigns button')].find(b=>b.textContent==='Go on')";
+      "[...document.querySelectorAll('#campaigns button')].find(b=>b.textContent==='Fire the rest')";
   tab.until(go_on);
   tab.value(go_on + ".click()");
   tab.until("/^half: all 6 done/.test(document.getElementById('job').textContent)");

@@ -158,7 +158,7 @@ TEST_CASE("live page: parameters as text and key by key, stored where they came 
   change("key  repeats", "3");
   tab.until(says("6 shots in about"));
   press(tab, "save");
-  tab.until(says("lab.plan.toml stored"));
+  tab.until(says("lab.plan.toml saved"));
   CHECK(read_file(plan) ==
         "# ours\nspecimen = \"one.specimen.toml\"\nangles_deg = [0, 90]  # few\nrepeats = 3\n");
 
@@ -167,7 +167,7 @@ TEST_CASE("live page: parameters as text and key by key, stored where they came 
   change("key bridges gap_mm", "2.6");
   tab.until("/\\[bridges\\]\\ngap_mm = 2.6/.test(document.getElementById('text').value)");
   press(tab, "save");
-  tab.until(says("one.specimen.toml stored"));
+  tab.until(says("one.specimen.toml saved"));
   CHECK(read_file(specimen) == "name = \"one\"  # the first\n\n[bridges]\ngap_mm = 2.6\n");
   press(tab, "file-rig");
   tab.until(says("no rig file was named"));
@@ -193,7 +193,7 @@ TEST_CASE("live page: closing at touch, pause, two campaigns, PDF, exports", "[.
     tab.until("document.getElementById('pause').hidden === false");
     press(tab, "pause");
     tab.until("fetch('/api/bench').then(r=>r.json()).then(b=>b.job&&b.job.doing==='paused')");
-    tab.until("document.getElementById('pause').textContent === 'Go on'");
+    tab.until("document.getElementById('pause').textContent === 'Continue'");
     press(tab, "pause");
     tab.until(no_job);
   }
@@ -362,7 +362,7 @@ TEST_CASE("live page: reload in mid-plan, the program killed and back", "[.slow]
   press(tab, "stop");
   tab.until(says("STOP FAILED"));
   LiveBench again(folder, "sim:", port);
-  tab.until("document.getElementById('state').textContent === 'idle'");
+  tab.until("document.getElementById('state').textContent === 'ready'");
   // what was stored is there
   CHECK(tab.value("fetch('/api/campaigns').then(r=>r.json()).then(l=>l.length)") == 1);
 }
@@ -376,14 +376,14 @@ TEST_CASE("live page: the rig gone and back", "[.slow]") {
   LiveBench bench(folder, "ip:" + address);
   Browser browser(folder);
   Tab tab = browser.open(bench.url);
-  tab.until("document.getElementById('state').textContent === 'idle'");
+  tab.until("document.getElementById('state').textContent === 'ready'");
   rig.reset();
   tab.until("document.getElementById('state').textContent === 'no answer'");
   press(tab, "stop");
   tab.until(says("THE RIG DOES NOT ANSWER"));
   rig = std::make_unique<Program>(rig_folder,
                                   std::vector<std::string>{"rig", "--listen", address, "--boot-seed", "5"});
-  tab.until("document.getElementById('state').textContent === 'idle'");
+  tab.until("document.getElementById('state').textContent === 'ready'");
   tab.until("document.getElementById('fire').disabled === false");
   press(tab, "fire");
   tab.until(says("Shot "));

@@ -162,6 +162,11 @@ for (const box of document.querySelectorAll('.wide')) {
   for (const table of box.children) widths.observe(table);
 }
 
+/** @type {{[state: string]: string}} */
+const states = { idle: 'ready', armed: 'armed', firing: 'firing', captured: 'ready', fault: 'FAULT' };
+/** What a state of the rig means to a person; its record is stored before the next closing. @param {string} state */
+export const stateWord = (state) => states[state] || state;
+
 /** @param {string} path @param {string} text */
 export function anchor(path, text) {
   const a = document.createElement('a');

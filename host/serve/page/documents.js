@@ -48,9 +48,11 @@ function showCampaigns() {
     const links = document.createElement('span');
     links.append(anchor('/api/campaigns/' + c.id + '/report.html', 'report'), ' ', anchor('/api/campaigns/' + c.id + '/report.pdf', 'PDF'),
       ' ', anchor('/api/campaigns/' + c.id + '/shots.csv', 'CSV'), ' ', anchor('/api/campaigns/' + c.id + '/junit.xml', 'JUnit'));
-    if (c.resumable) links.prepend(button('Go on', () => goOn(c.id)), ' ');
+    const count = document.createElement('span');
+    count.append(c.shots + (c.finished ? '' : ', unfinished'));
+    if (c.resumable) count.append(' ', button('Fire the rest', () => fireRest(c.id)));
     cells(newRow('campaigns'), [button(String(c.id), () => open(c.id)), c.name, c.created.slice(0, 16).replace('T', ' '), c.specimen, c.origin,
-      [c.shots + (c.finished ? '' : ', unfinished'), 'n'], [c.outside_limits, c.outside_limits ? 'n bad' : 'n'], links]);
+      [count, 'n'], [c.outside_limits, c.outside_limits ? 'n bad' : 'n'], links]);
   }
   $('found').textContent = campaigns.length === 0 ? 'No campaign yet: fire one closing on the page Test.' : n + ' of ' + campaigns.length + ' campaigns';
 }
@@ -60,7 +62,7 @@ let ran = () => {};
 /** @param {() => void} act */
 export const whenRun = (act) => { ran = act; };
 /** What a plan that was not fired to its end lacks. @param {number} id */
-async function goOn(id) {
+async function fireRest(id) {
   clear('not-resumed');
   try {
     await call('POST', '/api/campaigns/' + id + '/resume', {});

@@ -1,6 +1,6 @@
 // @ts-check
 // The live bench. State arrives over one WebSocket; everything a person does is an HTTP call.
-import { $, call, duration, field, known, learnAccess, link, sentences, whenTokenGiven } from './base.js';
+import { $, call, duration, field, known, learnAccess, link, sentences, stateWord, whenTokenGiven } from './base.js';
 import * as documents from './documents.js';
 import * as parameters from './parameters.js';
 import * as rig from './rig.js';
@@ -37,7 +37,7 @@ function stopAgain(s) {
     unheard = false;
     stop();
   } else if (s.stop && !s.stop.off && s.status && !s.status.live) {
-    alarm('The STOP of ' + unconfirmed + ' was not confirmed in time. The rig answers again: ' + s.status.state + ', its coil is off.', true);
+    alarm('The STOP of ' + unconfirmed + ' was not confirmed in time. The rig answers again: ' + stateWord(s.status.state) + ', its coil is off.', true);
     unconfirmed = '';
   }
 }
@@ -97,13 +97,13 @@ $('end').addEventListener('click', () => attempt(() => call('POST', '/api/plan/e
 function endedText(ended) {
   if (!ended) return '';
   if (ended.done >= ended.shots) return ended.name + ': all ' + ended.shots + ' done';
-  return ended.name + ': ended at ' + ended.done + ' of ' + ended.shots + '; Documents, Go on fires the rest';
+  return ended.name + ': ended at ' + ended.done + ' of ' + ended.shots + '. To fire the rest: page Documents, button Fire the rest';
 }
 
 /** @param {State} s */
 function showJob(s) {
   const { status, job, ended } = s;
-  $('state').textContent = status ? status.state : 'no answer';
+  $('state').textContent = status ? stateWord(status.state) : 'no answer';
   $('state').className = 'state' + (status ? (status.live ? ' live' : '') : ' gone');
   $('job').textContent = !s.link.answers ? s.link.error : !job ? endedText(ended) : job.kind === 'single' ? job.doing :
     job.name + ': ' + job.done + ' of ' + job.shots + ', ' + (job.ending ? 'last shot' : job.doing) +
@@ -113,7 +113,7 @@ function showJob(s) {
   $('progress').hidden = $('pause').hidden = $('end').hidden = !plan;
   if (job) /** @type {HTMLProgressElement} */ ($('progress')).value = job.done / job.shots;
   field('end').disabled = !!job && job.ending;
-  $('pause').textContent = job && job.paused ? 'Go on' : 'Pause';
+  $('pause').textContent = job && job.paused ? 'Continue' : 'Pause';
 }
 
 /** @param {State} next */
@@ -122,7 +122,7 @@ function show(next) {
   state = next;
   $('origin').textContent = next.rig.origin;
   $('rig-name').textContent = next.rig.model + ' ' + next.rig.serial;
-  document.title = next.rig.origin + ', ' + (next.job ? next.job.doing : next.status ? next.status.state : 'no answer') + ': powbench';
+  document.title = next.rig.origin + ', ' + (next.job ? next.job.doing : next.status ? stateWord(next.status.state) : 'no answer') + ': powbench';
   showJob(next);
   if (next.stop && !(before && before.stop)) {
     if (!next.stop.off && !unconfirmed) unconfirmed = new Date().toLocaleTimeString();
@@ -144,7 +144,7 @@ function listen() {
   socket = new WebSocket('ws://' + location.host + link('/api/live'));
   socket.onmessage = (m) => show(JSON.parse(m.data));
   socket.onclose = () => {
-    $('state').textContent = 'no bench';
+    $('state').textContent = 'no connection';
     $('state').className = 'state gone';
     const again = () => window.setTimeout(listen, 500);
     learnAccess().then((known) => {

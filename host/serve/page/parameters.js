@@ -35,7 +35,7 @@ function put(text) {
 }
 function showFile() {
   const t = texts[kind];
-  $('file').textContent = t.file ? t.file + (t.text === t.saved ? '' : ', changed and not stored') :
+  $('file').textContent = t.file ? t.file + (t.text === t.saved ? '' : ', changed and not saved') :
     'no ' + kind + ' file was named when the bench was started: Download keeps the text';
   field('save').disabled = !t.file;
   $('run').hidden = kind !== 'plan';
@@ -149,7 +149,7 @@ async function send(path, done) {
 $('save').addEventListener('click', () => send('/api/files/' + kind + '/save', (reply) => {
   texts[kind].saved = texts[kind].text;
   showFile();
-  $('noted-file').textContent = reply.file + ' stored: ' + reply.note;
+  $('noted-file').textContent = reply.file + ' saved: ' + reply.note;
 }));
 $('run').addEventListener('click', () => send('/api/plan/run', ran));
 
@@ -159,6 +159,6 @@ export function opened(on) {
 }
 /** @param {import('./base.js').State} state */
 export function show(state) {
-  why = state.job ? 'a job is on' : !state.status ? 'the rig does not answer' : access.may_fire ? '' : 'the token may not fire';
+  why = state.job ? 'the bench is busy' : !state.status ? 'the rig does not answer' : access.may_fire ? '' : 'the token may not fire';
   mayRun();
 }

@@ -211,9 +211,9 @@ function tracker(s) {
   const wrong = s.phase_faults && !/^0\b/.test(s.phase_faults);
   const would = s.state === 'fault' ? 'no: fault ' + s.fault : wrong ? 'not yet: the phase is ' + s.phase + '; a shot waits until it is' : three === null || !known(s.angle_tolerance_deg) ? 'not known' :
     three <= s.angle_tolerance_deg ? 'yes: 3 u is within the tolerance' : 'no: 3 u = ' + three.toFixed(3) + '° is more than the tolerance';
-  facts('tracker', [['mains frequency', text(s.mains_hertz, 3, 'Hz')], ['u of the phase now', text(s.phase_u_deg, 3, '°')],
-    ['u of the phase 20 ms ahead', text(s.phase_u_ahead_deg, 3, '°')], ['tolerance of the angle', text(s.angle_tolerance_deg, 3, '°')],
-    ['would it fire', would], ['what is wrong with the mains', s.phase_faults || 'not known'], ['in words', s.phase],
+  facts('tracker', [['mains frequency', text(s.mains_hertz, 3, 'Hz')], ['uncertainty u of the phase now', text(s.phase_u_deg, 3, '°')],
+    ['uncertainty u of the phase 20 ms ahead', text(s.phase_u_ahead_deg, 3, '°')], ['tolerance of the angle', text(s.angle_tolerance_deg, 3, '°')],
+    ['would it fire now', would], ['what is wrong with the mains', s.phase_faults || 'not known'], ['in words', s.phase],
     ['last refusal', s.last_error]]);
 }
 
@@ -233,12 +233,12 @@ export function show(state) {
   const { rig, status, link: line } = state;
   facts('facts', [['rig', rig.uri + ', ' + rig.model + ' ' + rig.serial], ['origin', rig.origin], ['firmware', rig.firmware + ', boot ' + rig.boot_id],
     ['calibration', rig.calibration + (rig.calibration_expires ? ', valid until ' + rig.calibration_expires : '')],
-    ['sampling', rig.sample_rate_hz / 1e3 + ' kS/s'], ['state', status ? status.state : 'no answer'], ['fault', status ? status.fault : 'not known'],
+    ['sampling', rig.sample_rate_hz / 1e3 + ' kS/s'], ['state', status ? status.state + (status.state === 'captured' ? ' (record taken, ready for the next closing)' : '') : 'no answer'], ['fault', status ? status.fault : 'not known'],
     ['owner', status ? status.owner : 'not known']]);
   if (status) tracker(status);
   else facts('tracker', [['mains', 'not known: the rig does not answer']]);
-  facts('link', [['answers', line.answers ? 'yes' : 'NO: ' + line.error], ['one look', line.answer_ms.toFixed(1) + ' ms; median of 100 ' +
-    line.median_ms.toFixed(1) + ' ms, worst ' + line.worst_ms.toFixed(1) + ' ms'], ['looks', String(line.looks)],
+  facts('link', [['answers', line.answers ? 'yes' : 'NO: ' + line.error], ['time of one answer', line.answer_ms.toFixed(1) + ' ms; median of 100 ' +
+    line.median_ms.toFixed(1) + ' ms, worst ' + line.worst_ms.toFixed(1) + ' ms'], ['times asked', String(line.looks)],
     ['connections', line.connections + ', lost ' + line.lost]]);
   clear('channels');
   for (const c of rig.channels)

@@ -107,7 +107,7 @@ export function opened(on) {
 /** The newest shot, one at a time: what arrives while one is drawn is drawn next. @param {State} state @param {State|null} before */
 export function show(state, before) {
   field('fire').disabled = !!state.job || !state.status || !access.may_fire;
-  field('fire').title = state.job ? 'a job is on' : !state.status ? 'the rig does not answer' : access.may_fire ? '' : 'the token may not fire';
+  field('fire').title = state.job ? 'the bench is busy' : !state.status ? 'the rig does not answer' : access.may_fire ? '' : 'the token may not fire';
   $('conditions').textContent = state.plan.supply_volts + ' V, ' + state.plan.mains_hertz + ' Hz, coil on for ' + state.plan.hold_time_ms +
     ' ms, specimen ' + state.plan.specimen + ' (from the plan)';
   const aim = state.job && state.job.aim;
