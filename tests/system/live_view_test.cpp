@@ -160,3 +160,57 @@ TEST_CASE("live page: a list of keys that is older than the text says so", "[.sl
   CHECK(tab.value(grey) == false);
   CHECK(tab.errors() == std::vector<std::string>());
 }
+
+TEST_CASE("live page: no page is wider than a phone, with long names and a comparison too", "[.slow]") {
+  const std::string name = "a_plan_whose_name_has_no_blank_and_is_longer_than_a_phone_is_wide";
+  const Folder folder;
+  folder.write("a_specimen_with_a_long_name.specimen.toml", "name = \"" + name + "_device\"\n");
+  const std::string plan = folder.write(
+      "a_plan_file_with_a_long_name_that_somebody_has_given.plan.toml",
+      "specimen = \"a_specimen_with_a_long_name.specimen.toml\"\nangles_deg = [0]\nrepeats = 1\n");
+  LiveBench bench(folder, "sim:", "0", {"--plan", plan});
+  Browser browser(folder);
+  Tab tab = browser.open(bench.url);
+  tab.size(390, 800);
+  for (const char* end : {"_one", "_two"})
+    run_plan(tab,
+             "name = \"" + name + end +
+                 "\"\nspecimen = \"a_specimen_with_a_long_name.specimen.toml\"\nangles_deg = [0]\nrepeats = "
+                 "1\n[limits.t_ct1]\nmax_ms = 2\n",
+             1);
+  const auto width = [&] {
+    // of a phone the window itself grows with what is too wide for it
+    return tab.value("Math.max(document.documentElement.scrollWidth, document.body.scrollWidth, innerWidth)")
+        .get<int>();
+  };
+  tab.until("document.querySelectorAll('#quantities tr').length === 9");
+  CHECK(width() <= 390);
+  tab.value("document.getElementById('trend').scrollIntoView()");
+  picture(tab, "live-phone-test.png");
+  press(tab, "tab-parameters");
+  tab.until("document.querySelectorAll('#keys tr').length > 10");
+  CHECK(width() <= 390);
+  picture(tab, "live-phone-plan.png");
+  press(tab, "tab-documents");
+  tab.until("document.querySelectorAll('#campaigns tr').length === 2");
+  CHECK(width() <= 390);
+  tab.value("document.querySelector('#campaigns button').click()");
+  tab.until("document.querySelectorAll('#shots tr').length >= 1");
+  tab.value("(()=>{document.getElementById('note-text').value='" + name + name +
+            "';document.getElementById('annotate').requestSubmit()})()");
+  tab.until("document.querySelectorAll('#notes li').length === 1");
+  CHECK(width() <= 390);
+  picture(tab, "live-phone-documents.png");
+  tab.value("document.querySelector('#compare button').click()");
+  tab.until("document.querySelectorAll('#pair tr').length === 9");
+  CHECK(width() <= 390);
+  tab.value("document.getElementById('compare').scrollIntoView()");
+  picture(tab, "live-phone-compare.png");
+  press(tab, "tab-rig");
+  tab.until("document.querySelectorAll('#facts tr').length > 4");
+  press(tab, "read-attributes");
+  tab.until("document.querySelectorAll('#attributes tr').length > 60");
+  CHECK(width() <= 390);
+  picture(tab, "live-phone-rig.png");
+  CHECK(tab.errors() == std::vector<std::string>());
+}
