@@ -26,6 +26,7 @@ StopOnSignal::StopOnSignal() {
 StopOnSignal::~StopOnSignal() {
   std::signal(SIGINT, SIG_DFL);
   std::signal(SIGTERM, SIG_DFL);
+  signals_seen = 0;  // nobody is asked any more
 }
 
 bool StopOnSignal::asked() {

@@ -11,7 +11,7 @@ class StopOnSignal {
   StopOnSignal(const StopOnSignal&) = delete;
   StopOnSignal& operator=(const StopOnSignal&) = delete;
 
-  static bool asked();
+  static bool asked();  ///< false where no object of this class lives
 };
 
 }  // namespace powbench::host
