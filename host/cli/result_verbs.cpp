@@ -30,10 +30,6 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-Json number(double x) {
-  return std::isfinite(x) ? Json(x) : Json(nullptr);
-}
-
 /// Value in the unit people read, or a dash.
 std::string shown(double si, const std::string& unit) {
   return digits_of(si * readable_unit(unit).per_si, 3);
@@ -56,17 +52,17 @@ std::string degrees_text(double angle) {
 Json row_json(const ComparisonRow& r) {
   return {{"quantity", r.quantity},
           {"unit", r.unit},
-          {"closing_angle_deg", number(stored_degrees(r.closing_angle))},
+          {"closing_angle_deg", json_of(stored_degrees(r.closing_angle))},
           {"repeats", r.repeats},
-          {"measured", number(r.measured.value)},
-          {"u_measured", number(r.measured.u)},
-          {"U_measured", number(r.coverage * r.measured.u)},
-          {"scatter", number(r.scatter)},
-          {"simulated", number(r.simulated)},
-          {"published_measurement", number(r.published_measurement)},
-          {"published_simulation", number(r.published_simulation)},
-          {"u_simulated", number(r.u_simulated)},
-          {"difference_over_U", number(r.difference_over_U())},
+          {"measured", json_of(r.measured.value)},
+          {"u_measured", json_of(r.measured.u)},
+          {"U_measured", json_of(r.coverage * r.measured.u)},
+          {"scatter", json_of(r.scatter)},
+          {"simulated", json_of(r.simulated)},
+          {"published_measurement", json_of(r.published_measurement)},
+          {"published_simulation", json_of(r.published_simulation)},
+          {"u_simulated", json_of(r.u_simulated)},
+          {"difference_over_U", json_of(r.difference_over_U())},
           {"agreement", agreement(r.difference_over_U())},
           {"against_simulation", name(r.against_simulation)},
           {"outcome", name(r.outcome)}};
@@ -76,15 +72,15 @@ Json curve_json(const CurveRow& r) {
   const CurveDeviation& d = r.median;
   return {{"quantity", r.quantity},
           {"unit", r.unit},
-          {"closing_angle_deg", number(stored_degrees(r.closing_angle))},
+          {"closing_angle_deg", json_of(stored_degrees(r.closing_angle))},
           {"repeats", r.repeats},
-          {"measured", number(d.measured)},
-          {"simulated", number(d.simulated)},
-          {"largest_difference", number(d.largest)},
-          {"at_s", number(d.at)},
-          {"relative_percent", number(d.share() * 100)},
-          {"rms_percent_of_span", number(d.rms_share * 100)},
-          {"late_s", number(d.late)}};
+          {"measured", json_of(d.measured)},
+          {"simulated", json_of(d.simulated)},
+          {"largest_difference", json_of(d.largest)},
+          {"at_s", json_of(d.at)},
+          {"relative_percent", json_of(d.share() * 100)},
+          {"rms_percent_of_span", json_of(d.rms_share * 100)},
+          {"late_s", json_of(d.late)}};
 }
 
 void print_curves(const std::vector<CurveRow>& rows) {
@@ -131,7 +127,7 @@ Exit list_campaigns(const ResultArgs& args) {
         shots.push_back({{"id", s.id},
                          {"kind", name(s.kind)},
                          {"number", s.number},
-                         {"angle_deg", number(s.angle_deg)},
+                         {"angle_deg", json_of(s.angle_deg)},
                          {"outcome", name(s.outcome)},
                          {"reason", s.reason},
                          {"seed", seed_json(c.origin, s.conditions)},

@@ -11,6 +11,7 @@
 #include "host/cli/verbs.h"
 #include "host/compare/pair.h"
 #include "host/export/write_file.h"
+#include "host/gather/pair_json.h"
 #include "host/gather/verdict.h"
 #include "host/report/number.h"
 #include "host/store/json.h"
@@ -24,10 +25,6 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-Json number(double x) {
-  return std::isfinite(x) ? Json(x) : Json(nullptr);
-}
-
 /// "12.345 +- 0.004", in units of 1/scale of SI, to the digits of U = k u; a dash where it is not known.
 std::string plain(const Measured& m, double scale, int decimals, double k = 2) {
   if (!m.known()) return "-";
@@ -36,10 +33,6 @@ std::string plain(const Measured& m, double scale, int decimals, double k = 2) {
   std::string text = digits_of(m.value * scale, digits);
   if (std::isfinite(U)) text += fmt::format(" +- {:.{}f}", U, digits);
   return text;
-}
-
-Json measured_json(const Measured& m) {
-  return {{"value", number(m.value)}, {"u", number(m.u)}};
 }
 
 /// What the rig itself has sealed; nothing of a simulation, an import or a seal of an earlier firmware.
@@ -79,11 +72,11 @@ Exit list_shots(const ResultArgs& args) {
       list.push_back({{"shot", s.id},
                       {"campaign", s.campaign},
                       {"kind", name(s.kind)},
-                      {"angle_deg", number(s.angle_deg)},
-                      {"reached_rad", measured_json(reached)},
-                      {"touch_s", measured_json(touch)},
-                      {"bounce_s", measured_json(bounce)},
-                      {"settled_s", measured_json(settled)},
+                      {"angle_deg", json_of(s.angle_deg)},
+                      {"reached_rad", json_of(reached)},
+                      {"touch_s", json_of(touch)},
+                      {"bounce_s", json_of(bounce)},
+                      {"settled_s", json_of(settled)},
                       {"attempt", s.attempt},
                       {"started", s.started},
                       {"outcome", name(s.outcome)},
@@ -127,11 +120,11 @@ Exit show_shot(const ShotArgs& args) {
                 {"campaign", s.campaign},
                 {"origin", name(origin)},
                 {"kind", name(s.kind)},
-                {"angle_deg", number(s.angle_deg)},
-                {"supply_volts", number(s.conditions.supply_volts)},
-                {"mains_hertz", number(s.conditions.mains_hertz)},
-                {"hold_time_s", number(s.conditions.hold_time)},
-                {"ambient_K", number(s.conditions.ambient)},
+                {"angle_deg", json_of(s.angle_deg)},
+                {"supply_volts", json_of(s.conditions.supply_volts)},
+                {"mains_hertz", json_of(s.conditions.mains_hertz)},
+                {"hold_time_s", json_of(s.conditions.hold_time)},
+                {"ambient_K", json_of(s.conditions.ambient)},
                 {"seed", seed_json(origin, s.conditions)},
                 {"started", s.started},
                 {"attempt", s.attempt},
@@ -241,29 +234,19 @@ Exit compare_campaigns(const CompareArgs& args) {
   const CampaignInfo first = store.campaign(args.pair[0]), second = store.campaign(args.pair[1]);
   const auto rows = compare_pair(compare_stored(store, first), compare_stored(store, second));
   const Outcome verdicts[] = {campaign_verdict(store, first), campaign_verdict(store, second)};
-  Json list = Json::array();
+  if (args.json) {
+    fmt::print("{}\n", pair_json(rows).dump(2));
+    return exit_of(worse(verdicts[0], verdicts[1]));
+  }
   std::size_t differ = 0, judged = 0;
-  if (!args.json)
-    fmt::print(
-        "campaign {}, {} ({}, {}), against campaign {}, {} ({}, {}); +- is U, 95.45 % (k = 2 and more)\n"
-        "{:<9} {:>7} {:>7} {:>19} {:>19} {:>11} {:>9} {:>7}\n",
-        second.id, second.name, name(second.origin), name(verdicts[1]), first.id, first.name,
-        name(first.origin), name(verdicts[0]), "quantity", "deg", "n", "first", "second", "difference", "U",
-        "diff./U");
+  fmt::print(
+      "campaign {}, {} ({}, {}), against campaign {}, {} ({}, {}); +- is U, 95.45 % (k = 2 and more)\n"
+      "{:<9} {:>7} {:>7} {:>19} {:>19} {:>11} {:>9} {:>7}\n",
+      second.id, second.name, name(second.origin), name(verdicts[1]), first.id, first.name,
+      name(first.origin), name(verdicts[0]), "quantity", "deg", "n", "first", "second", "difference", "U",
+      "diff./U");
   for (const PairRow& r : rows) {
     const ReadableUnit unit = readable_unit(r.unit);
-    if (args.json) {
-      list.push_back({{"quantity", r.quantity},
-                      {"unit", r.unit},
-                      {"closing_angle_deg", number(stored_degrees(r.closing_angle))},
-                      {"n", {r.n[0], r.n[1]}},
-                      {"first", measured_json(r.first)},
-                      {"second", measured_json(r.second)},
-                      {"difference", number(r.difference)},
-                      {"U", number(r.U)},
-                      {"agreement", agreement(r.over_U())}});
-      continue;
-    }
     const int digits = decimals_for(r.U * unit.per_si, 3);
     fmt::print("{:<9} {:>7} {:>7} {:>19} {:>19} {:>11} {:>9} {:>7} {:<9} {}\n", r.quantity,
                std::isfinite(r.closing_angle) ? fmt::format("{:.2f}", degrees(r.closing_angle)) : "-",
@@ -274,10 +257,7 @@ Exit compare_campaigns(const CompareArgs& args) {
     judged += std::isfinite(r.over_U()) ? 1U : 0U;
     differ += r.over_U() > 1 ? 1U : 0U;
   }
-  if (args.json)
-    fmt::print("{}\n", list.dump(2));
-  else
-    fmt::print("{} of {} differ, {} not known\n", differ, judged, rows.size() - judged);
+  fmt::print("{} of {} differ, {} not known\n", differ, judged, rows.size() - judged);
   return exit_of(worse(verdicts[0], verdicts[1]));
 }
 

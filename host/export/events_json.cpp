@@ -13,10 +13,6 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-Json number(double x) {
-  return std::isfinite(x) ? Json(x) : Json(nullptr);
-}
-
 Json flags_json(std::uint32_t flags) {
   Json list = Json::array();
   const std::string names = flag_names(flags);
@@ -31,21 +27,21 @@ Json flags_json(std::uint32_t flags) {
 Json train_json(const ContactTrain& t, std::uint32_t all) {
   Json contacts = Json::array();
   for (const Contact& c : t.contacts)
-    contacts.push_back({{"touch_s", number(c.touch.value)},
-                        {"u_touch_s", number(c.touch.u)},
-                        {"release_s", number(c.release.value)},
-                        {"u_release_s", number(c.release.u)},
-                        {"peak", number(c.peak.value)},
-                        {"impulse", number(c.impulse.value)},
+    contacts.push_back({{"touch_s", json_of(c.touch.value)},
+                        {"u_touch_s", json_of(c.touch.u)},
+                        {"release_s", json_of(c.release.value)},
+                        {"u_release_s", json_of(c.release.u)},
+                        {"peak", json_of(c.peak.value)},
+                        {"impulse", json_of(c.impulse.value)},
                         {"flags", flags_json(c.flags | t.flags | all)},
-                        {"probability", number(c.probability)}});
+                        {"probability", json_of(c.probability)}});
   return {{"shows", name(t.shows)},
           {"reason", t.reason.empty() ? Json(nullptr) : Json(t.reason)},
           {"contacts", contacts},
-          {"settled_s", number(t.settled.value)},
-          {"u_settled_s", number(t.settled.u)},
-          {"bounce_time_s", number(t.bounce_time.value)},
-          {"resolution_s", t.present ? number(t.resolution) : Json(nullptr)}};
+          {"settled_s", json_of(t.settled.value)},
+          {"u_settled_s", json_of(t.settled.u)},
+          {"bounce_time_s", json_of(t.bounce_time.value)},
+          {"resolution_s", t.present ? json_of(t.resolution) : Json(nullptr)}};
 }
 
 }  // namespace
@@ -58,21 +54,21 @@ std::string to_events_json(const Events& e, const Record& record, int indent, co
                                        {Channel::contact_a, &e.contact_voltage}})
     if (record.find(channel)) channels[std::string(info(channel).name)] = train_json(*train, all);
   const CoreEvents& c = e.core;
-  const Json core = {{"seat_s", number(c.seat.value)},
-                     {"u_seat_s", number(c.seat.u)},
-                     {"settled_s", number(c.settled.value)},
-                     {"u_settled_s", number(c.settled.u)},
-                     {"bounce_time_s", number(c.bounce_time.value)},
-                     {"impact_velocity_m_per_s", number(c.impact_velocity.value)},
-                     {"u_impact_velocity_m_per_s", number(c.impact_velocity.u)},
-                     {"travel_m", number(c.travel.value)},
-                     {"u_travel_m", number(c.travel.u)},
-                     {"resolution_s", c.seat.known() ? number(dsp::core_resolution(o)) : Json(nullptr)},
+  const Json core = {{"seat_s", json_of(c.seat.value)},
+                     {"u_seat_s", json_of(c.seat.u)},
+                     {"settled_s", json_of(c.settled.value)},
+                     {"u_settled_s", json_of(c.settled.u)},
+                     {"bounce_time_s", json_of(c.bounce_time.value)},
+                     {"impact_velocity_m_per_s", json_of(c.impact_velocity.value)},
+                     {"u_impact_velocity_m_per_s", json_of(c.impact_velocity.u)},
+                     {"travel_m", json_of(c.travel.value)},
+                     {"u_travel_m", json_of(c.travel.u)},
+                     {"resolution_s", c.seat.known() ? json_of(dsp::core_resolution(o)) : Json(nullptr)},
                      {"flags", flags_json(c.flags | all)}};
   const Json j = {{"channels", channels},
                   {"core", core},
-                  {"closing_angle_deg", number(degrees(e.coil.closing_angle.value))},
-                  {"u_closing_angle_deg", number(degrees(e.coil.closing_angle.u))},
+                  {"closing_angle_deg", json_of(degrees(e.coil.closing_angle.value))},
+                  {"u_closing_angle_deg", json_of(degrees(e.coil.closing_angle.u))},
                   {"no_closing_angle", e.coil.no_angle.empty() ? Json(nullptr) : Json(e.coil.no_angle)}};
   return j.dump(indent);
 }

@@ -15,25 +15,17 @@
 #include "host/export/csv.h"
 #include "host/export/events_json.h"
 #include "host/gather/gather.h"
+#include "host/gather/pair_json.h"
 #include "host/gather/pdf.h"
 #include "host/report/closing_json.h"
 #include "host/serve/frame.h"
+#include "host/store/json.h"
 
 namespace powbench::host {
 namespace {
 
 using Json = nlohmann::ordered_json;
 
-Json number(double x) {
-  return std::isfinite(x) ? Json(x) : Json(nullptr);
-}
-Json measured_json(const Measured& m) {
-  return {{"value", number(m.value)}, {"u", number(m.u)}};
-}
-/// A mean with U = k u, 95.45 %.
-Json expanded_json(const Measured& m, double k) {
-  return {{"value", number(m.value)}, {"u", number(m.u)}, {"U", number(k * m.u)}};
-}
 std::string text(const Json& j) {
   return j.dump(-1, ' ', false, Json::error_handler_t::replace);
 }
@@ -54,7 +46,7 @@ class Shown {
   }
   Json json() const {
     Json out = Json::object();
-    for (const Quantity& q : quantity_table) out[std::string(q.symbol)] = measured_json(of(q));
+    for (const Quantity& q : quantity_table) out[std::string(q.symbol)] = json_of(of(q));
     return out;
   }
   const std::optional<Events> events;
@@ -100,7 +92,7 @@ std::string campaigns_document(const Store& store, CampaignFacts& facts) {
     std::size_t measured_shots = 0, outside = 0;
     Json outcomes = Json::object(), angles = Json::array();
     const CampaignFacts::Facts known = facts.of(c);
-    for (const double a : known.angles) angles.push_back(number(degrees(a)));
+    for (const double a : known.angles) angles.push_back(json_of(degrees(a)));
     for (const auto& [outcome, count] : store.outcomes(c.id, ShotKind::measured)) {
       measured_shots += count;
       outcomes[std::string(name(outcome))] = count;
@@ -127,15 +119,14 @@ std::string shots_document(const Store& store, const CampaignInfo& campaign, std
   for (const StoredShot& s : store.shots(campaign.id)) {
     if (s.id <= after) continue;
     const Shown shown(store, s);
-    list.push_back(
-        {{"id", s.id},
-         {"kind", name(s.kind)},
-         {"angle_deg", number(s.angle_deg)},
-         {"reached_rad", measured_json(shown.events ? shown.events->coil.closing_angle : Measured{})},
-         {"outcome", name(s.outcome)},
-         {"reason", s.reason},
-         {"started", s.started},
-         {"quantities", shown.json()}});
+    list.push_back({{"id", s.id},
+                    {"kind", name(s.kind)},
+                    {"angle_deg", json_of(s.angle_deg)},
+                    {"reached_rad", json_of(shown.events ? shown.events->coil.closing_angle : Measured{})},
+                    {"outcome", name(s.outcome)},
+                    {"reason", s.reason},
+                    {"started", s.started},
+                    {"quantities", shown.json()}});
   }
   return text({{"campaign", campaign.id},
                {"name", campaign.name},
@@ -192,11 +183,11 @@ std::string shot_document(const Store& store, const StoredShot& shot) {
     rows.push_back({{"symbol", q.symbol},
                     {"unit", q.unit},
                     {"meaning", q.meaning},
-                    {"value", number(m.value)},
-                    {"u", number(m.u)},
-                    {"simulated", number(p.value)},
-                    {"simulated_u", number(row.u_simulated)},
-                    {"over_U", number(over_U)},
+                    {"value", json_of(m.value)},
+                    {"u", json_of(m.u)},
+                    {"simulated", json_of(p.value)},
+                    {"simulated_u", json_of(row.u_simulated)},
+                    {"over_U", json_of(over_U)},
                     {"agreement", judged || !std::isfinite(p.value) ? agreement(over_U)
                                   : row.u_simulated_unknown         ? "simulated U not known"
                                                                     : "no simulated U yet"}});
@@ -206,12 +197,12 @@ std::string shot_document(const Store& store, const StoredShot& shot) {
        {"campaign", shot.campaign},
        {"kind", name(shot.kind)},
        {"origin", name(shot.kind == ShotKind::simulated ? Origin::simulation : campaign.origin)},
-       {"angle_deg", number(shot.angle_deg)},
-       {"reached_rad", measured_json(events ? events->coil.closing_angle : Measured{})},
-       {"touch_rad", measured_json(events ? touch_angle(*events, shot.conditions.mains_hertz) : Measured{})},
-       {"supply_volts", number(shot.conditions.supply_volts)},
-       {"mains_hertz", number(shot.conditions.mains_hertz)},
-       {"hold_time_s", number(shot.conditions.hold_time)},
+       {"angle_deg", json_of(shot.angle_deg)},
+       {"reached_rad", json_of(events ? events->coil.closing_angle : Measured{})},
+       {"touch_rad", json_of(events ? touch_angle(*events, shot.conditions.mains_hertz) : Measured{})},
+       {"supply_volts", json_of(shot.conditions.supply_volts)},
+       {"mains_hertz", json_of(shot.conditions.mains_hertz)},
+       {"hold_time_s", json_of(shot.conditions.hold_time)},
        {"started", shot.started},
        {"outcome", name(shot.outcome)},
        {"reason", shot.reason},
@@ -256,18 +247,7 @@ std::string frame_document(const Store& store, const StoredShot& shot) {
 }
 
 std::string pair_document(const Store& store, const CampaignInfo& first, const CampaignInfo& second) {
-  Json rows = Json::array();
-  for (const PairRow& r : compare_pair(compare_stored(store, first), compare_stored(store, second)))
-    rows.push_back({{"quantity", r.quantity},
-                    {"unit", r.unit},
-                    {"closing_angle_deg", number(degrees(r.closing_angle))},
-                    {"n", {r.n[0], r.n[1]}},
-                    {"first", expanded_json(r.first, r.k[0])},
-                    {"second", expanded_json(r.second, r.k[1])},
-                    {"difference", number(r.difference)},
-                    {"U", number(r.U)},
-                    {"over_U", number(r.over_U())},
-                    {"agreement", agreement(r.over_U())}});
+  const Json rows = pair_json(compare_pair(compare_stored(store, first), compare_stored(store, second)));
   const auto who = [](const CampaignInfo& c) {
     return Json{{"id", c.id}, {"name", c.name}, {"origin", name(c.origin)}, {"created", c.created}};
   };

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <string_view>
 
@@ -15,6 +16,10 @@ std::string to_json(const Events&, int indent = -1);
 std::string to_json(const Conditions&, int indent = -1);
 Events events_from_json(std::string_view);
 Conditions conditions_from_json(std::string_view);
+
+/// null for what is not known; a measured value as {value, u}.
+nlohmann::ordered_json json_of(double);
+nlohmann::ordered_json json_of(const Measured&);
 
 /// Names of the set flags, e.g. "clipped, poor_fit"; empty when none is set.
 std::string flag_names(std::uint32_t flags);

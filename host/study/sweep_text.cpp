@@ -1,4 +1,5 @@
 #include "host/study/sweep_text.h"
+#include "host/store/json.h"
 
 #include <fmt/format.h>
 
@@ -21,10 +22,6 @@ std::vector<double> column(const std::vector<std::vector<double>>& rows, std::si
     if (std::isfinite(row[k])) values.push_back(row[k]);
   std::sort(values.begin(), values.end());
   return values;
-}
-
-Json number(double v) {
-  return std::isfinite(v) ? Json(v) : Json(nullptr);
 }
 
 std::string modes_text(const std::vector<sim::Mode>& list, double scale) {
@@ -89,7 +86,7 @@ std::string sweep_json(const sim::Design& design, const std::vector<std::vector<
     Json entry{{"name", sim::metric_table[k].name}};
     const char* names[] = {"least", "q05", "median", "q95", "largest"};
     for (std::size_t s = 0; s < std::size(shares); ++s)
-      entry[names[s]] = number(sim::quantile_of_sorted(values, shares[s]));
+      entry[names[s]] = json_of(sim::quantile_of_sorted(values, shares[s]));
     entry["modes"] = modes_json(sim::modes(values));
     j["metrics"].push_back(std::move(entry));
   }
@@ -100,7 +97,7 @@ std::string sweep_json(const sim::Design& design, const std::vector<std::vector<
   for (std::size_t n = 0; n < rows.size(); ++n) {
     Json row{{"at", design.point(static_cast<std::int64_t>(n))}};
     for (std::size_t k = 0; k < sim::metric_table.size(); ++k)
-      row[std::string(sim::metric_table[k].name)] = number(rows[n][k]);
+      row[std::string(sim::metric_table[k].name)] = json_of(rows[n][k]);
     j["rows"].push_back(std::move(row));
   }
   return j.dump() + "\n";
@@ -128,9 +125,9 @@ std::string sensitivity_json(std::span<const sim::Sensitivity> rows, const sim::
                  {"variable", r.name},
                  {"step", r.step},
                  {"metric", metric.name},
-                 {"low", number(r.low)},
-                 {"centre", number(r.centre)},
-                 {"high", number(r.high)}});
+                 {"low", json_of(r.low)},
+                 {"centre", json_of(r.centre)},
+                 {"high", json_of(r.high)}});
   return j.dump(2) + "\n";
 }
 
