@@ -31,7 +31,7 @@ constexpr std::string_view meaning(Origin o) {
       "No contactor was switched: real firmware on an emulated processor, a simulated contactor and "
       "simulated sensors.",
       "Records of a contactor on a bench.",
-      "Waveforms from files; powbench did not take them.",
+      "Waveforms from files.",
       "No rig was fired; closings were only computed."};
   return sentences[static_cast<std::size_t>(o)];
 }

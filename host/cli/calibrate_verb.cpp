@@ -29,11 +29,6 @@ std::uint32_t day(const std::string& text, const char* option) {
   return static_cast<std::uint32_t>(std::stol(digits));
 }
 
-std::string today() {
-  return fmt::format("{:%Y-%m-%d}",
-                     fmt::gmtime(std::chrono::system_clock::to_time_t(std::chrono::system_clock::now())));
-}
-
 std::optional<std::string> ask(const std::string& question) {
   fmt::print(stderr, "{}\n> ", question);
   std::string line;
@@ -52,7 +47,7 @@ std::string make_token() {
 }  // namespace
 
 Exit calibrate(const CalibrateArgs& args) {
-  const std::string date = args.date.empty() ? today() : args.date;
+  const std::string date = args.date.empty() ? utc_today() : args.date;
   const std::uint32_t from = day(date, "date"), until = day(args.expires, "expires");
   if (until < from) throw BadInput({fmt::format("--expires {} lies before {}", args.expires, date)});
   if (!rigs::usable_certificate(args.id))

@@ -112,7 +112,9 @@ Exit export_csv(const ExportArgs& args, const CampaignInfo& campaign, const Stor
   }
   const auto beside = calibration_path(args.file);
   write_file(args.file, text);
-  write_file(beside, calibration_of(record));
+  write_file(beside,
+             calibration_of(record, fmt::format("{}, {} shot {} of campaign {}", origin_of(campaign, shot),
+                                                name(shot.kind), shot.id, campaign.id)));
   fmt::print(stderr, "{} and {}: read back with powbench import\n", args.file, beside.string());
   return Exit::pass;
 }

@@ -60,6 +60,8 @@ Scene imported_scene(const Imported& in) {
   scene.plan.repeats = 1;
   scene.plan.order = Order::by_hand;
   scene.plan.test.recorded = in.recorded;
+  scene.plan.test.source = in.source;
+  if (!in.calibration.empty()) scene.plan.test.instruments.push_back(in.calibration);
   scene.plan.mains_hertz = in.options.mains_hertz;
   scene.plan.crosstalk_a = in.options.crosstalk_a;
   scene.plan.crosstalk_b = in.options.crosstalk_b;

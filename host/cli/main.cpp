@@ -145,8 +145,9 @@ void add_result_verbs(CLI::App& app) {
   auto note = std::make_shared<AnnotateArgs>();
   CLI::App* annotated = verb(
       app, "annotate", "Complete a campaign's test record; without KEY list what was added", note, annotate);
-  annotated->add_option("key", note->key,
-                        "customer, order, device, serial, rating, standard, operator, remarks or instrument");
+  annotated->add_option(
+      "key", note->key,
+      "customer, order, device, serial, rating, standard, operator, recorded, source, remarks or instrument");
   annotated->add_option(
       "text", note->text,
       "its text; of an instrument \"NAME; CERTIFICATE; LAST DAY\", the last as 2030-12-31 or left out");

@@ -210,6 +210,8 @@ Exit annotate(const AnnotateArgs& args) {
   }
   TestRecord unused;
   complete(unused, args.key, args.text);  // refuses what no report could read
+  if (args.key == "recorded" && args.text > utc_today())
+    throw BadInput({"recorded: '" + args.text + "' is a day to come; allowed up to " + utc_today()});
   if (!std::filesystem::exists(args.database)) Store(args.database, Store::Mode::read_only);  // says so
   Store store(args.database, Store::Mode::read_write);
   const CampaignInfo campaign = store.campaign(args.campaign);

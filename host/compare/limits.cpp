@@ -6,6 +6,7 @@
 #include <stdexcept>
 #include <string_view>
 
+#include "core/phase.h"
 #include "core/quantities.h"
 
 namespace powbench::host {
@@ -51,6 +52,11 @@ Outcome Limit::of(const Measured& m, Decision rule) const {
   const double guard = rule == Decision::guarded ? 2 * m.u : 0.0;
   if (!std::isfinite(guard)) return Outcome::not_judged;
   return m.value - guard < low || m.value + guard > high ? Outcome::fail : Outcome::pass;
+}
+
+Outcome judge_angle(const Measured& reached, double commanded, double tolerance, Decision rule) {
+  const double off = std::fabs(wrap_half_turn(reached.value - commanded));
+  return Limit{"", -tolerance, tolerance}.of({off, reached.u}, rule);
 }
 
 std::string range_text(const Limit& limit) {

@@ -21,6 +21,10 @@ struct Limit {
   Outcome of(const Measured&, Decision = Decision::simple) const;
 };
 
+/// The closing angle reached against the one commanded, rad: PASS within the tolerance, guarded by U = 2 u where the rule says so;
+/// NOT OBSERVED where none is known.
+Outcome judge_angle(const Measured& reached, double commanded, double tolerance, Decision);
+
 struct Judgement {
   Outcome outcome = Outcome::not_judged;  ///< the worst over the limits; NOT JUDGED without any
   std::string

@@ -1,5 +1,7 @@
 #include "host/config/test_record.h"
 
+#include <fmt/format.h>
+
 #include <charconv>
 #include <chrono>
 
@@ -32,6 +34,13 @@ bool is_day(std::string_view text) {
   const int y = number(0, 4), m = number(5, 2), d = number(8, 2);
   return y >= 1900 && m > 0 && d > 0 &&
          year_month_day(year(y), month(static_cast<unsigned>(m)), day(static_cast<unsigned>(d))).ok();
+}
+
+std::string utc_today() {
+  using namespace std::chrono;
+  const year_month_day d{floor<days>(system_clock::now())};
+  return fmt::format("{:04}-{:02}-{:02}", static_cast<int>(d.year()), static_cast<unsigned>(d.month()),
+                     static_cast<unsigned>(d.day()));
 }
 
 std::string read_instrument(std::string_view text, Instrument& out) {

@@ -18,7 +18,7 @@ struct Instrument {
 };
 
 struct TestRecord {
-  std::string customer, order, device, serial, rating, standard, operator_name, recorded, remarks;
+  std::string customer, order, device, serial, rating, standard, operator_name, recorded, source, remarks;
   std::vector<std::string> instruments;  ///< "NAME; CERTIFICATE; LAST DAY" each, see `instrument`
 };
 
@@ -27,7 +27,7 @@ struct RecordField {
   std::string_view key, label, meaning;
   std::string TestRecord::*place;
 };
-inline constexpr std::array<RecordField, 9> record_fields{{
+inline constexpr std::array<RecordField, 10> record_fields{{
     {"customer", "Customer", "who ordered the test", &TestRecord::customer},
     {"order", "Order", "number of the order or of the test", &TestRecord::order},
     {"device", "Device", "type of the device under test", &TestRecord::device},
@@ -37,14 +37,21 @@ inline constexpr std::array<RecordField, 9> record_fields{{
     {"operator", "Operator", "who tested", &TestRecord::operator_name},
     {"recorded", "Recorded", "day on which imported records were taken, as 2030-12-31",
      &TestRecord::recorded},
+    {"source", "Source", "what imported records were taken from, by their file or by who imported them",
+     &TestRecord::source},
     {"remarks", "Remarks", "anything else that the report's reader has to know", &TestRecord::remarks},
 }};
+
+/// Name of the calibration of an imported waveform among the instruments.
+inline constexpr const char* waveform_calibration = "scales of the waveform file";
 
 /// What is wrong with the text of an instrument; "" = nothing, and `out` is filled.
 std::string read_instrument(std::string_view text, Instrument& out);
 
 /// A day of the calendar as 2030-12-31.
 bool is_day(std::string_view);
+/// Today's, UTC.
+std::string utc_today();
 
 /// Completes the record: a later word replaces an earlier one; remarks and instruments are added. Throws BadInput for a key that is
 /// none, an empty text, a day that is none, or an instrument that cannot be read.

@@ -37,7 +37,7 @@ std::string filter_text(const dsp::BandReport& bands, double rate) {
 
 std::string canceller_text(const dsp::FilmVibration& v) {
   if (!v.cancelled) return "no reference moves at the impact";
-  if (v.cancelled->refused && v.cancelled->taps.empty() && v.cancelled->explained > 0)
+  if (v.cancelled->refused && v.cancelled->reason.starts_with("the reference explains"))
     return fmt::format("refused: {} explains {:.1f} %, needed {:.0f} %", v.reference,
                        100 * v.cancelled->explained, 100 * dsp::CancelOptions{}.least_explained);
   if (v.cancelled->refused) return fmt::format("refused: {} {}", v.reference, v.cancelled->reason);

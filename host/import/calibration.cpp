@@ -10,6 +10,7 @@
 #include "core/phase.h"
 #include "host/config/bad_input.h"
 #include "host/config/file_reader.h"
+#include "host/config/test_record.h"
 #include "host/import/dcc.h"
 #include "host/import/foreign_table.h"
 
@@ -58,6 +59,8 @@ FileKind kind_of(Calibration& k, const std::vector<Channel>& channels, bool fore
   FileKind kind("calibration", "what the numbers of a waveform file mean");
   kind.text("calibration", k.id, "name of the calibration in force; without it all results are flagged");
   kind.text("valid_until", k.valid_until, "its last day, as 2030-12-31; without it there is none");
+  kind.text("source", k.source,
+            "what made the record, where it was no contactor; page 1 of a report shows it");
   kind.text("recorded", k.recorded, "day of the record, as 2030-12-31; without it today");
   kind.number("switch_on_s", k.switch_on, {-1e12, 1e12}, "when the coil was switched on, on the time column");
   kind.number("hold_ms", k.hold_time, {1e-3, 1e7}, "how long it stayed on; without it to the end",
@@ -77,15 +80,6 @@ std::vector<Channel> all_channels() {
   std::vector<Channel> list;
   for (std::size_t i = 0; i < channel_count; ++i) list.push_back(static_cast<Channel>(i));
   return list;
-}
-
-/// `2030-12-31`; dates written so compare as texts.
-bool is_day(const std::string& s) {
-  if (s.size() != 10 || s[4] != '-' || s[7] != '-') return false;
-  for (const std::size_t i : {0U, 1U, 2U, 3U, 5U, 6U, 8U, 9U})
-    if (!std::isdigit(static_cast<unsigned char>(s[i]))) return false;
-  const int month = std::stoi(s.substr(5, 2)), day = std::stoi(s.substr(8, 2));
-  return month >= 1 && month <= 12 && day >= 1 && day <= 31;
 }
 
 Calibration read_with(FileReader reader) {
@@ -153,8 +147,9 @@ std::string calibration_template() {
   return kind_of(k, all_channels()).template_text();
 }
 
-std::string calibration_of(const Record& record) {
+std::string calibration_of(const Record& record, const std::string& source) {
   Calibration k;
+  k.source = source;
   k.id = record.calibration;
   k.hold_time = record.conditions.hold_time;
   k.mains_hertz = record.conditions.mains_hertz;

@@ -33,6 +33,7 @@ struct Calibration {
   std::string id;                                                 ///< of the calibration in force; "" = none
   std::string valid_until;                                        ///< last day, `2030-12-31`; "" = for ever
   std::string recorded;                                           ///< day of the record; "" = today
+  std::string source;                                             ///< what made the record; "" = not given
   double switch_on = 0.0;                                         ///< s, on the time column
   double hold_time = std::numeric_limits<double>::quiet_NaN();    ///< s; NaN = to the end of the record
   double sample_rate = std::numeric_limits<double>::quiet_NaN();  ///< Hz, instead of the time column
@@ -56,8 +57,8 @@ Calibration parse_calibration(std::string text, std::string file);
 /// Commented file with every key.
 std::string calibration_template();
 
-/// The file that goes with a waveform exported from a record: parse_calibration reads it back.
-std::string calibration_of(const Record&);
+/// The file that goes with a waveform exported from a record of that source: parse_calibration reads it back.
+std::string calibration_of(const Record&, const std::string& source);
 
 /// The calibration counts: it has a name and its last day is not before the day of the record (`today` when that is not
 /// given), all as `YYYY-MM-DD`.

@@ -6,9 +6,13 @@
 #include <array>
 #include <cmath>
 #include <ctime>
+#include <fstream>
 
+#include "core/counted.h"
+#include "core/origin.h"
 #include "host/config/bad_input.h"
 #include "host/config/csv_table.h"
+#include "host/config/test_record.h"
 #include "host/import/clock.h"
 #include "host/import/column.h"
 #include "host/import/counts.h"
@@ -35,6 +39,11 @@ struct Series {
   std::vector<bool> valid;    ///< (ticks) measured, or between measured ones of a slower channel
 };
 
+std::string without_semicolons(std::string text) {
+  std::replace(text.begin(), text.end(), ';', ',');
+  return text;
+}
+
 class Importer {
  public:
   Importer(const std::string& file, const Calibration& k, const std::string& calibration_file)
@@ -49,8 +58,8 @@ class Importer {
       if (c.passed_over) note(fmt::format("column '{}': not asked for, passed over", c.title));
     check_calibrated();
     if (table_.rows() < least_samples)
-      fail(table_.header_line,
-           fmt::format("the file has {} sample(s); allowed {} or more", table_.rows(), least_samples));
+      fail(table_.header_line, fmt::format("the file has {}; allowed {} or more",
+                                           counted(table_.rows(), "sample"), least_samples));
     make_clock();
     Record& r = out_.record;
     for (std::size_t c = 0; c < columns_.size(); ++c)
@@ -283,6 +292,10 @@ class Importer {
     c.specimen = "imported";
     c.hold_time = k_.hold_time;
     out_.recorded = k_.recorded;
+    out_.source = k_.source;
+    if (!k_.id.empty() && !k_.valid_until.empty())
+      out_.calibration =
+          fmt::format("{}; {}; {}", waveform_calibration, without_semicolons(k_.id), k_.valid_until);
     out_.angle_commanded = !std::isnan(k_.closing_angle);
     if (out_.angle_commanded) c.closing_angle = k_.closing_angle;
     r.rig = "imported: " + std::filesystem::path(file_).filename().string();
@@ -307,11 +320,15 @@ class Importer {
   Imported out_;
 };
 
-std::string today_text() {
-  const std::time_t now = std::time(nullptr);
-  std::tm utc{};
-  gmtime_r(&now, &utc);
-  return fmt::format("{:04}-{:02}-{:02}", utc.tm_year + 1900, utc.tm_mon + 1, utc.tm_mday);
+/// What a waveform exported by powbench says in its first line; "" = nothing.
+std::string source_by_first_line(const std::filesystem::path& path) {
+  std::ifstream file(path);
+  std::string line(200, '\0');
+  file.read(line.data(), static_cast<std::streamsize>(line.size()));
+  line.resize(std::min(static_cast<std::size_t>(file.gcount()), line.find_first_of("\r\n")));
+  for (const Origin o : {Origin::simulated_rig, Origin::emulated_board, Origin::board, Origin::simulation})
+    if (line.starts_with(fmt::format("# {}, ", name(o)))) return line.substr(2);
+  return {};
 }
 
 }  // namespace
@@ -328,8 +345,9 @@ Imported import_file(const std::filesystem::path& path,
   if (std::filesystem::is_directory(path, ignored)) throw BadInput({name + ": is a directory, not a file"});
   const std::filesystem::path beside = calibration.value_or(calibration_path(path));
   const bool given = calibration || std::filesystem::exists(beside, ignored);
-  const Calibration k = given && beside != path ? read_calibration(beside) : Calibration{};
-  return Importer(name, k, beside.string()).run(read_table(path), today_text());
+  Calibration k = given && beside != path ? read_calibration(beside) : Calibration{};
+  if (k.source.empty()) k.source = source_by_first_line(path);
+  return Importer(name, k, beside.string()).run(read_table(path), utc_today());
 }
 
 }  // namespace powbench::host

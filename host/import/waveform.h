@@ -15,8 +15,10 @@ namespace powbench::host {
 
 struct Imported {
   Record record;
-  dsp::ExtractOptions options;     ///< defaults with what the calibration says
-  std::string recorded;            ///< day of the record, 2030-12-31; "" = not given
+  dsp::ExtractOptions options;  ///< defaults with what the calibration says
+  std::string recorded;         ///< day of the record, 2030-12-31; "" = not given
+  std::string source;           ///< what the records were taken from, by the calibration file; "" = not given
+  std::string calibration;      ///< with its last day, as an instrument of the test record; "" = without one
   bool angle_commanded = false;    ///< the calibration file names the closing angle
   std::vector<std::string> notes;  ///< what was done to the numbers, one sentence each
 };

@@ -143,10 +143,13 @@ Markup angle_section(const ReportInput& input, const AngleView& view, const Rang
   out.open("figure").embed(waveform_figure(input, view, window_ms));
   out.element(
       "figcaption",
-      "Blue: measured. Orange: simulated under the same conditions, through the same sensors, filters and "
-      "extraction; its band: what the uncertainties of its inputs move it by (k = 2). Vertical lines: mean "
-      "instants, measured solid, simulated dashed. Pale blue: pole closed in the first measured shot. Dotted "
-      "grey: shape of the mains.");
+      std::string(
+          view.simulated == nullptr
+              ? "Blue: measured. Vertical lines: mean instants. "
+              : "Blue: measured. Orange: simulated under the same conditions, through the same sensors, "
+                "filters and extraction; its band: what the uncertainties of its inputs move it by "
+                "(k = 2). Vertical lines: mean instants, measured solid, simulated dashed. ") +
+          "Pale blue: pole closed in the first measured shot. Dotted grey: shape of the mains.");
   out.close();
   out.embed(event_table(input, view));
   if (const auto curves = curve_rows(view); !curves.empty()) out.embed(curve_table(curves));

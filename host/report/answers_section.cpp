@@ -6,6 +6,7 @@
 
 #include "core/counted.h"
 #include "core/quantities.h"
+#include "host/compare/compare.h"
 #include "host/report/best_angle.h"
 #include "host/report/number.h"
 #include "host/report/sections.h"
@@ -87,11 +88,16 @@ void best_answer(Markup& out, const ReportInput& input) {
   if (std::isfinite(b.confidence))
     sure = b.confidence < 0.5
                ? fmt::format("Not told apart from {} (confidence below 50 %).", angle_text(b.runner_up))
-               : fmt::format("Confidence {}{:.0f} % that none of the other {} is better; next is {}.",
-                             b.confidence > 0.995 ? "above " : "",
-                             std::min(99.0, std::floor(b.confidence * 100)),
-                             counted(static_cast<std::size_t>(b.angles - 1), "measured angle"),
-                             angle_text(b.runner_up));
+               : fmt::format(
+                     "Confidence {}{:.0f} % that none of the other {} is better; next is {}.",
+                     b.confidence > 0.995 ? "above " : "", std::min(99.0, std::floor(b.confidence * 100)),
+                     b.angles == 2 ? "measured angle" : fmt::format("{} measured angles", b.angles - 1),
+                     angle_text(b.runner_up));
+  for (const ComparisonRow& row : input.comparison.rows)
+    if (same_angle(row.closing_angle, b.angle) && row.outcome == Outcome::fail) {
+      sure += fmt::format(" But {} is outside its limit there.", row.quantity);
+      break;
+    }
   if (b.two_modes) sure += " The repeats there fall into two groups.";
   answer(out, "Best closing angle", fmt::format("{}: {}", angle_text(b.angle), bounce),
          fmt::format("{} Closing at random among them bounces {} ms longer on average ({} %).", sure,
@@ -133,10 +139,36 @@ std::string simulated_of(const ReportInput& input) {
   return text;
 }
 
+/// Quantities that are simulated off to one side at every angle, whether each is within U or not: at six angles chance does so once in 32.
+std::string one_sided(const ReportInput& input) {
+  constexpr int fewest = 6;
+  std::string text;
+  for (const std::string_view quantity : {"t_ct1", "t_ct_bon", "t_xt1", "i_peak"}) {
+    int above = 0, below = 0;
+    double sum = 0;
+    std::string_view si;
+    for (const ComparisonRow& row : input.comparison.rows) {
+      const double off = row.simulated - row.measured.value;
+      if (row.quantity != quantity || !std::isfinite(off)) continue;
+      (off > 0 ? above : below) += off != 0 ? 1 : 0;
+      sum += off;
+      si = row.unit;
+    }
+    const int n = above + below;
+    if (n < fewest || (above > 0 && below > 0)) continue;
+    const ReadableUnit unit = readable_unit(si);
+    const double mean = sum / n * unit.per_si;
+    text += fmt::format(" {} is simulated {} at all {} angles, by {} {} on average.", quantity,
+                        above > 0 ? "higher" : "lower", n,
+                        fixed(std::fabs(mean), decimals_for(std::fabs(mean), unit.decimals)), unit.name);
+  }
+  return text;
+}
+
 void agreement_answer(Markup& out, const ReportInput& input, const std::vector<const ComparisonRow*>& rows) {
   if (rows.empty())
     return answer(out, "Measurement and simulation", "not known",
-                  "Nothing was simulated, or no uncertainty is known.");
+                  input.simulated.empty() ? "Nothing was simulated." : "No uncertainty is known.");
   const auto agree = static_cast<std::size_t>(
       std::count_if(rows.begin(), rows.end(), [](const auto* r) { return r->difference_over_U() <= 1; }));
   const ComparisonRow& worst = *rows.front();
@@ -149,7 +181,7 @@ void agreement_answer(Markup& out, const ReportInput& input, const std::vector<c
                      worst.quantity, angle_text(worst.closing_angle),
                      with_uncertainty(worst.measured, worst.coverage, unit.per_si, unit.decimals), unit.name,
                      simulated_text(worst), unit.name, times_text(worst.difference_over_U())) +
-             simulated_of(input));
+             one_sided(input) + simulated_of(input));
 }
 
 void ranking(Markup& out, const std::vector<const ComparisonRow*>& rows) {
@@ -190,15 +222,26 @@ void ranking(Markup& out, const std::vector<const ComparisonRow*>& rows) {
   out.close().close();
   const auto differ = static_cast<std::size_t>(
       std::count_if(rows.begin(), rows.end(), [](const auto* r) { return r->difference_over_U() > 1; }));
+  std::string note =
+      "Its U has k by the degrees of freedom of both together, so it can be less than the measured U. ";
   if (differ > most_ranked)
-    out.element("p",
-                fmt::format("The {} largest; {} more differ. The tables of the figures show all.",
-                            most_ranked, differ - most_ranked),
-                {{"class", "fine"}});
+    note += fmt::format("The {} largest; {} more differ. The tables of the figures show all.", most_ranked,
+                        differ - most_ranked);
+  out.element("p", note, {{"class", "fine"}});
+}
+
+/// The files of the imported records were made within their calibration, by a day that was told later.
+bool in_force_then(const TestRecord& test) {
+  return std::any_of(test.instruments.begin(), test.instruments.end(), [&](const std::string& text) {
+    Instrument i;
+    return read_instrument(text, i).empty() && i.name == waveform_calibration && !test.recorded.empty() &&
+           test.recorded <= i.valid_until;
+  });
 }
 
 /// Of how many measured closings the scales are taken on trust; said beside their U.
 void calibration_warning(Markup& out, const ReportInput& input) {
+  if (input.origin == Origin::import && in_force_then(input.test)) return;
   std::size_t measured = 0, without = 0;
   for (const auto& shot : input.shots) {
     if (!shot.events) continue;
@@ -246,9 +289,12 @@ void times(Markup& out, const ReportInput& input) {
     out.close();
   }
   out.close().close();
-  std::string note;
+  std::string note =
+      "U: 95.45 %, of the scatter of the repeats and of how sharply an event shows in the record, k by their "
+      "degrees of freedom. It holds neither the scale of a channel nor what another supply voltage or coil "
+      "temperature would change; the simulated \xC2\xB1 shows how much those do. ";
   if (step > 1)
-    note = fmt::format("One in {} of {} angles, and the best; the figures show all. ", step, angles.size());
+    note += fmt::format("One in {} of {} angles, and the best; the figures show all. ", step, angles.size());
   if (without_u)
     note +=
         "\xC2\xB1 ?: within the uncertainty of its inputs the simulation comes to another number of events, "

@@ -21,10 +21,15 @@ std::string conditions_text(const ReportInput& input) {
   const auto text = [](const Range& asked, const Range& found, std::string_view unit, std::string_view what) {
     const Range& r = asked.empty() ? found : asked;
     if (r.empty()) return fmt::format("{} not known", what);
-    const std::string value = fixed(r.high, 2) == fixed(r.low, 2)
-                                  ? fmt::format("{:.6g} {}", r.low, unit)
-                                  : fmt::format("{:.5g} to {:.5g} {}", r.low, r.high, unit);
-    return asked.empty() ? value + " measured" : value;
+    const auto read = [&](const Range& of) {
+      return fixed(of.high, 2) == fixed(of.low, 2)
+                 ? fmt::format("{:.6g} {}", of.low, unit)
+                 : fmt::format("{:.5g} to {:.5g} {}", of.low, of.high, unit);
+    };
+    if (asked.empty()) return read(r) + " measured";
+    return found.empty() || read(found) == read(asked)
+               ? read(asked)
+               : fmt::format("{} ({} measured)", read(asked), read(found));
   };
   if (input.shots.empty()) return "";
   const std::string ambient = kelvin.empty() ? ""
@@ -78,7 +83,11 @@ Markup header_section(const ReportInput& input) {
   if (!span.empty()) line += "  \xC2\xB7  " + span;
   out.element("p", line, {{"class", "subtitle"}});
   out.open("p", {{"class", "origin"}}).element("b", name(input.origin));
-  out.text(fmt::format(" {}", meaning(input.origin))).close();
+  out.text(fmt::format(" {}", meaning(input.origin)));
+  if (input.origin == Origin::import)
+    out.text(input.test.source.empty() ? " What they were taken from is not said."
+                                       : fmt::format(" Taken from: {}.", input.test.source));
+  out.close();
   out.close();
   out.element("div", name(result),
               {{"class", result == Outcome::pass         ? "verdict pass"

@@ -39,6 +39,20 @@ Outcome verdict(const ReportInput& input) {
   return worst;
 }
 
+/// On paper each page says what it is of. A text of CSS: what could end it is written as its code.
+static std::string running_foot(const ReportInput& input) {
+  std::string said;
+  const std::string order = input.test.order.empty() ? "" : ", order " + input.test.order;
+  for (const char c : fmt::format("{}{}, {}, {}", input.campaign, order, name(input.origin),
+                                  input.provenance.started.substr(0, 10))) {
+    const auto byte = static_cast<unsigned char>(c);
+    const bool plain = std::isalnum(byte) != 0 || byte >= 0x80 ||
+                       std::string_view(" .,:-_()/").find(c) != std::string_view::npos;
+    said += plain ? std::string(1, c) : fmt::format("\\{:x} ", byte);
+  }
+  return fmt::format("@page {{ @bottom-left {{ content: \"{}\"; }} }}", said);
+}
+
 std::string render_html(const ReportInput& input) {
   Markup out;
   out.open("html", {{"lang", "en"}});
@@ -48,6 +62,7 @@ std::string render_html(const ReportInput& input) {
   out.empty("meta", {{"name", "viewport"}, {"content", "width=device-width, initial-scale=1"}});
   out.element("title", input.campaign + " \xE2\x80\x93 closing dynamics");
   out.embed(page_style());
+  out.verbatim("style", running_foot(input));
   out.close();
   out.open("body").open("main");
   out.embed(header_section(input));

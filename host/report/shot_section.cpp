@@ -86,7 +86,11 @@ Markup shot_section(const ReportInput& input) {
     ++listed;
     out.open("tr");
     out.element("td", fmt::format("{}", shot.index));
-    out.element("td", angle_text(effective_angle(shot.conditions)));
+    // an import was not commanded, unless its file says so: the angle found is no angle asked for
+    const double asked = effective_angle(shot.conditions);
+    const bool found = input.origin == Origin::import && shot.events &&
+                       std::fabs(wrap_half_turn(shot.events->coil.closing_angle.value - asked)) < 1e-9;
+    out.element("td", found ? std::string(no_value) : angle_text(asked));
     out.element("td", reached_text(shot), {{"class", "nowrap"}});
     out.element("td", fixed(degrees(2 * shot.phase_u), 3));
     out.open("td").element("span", name(shot.outcome), {{"class", badge_class(shot.outcome)}}).close();

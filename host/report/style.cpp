@@ -92,6 +92,8 @@ dd { margin: 0; }
 .parameters { font-size: 13px; }
 .parameters td { text-align: left; }
 .parameters tr { break-inside: avoid; }
+.sign { display: none; }
+@media screen { #shots { overflow-x: auto; } }
 footer { margin-top: 36px; color: var(--soft); font-size: 13px; }
 @media screen and (max-width: 760px) {
   body { font-size: 16px; }
@@ -147,6 +149,8 @@ footer { margin-top: 36px; color: var(--soft); font-size: 13px; }
   .columns { columns: 3; column-gap: 14pt; }
   .parameters th, .parameters td { padding: 1pt 3pt; }
   footer { display: none; }
+  .sign { display: grid; grid-template-columns: 1fr 1fr 1fr; gap: 14pt; margin-top: 26pt; }
+  .sign p { border-top: 1px solid var(--soft); margin: 0; padding-top: 2pt; font-size: 7.6pt; color: var(--soft); }
   section { margin-top: 12pt; }
   h2.appendix { break-before: page; margin: 0; padding: 0; border: 0; }
   section.angle { break-inside: avoid; margin-top: 4pt; }

@@ -29,22 +29,39 @@ AngleKept angle_kept(const ReportInput& input) {
     if (!reached.known()) continue;
     kept.seen.include(degrees(wrap_half_turn(reached.value - asked)));
     ++kept.closings;
-    if ((shot.events->coil.flags & flag_angle_off) == 0) continue;
+    if (judge_angle(reached, asked, input.angle_tolerance, input.decision) == Outcome::pass) continue;
     if (++kept.off <= most_named) kept.where += fmt::format("{} {}", kept.off > 1 ? "," : "", shot.index);
   }
   if (kept.off > most_named) kept.where += fmt::format(" and {} more", kept.off - most_named);
   return kept;
 }
 
+std::string span_text(const Range& degrees) {
+  const std::string low = signed_fixed(degrees.low, 2), high = signed_fixed(degrees.high, 2);
+  return low == high ? low : low + " to " + high;
+}
+
+/// Decimals at which both ends of what was measured read on the side of the limit on which they are; 6 at most.
+int deciding_decimals(const Limit& limit, const Range& seen, const ReadableUnit& unit) {
+  const auto side = [&](double v) {
+    return (v < limit.low * unit.per_si ? 1 : 0) + (v > limit.high * unit.per_si ? 2 : 0);
+  };
+  const auto told = [&](double value, int decimals) {
+    return side(std::stod(fmt::format("{:.{}f}", value, decimals))) == side(value);
+  };
+  int decimals = unit.decimals;
+  while (decimals < 6 && !(told(seen.low, decimals) && told(seen.high, decimals))) ++decimals;
+  return decimals;
+}
+
 void angle_row(Markup& out, const AngleKept& angle, double tolerance) {
   out.open("tr").element("th", "\xCE\xB1", {{"scope", "row"}, {"class", "sym"}});
   out.element("td", "closing angle reached, less the one asked for", {{"class", "left"}});
   out.element("td", fmt::format("\xC2\xB1{:g}\xC2\xB0", degrees(tolerance)));
-  out.element("td", fmt::format("{} to {}\xC2\xB0", signed_fixed(angle.seen.low, 2),
-                                signed_fixed(angle.seen.high, 2)));
+  out.element("td", span_text(angle.seen) + "\xC2\xB0");
   out.open("td");
   if (angle.off == 0)
-    out.text(fmt::format("kept by all {}", angle.closings));
+    out.text(angle.closings == 1 ? std::string("kept") : fmt::format("kept by all {}", angle.closings));
   else
     out.element("span", name(Outcome::fail), {{"class", badge_class(Outcome::fail)}})
         .text(std::string(angle.off == 1 ? " shot" : " shots") + angle.where);
@@ -86,9 +103,9 @@ void limits_table(Markup& out, const ReportInput& input) {
     out.open("tr").element("th", limit.quantity, {{"scope", "row"}, {"class", "sym"}});
     out.element("td", quantity != nullptr ? quantity->meaning : "", {{"class", "left"}});
     out.element("td", range_text(limit));
-    out.element("td", seen.empty()
-                          ? std::string(no_value)
-                          : range_of(seen.low, seen.high, unit.decimals) + " " + std::string(unit.name));
+    out.element("td", seen.empty() ? std::string(no_value)
+                                   : range_of(seen.low, seen.high, deciding_decimals(limit, seen, unit)) +
+                                         " " + std::string(unit.name));
     out.open("td").element("span", name(outcome), {{"class", badge_class(outcome)}});
     if (!where.empty()) out.text(" at").text(where);
     out.close().close();
@@ -181,6 +198,9 @@ Markup provenance_section(const ReportInput& input) {
   Markup out;
   out.open("section", {{"id", "provenance"}});
   provenance_list(out, input.provenance);
+  out.open("div", {{"class", "sign"}});
+  for (const std::string_view line : {"Tested by", "Approved by", "Date of issue"}) out.element("p", line);
+  out.close();
   return out.close();
 }
 

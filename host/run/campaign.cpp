@@ -113,13 +113,17 @@ Judgement judge_shot(const Events& events, const Conditions& conditions, const R
     j.outcome = worse(j.outcome, o);
     j.reason = why + (j.reason.empty() ? "" : "; ") + j.reason;
   };
-  if (!events.coil.closing_angle.known())
-    add(Outcome::not_observed,
-        fmt::format("closing angle not observed, commanded {:.2f} deg", degrees(commanded)));
-  else if ((events.coil.flags & flag_angle_off) != 0)
-    add(Outcome::fail, fmt::format("closing angle {:.2f} deg, commanded {:.2f} deg, tolerance {:.2f} deg",
-                                   degrees(events.coil.closing_angle.value), degrees(commanded),
-                                   degrees(options.angle_tolerance)));
+  const Measured& reached = events.coil.closing_angle;
+  const Outcome angle = judge_angle(reached, commanded, options.angle_tolerance, options.decision);
+  if (angle == Outcome::not_observed)
+    add(angle, fmt::format("closing angle not observed, commanded {:.2f} deg", degrees(commanded)));
+  else if (angle != Outcome::pass)
+    add(angle, fmt::format("closing angle {:.2f} deg{}, commanded {:.2f} deg, tolerance {:g} deg",
+                           degrees(commanded + wrap_half_turn(reached.value - commanded)),
+                           options.decision == Decision::guarded
+                               ? fmt::format(" with U = {:.2g} deg", degrees(2 * reached.u))
+                               : "",
+                           degrees(commanded), degrees(options.angle_tolerance)));
   return j;
 }
 

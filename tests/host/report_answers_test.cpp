@@ -107,6 +107,70 @@ TEST_CASE("an import has no seed, and its angle may be unknown", "[report]") {
   CHECK(range_of(12.371, 12.383, 2) == "12.37 to 12.38");
 }
 
+TEST_CASE("guarded acceptance holds for the closing angle too", "[report]") {
+  const double tolerance = radians(0.1);
+  const auto judged = [&](double off_deg, double u_deg, Decision rule) {
+    return judge_angle({radians(360 + off_deg), radians(u_deg)}, radians(0), tolerance, rule);
+  };
+  CHECK(judged(0.046, 0.037, Decision::simple) == Outcome::pass);
+  CHECK(judged(0.046, 0.037, Decision::guarded) == Outcome::fail);
+  CHECK(judged(-0.046, 0.02, Decision::guarded) == Outcome::pass);
+  CHECK(judged(-0.12, 0.001, Decision::simple) == Outcome::fail);
+  CHECK(judge_angle({}, 0, tolerance, Decision::simple) == Outcome::not_observed);
+  ReportInput in = campaign({60.1});
+  in.angle_tolerance = radians(0.12);
+  CHECK_THAT(page(in), Contains("kept"));
+  in.decision = Decision::guarded;
+  CHECK_THAT(page(in), Contains(" shot 11"));
+}
+
+TEST_CASE("an import names its source and its calibration by the day of the record", "[report]") {
+  ReportInput in = campaign({60.1});
+  in.origin = Origin::import;
+  in.shots[0].events->flags |= flag_no_calibration;
+  CHECK_THAT(page(in), Contains("What they were taken from is not said."));
+  in.test.source = "SIMULATED RIG, measured shot 1 of campaign 1";
+  CHECK_THAT(page(in), Contains("Taken from: SIMULATED RIG, measured shot 1 of campaign 1."));
+  in.test.instruments = {std::string(waveform_calibration) + "; films 3; 2026-03-01"};
+  in.test.recorded = "2026-05-04";
+  CHECK_THAT(page(in), Contains("Calibration expired: " + std::string(waveform_calibration)));
+  CHECK_THAT(page(in), Contains("No valid calibration"));
+  in.test.recorded = "2026-02-04";
+  CHECK_THAT(page(in), !Contains("Calibration expired") && !Contains("No valid calibration"));
+}
+
+TEST_CASE("a limit and what was measured read on the sides on which they are", "[report]") {
+  ReportInput in = campaign({60.1});
+  in.shots[0].events = closing(12.004e-3, 60.1);
+  in.limits = {{"t_ct1", std::nan(""), 12e-3}};
+  in.shots[0].outcome = Outcome::fail;
+  CHECK_THAT(page(in), Contains("12.004 ms"));
+}
+
+TEST_CASE("every page on paper says what it is of", "[report]") {
+  ReportInput in = campaign({60.1});
+  in.campaign = "a \"}</style> b";
+  in.origin = Origin::simulated_rig;
+  CHECK_THAT(page(in), Contains("content: \"a \\22 \\7d \\3c /style\\3e  b, SIMULATED RIG, \""));
+}
+
+TEST_CASE("a difference to one side at every angle is told, whether within U or not", "[report]") {
+  ReportInput in;
+  in.campaign = "bias";
+  in.planned = 6;
+  for (int i = 0; i < 6; ++i) {
+    ReportShot s;
+    s.index = i + 1;
+    s.conditions.closing_angle = radians(20.0 * i);
+    s.events = closing(12e-3, 20.0 * i);
+    in.shots.push_back(s);
+    in.simulated.push_back({radians(20.0 * i), closing(11.4e-3, 20.0 * i), {}});
+  }
+  CHECK_THAT(page(in), Contains("t_ct1 is simulated lower at all 6 angles, by 0.60 ms on average."));
+  in.simulated[3].events = closing(12.1e-3, 60);
+  CHECK_THAT(page(in), !Contains("t_ct1 is simulated lower"));
+}
+
 TEST_CASE("of more differences than page 1 lists it tells how many there are", "[report]") {
   ReportInput in;
   in.campaign = "many";

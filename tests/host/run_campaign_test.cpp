@@ -108,7 +108,7 @@ TEST_CASE("a shot is judged by the plan's angle tolerance and limits, and an ang
   CHECK(judged().outcome == Outcome::not_judged);  // no tolerance, no limit
   o.angle_tolerance = radians(1);
   CHECK(judged().outcome == Outcome::fail);
-  CHECK(judged().reason == "closing angle 61.50 deg, commanded 60.00 deg, tolerance 1.00 deg");
+  CHECK(judged().reason == "closing angle 61.50 deg, commanded 60.00 deg, tolerance 1 deg");
   o.angle_tolerance = radians(5);
   CHECK(judged().outcome == Outcome::not_judged);
   CHECK(judged().reason.empty());

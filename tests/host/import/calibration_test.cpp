@@ -72,7 +72,7 @@ TEST_CASE("the template and an exported calibration read back") {
   r.channels.push_back(
       {.channel = Channel::pvdf_b, .raw = {}, .scale = -0.01, .delay = 12e-6, .corner_hertz = 0.5});
   r.channels.back().clip_high = 2000;
-  const Calibration k = parse_calibration(calibration_of(r), "shot.toml");
+  const Calibration k = parse_calibration(calibration_of(r, ""), "shot.toml");
   CHECK(k.id == "bench 7");
   CHECK(k.closing_angle == Approx(radians(60)));
   CHECK(k.of(Channel::pvdf_b).delay == 12e-6);

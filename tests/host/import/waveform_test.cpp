@@ -99,7 +99,7 @@ TEST_CASE("a record of the simulated rig comes back from its export with the sam
     conditions.closing_angle = radians(angle);
     Record r = rigs::simulate_record(sim::Specimen{}, conditions, rigs::SimRigConfig{}).record;
     r.gaps.push_back({100, 3});
-    const Imported in = import_text(to_csv(r), calibration_of(r));
+    const Imported in = import_text(to_csv(r), calibration_of(r, ""));
     const Events before = dsp::extract_events(r), after = dsp::extract_events(in.record, in.options);
     INFO(angle);
     CHECK(in.record.sample_rate == r.sample_rate);
@@ -117,7 +117,7 @@ TEST_CASE("a noisy record with ringing comes back from its export with the same 
   bench::SynthSettings s;
   s.force_case = bench::ForceCase::ring_in_band;
   const Record r = bench::synthesise(s, 5).record;
-  const Imported in = import_text(to_csv(r), calibration_of(r));
+  const Imported in = import_text(to_csv(r), calibration_of(r, ""));
   check_same_train(dsp::extract_events(r).pvdf_a, dsp::extract_events(in.record, in.options).pvdf_a);
 }
 
@@ -242,8 +242,8 @@ TEST_CASE("saturation is recognised and the peak fitted") {
 
 TEST_CASE("what cannot be meant is refused with a sentence") {
   CHECK_THAT(complaint(""), Contains("empty"));
-  CHECK_THAT(complaint("time [s],pvdf_a [N]\n"), Contains("0 sample(s); allowed 8"));
-  CHECK_THAT(complaint("time [s],pvdf_a [N]\n0,1\n"), Contains("1 sample(s); allowed 8"));
+  CHECK_THAT(complaint("time [s],pvdf_a [N]\n"), Contains("0 samples; allowed 8"));
+  CHECK_THAT(complaint("time [s],pvdf_a [N]\n0,1\n"), Contains("1 sample; allowed 8"));
   CHECK_THAT(complaint("time [s],pvdf_a [N]\n0,0\n1,0\n2,1\n3,1\n4,0\n5,1\n6,0\n7,1\n"),
              Contains("1 s apart") && Contains("is the unit right?"));
   CHECK_THAT(complaint(csv_of({.title = "time [s],laser [m]"})), Contains("laser [m]") && Contains("0.2 m"));
