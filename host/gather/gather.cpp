@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <future>
 #include <map>
 #include <set>
 #include <span>
@@ -227,39 +228,45 @@ std::vector<Waveform> raw_films(const Record& record) {
 
 ReportInput gather_shot(const Store& store, std::int64_t id) {
   const StoredShot wanted = store.shot(id);
+  if (wanted.record_hash.empty())
+    throw StoreError("shot " + std::to_string(id) + " has no record: nothing to draw");
   const CampaignInfo c = store.campaign(wanted.campaign);
   const RunOptions options = run_options(stored_plan(c));
   ReportInput input;
   input.campaign = c.name;
   input.specimen = stored_specimen(c).name;
   input.origin = wanted.kind == ShotKind::simulated ? Origin::simulation : c.origin;
-  std::vector<AngleGroup> groups;
-  for (const StoredShot& s : store.shots(c.id)) {
-    const bool beside = s.kind == ShotKind::simulated && wanted.kind == ShotKind::measured &&
-                        input.simulated.empty() &&
-                        same_angle(radians(s.angle_deg), radians(wanted.angle_deg));
-    if ((s.id != id && !beside) || s.record_hash.empty()) continue;
+  const auto record_of = [&](const StoredShot& s) {
     Record record = store.load_record(s.id);
     record.conditions = s.conditions;
-    const auto events = store.load_events(s.id);
-    AngleGroup& group = group_at(groups, radians(s.angle_deg));
-    if (events) (s.kind == ShotKind::measured ? group.measured : group.simulated).push_back(*events);
-    auto waves = waveforms(record, options.extract);
-    if (beside && events)
-      input.simulated.push_back(
-          {radians(s.angle_deg), *events, std::move(waves), spread_of(store.prediction(s.id))});
-    else if (s.id == id)
-      input.shots.push_back({.index = static_cast<int>(s.id),
-                             .conditions = s.conditions,
-                             .outcome = s.outcome,
-                             .reason = s.reason,
-                             .events = events,
-                             .phase_u = phase_deviation(store, s),
-                             .waveforms = std::move(waves),
-                             .raw = s.id == id ? raw_films(record) : std::vector<Waveform>(),
-                             .record_hash = s.record_hash});
-  }
-  if (input.shots.empty()) throw StoreError("shot " + std::to_string(id) + " has no record: nothing to draw");
+    return record;
+  };
+  std::vector<AngleGroup> groups;
+  std::future<std::vector<Waveform>> beside;  // filtered while the measured one is
+  if (wanted.kind == ShotKind::measured)
+    for (const StoredShot& s : store.shots(c.id, ShotKind::simulated)) {
+      if (s.record_hash.empty() || !same_angle(radians(s.angle_deg), radians(wanted.angle_deg))) continue;
+      const auto events = store.load_events(s.id);
+      if (!events) continue;
+      group_at(groups, radians(s.angle_deg)).simulated.push_back(*events);
+      input.simulated.push_back({radians(s.angle_deg), *events, {}, spread_of(store.prediction(s.id))});
+      beside = std::async([record = record_of(s), &options] { return waveforms(record, options.extract); });
+      break;
+    }
+  const Record record = record_of(wanted);
+  const auto events = store.load_events(id);
+  AngleGroup& group = group_at(groups, radians(wanted.angle_deg));
+  if (events) (wanted.kind == ShotKind::measured ? group.measured : group.simulated).push_back(*events);
+  input.shots.push_back({.index = static_cast<int>(id),
+                         .conditions = wanted.conditions,
+                         .outcome = wanted.outcome,
+                         .reason = wanted.reason,
+                         .events = events,
+                         .phase_u = phase_deviation(store, wanted),
+                         .waveforms = waveforms(record, options.extract),
+                         .raw = raw_films(record),
+                         .record_hash = wanted.record_hash});
+  if (beside.valid()) input.simulated.front().waveforms = beside.get();
   input.comparison = compare(std::move(groups), {}, {}, Decision::simple);
   return input;
 }

@@ -8,9 +8,13 @@ function closingPanels(root) {
   let graphs = [], whole = [0, 1], shown = null, withRaw = false, cursor = null, looked = () => {};
 
   function values(series) {
-    const bytes = Uint8Array.from(atob(series.data), (c) => c.charCodeAt(0));
-    const counts = new Int16Array(bytes.buffer);
-    return Array.from(counts, (c) => (c === -32768 ? NaN : series.middle + c * series.step));
+    if (series.values) return series.values;
+    const bytes = atob(series.data), out = new Float64Array(bytes.length / 2);
+    for (let i = 0; i < out.length; ++i) {
+      const count = ((bytes.charCodeAt(2 * i) | bytes.charCodeAt(2 * i + 1) << 8) << 16) >> 16;
+      out[i] = count === -32768 ? NaN : series.middle + count * series.step;
+    }
+    return (series.values = out);
   }
 
   function marks(canvas, area, graph, named) {
@@ -43,7 +47,7 @@ function closingPanels(root) {
   function band(canvas, area, graph, channel) {
     const curve = channel.band && channel.series.find((s) => s.label === 'simulated');
     if (!curve) return;
-    const { t0, dt, half } = channel.band, middle = curve.values || (curve.values = values(curve));
+    const { t0, dt, half } = channel.band, middle = values(curve);
     const upper = [], lower = [];
     const fill = () => {
       if (upper.length) {
@@ -71,26 +75,39 @@ function closingPanels(root) {
 
   /// Draws `closing`; `range`: [from, to] in ms, null for the whole; `stripped`: with raw films and what was stripped off.
   function draw(closing, range, stripped) {
-    graphs.forEach((g) => g.destroy());
-    graphs = [];
-    root.textContent = '';
+    const names = (one) => one.channels.map((c) => c.name + ' / ' + c.unit).join();
+    const same = shown && graphs.length && names(shown) === names(closing) && graphs[0].size().width === root.firstChild.clientWidth;
+    if (!same) {
+      graphs.forEach((g) => g.destroy());
+      graphs = [];
+      root.textContent = '';
+    }
     shown = closing;
     withRaw = stripped;
     colours = { measured: colour('--measured'), simulated: colour('--simulated'), raw: colour('--soft'), 'stripped off': colour('--cited') };
     const time = Array.from({ length: shown.n }, (_, i) => shown.t0 + i * shown.dt);
     whole = [time[0], time[time.length - 1]];
-    shown.channels.forEach((channel, index) => {
+    const files = shown.channels.map((channel, index) => {
       const last = index === shown.channels.length - 1;
       const list = channel.series.filter((s) => stripped || !['raw', 'stripped off'].includes(s.label));
       const columns = list.map(values);
-      const box = document.createElement('div');
+      const file = time.map((t, i) => {
+        const row = [t];
+        for (const c of columns) row.push(c[i]);
+        return row;
+      });
+      const box = same ? root.children[index] : document.createElement('div');
+      const labels = ['ms'].concat(list.map((s) => s.label)), colors = list.map((s) => colours[s.label]);
+      box.setAttribute('aria-label', channel.name + ' in ' + channel.unit + ' over time, ' + list.map((s) => s.label).join(', '));
+      if (same) {  // all of them before any is drawn: each draws the others where their windows differ
+        graphs[index].updateOptions({ labels, colors, dateWindow: range }, true);
+        return file;
+      }
       box.className = 'closer-panel' + (last ? ' last' : '');
       box.setAttribute('role', 'img');
-      box.setAttribute('aria-label', channel.name + ' in ' + channel.unit + ' over time, ' + list.map((s) => s.label).join(', '));
       root.appendChild(box);
-      graphs.push(new Dygraph(box, time.map((t, i) => [t].concat(columns.map((c) => c[i]))), {
-        labels: ['ms'].concat(list.map((s) => s.label)),
-        colors: list.map((s) => colours[s.label]),
+      graphs.push(new Dygraph(box, file, {
+        labels, colors,
         ylabel: channel.name + ' / ' + channel.unit,
         xlabel: last ? 'time after switch-on / ms' : '',
         legend: 'always',
@@ -103,12 +120,15 @@ function closingPanels(root) {
         xLabelHeight: 16, yLabelWidth: 16, strokeWidth: 1.2, connectSeparatedPoints: false, animatedZooms: false,
         highlightCallback: (event, x) => looked(x),
         underlayCallback: (canvas, area, graph) => {
-          band(canvas, area, graph, channel);
+          band(canvas, area, graph, shown.channels[index]);
           marks(canvas, area, graph, index === 0);
         }
       }));
+      return file;
     });
-    if (graphs.length > 1) Dygraph.synchronize(graphs, { zoom: true, selection: true, range: false });
+    root.dataset.closing = shown.name;
+    if (same) graphs.forEach((g, index) => g.updateOptions({ file: files[index] }));
+    else if (graphs.length > 1) Dygraph.synchronize(graphs, { zoom: true, selection: true, range: false });
   }
 
   const show = (range) => graphs.length && graphs[0].updateOptions({ dateWindow: range });
@@ -129,8 +149,7 @@ function closingPanels(root) {
     const series = channel && (channel.series.find((s) => s.label === 'measured') || channel.series[0]);
     const i = shown ? Math.round((t - shown.t0) / shown.dt) : -1;
     if (!series || i < 0 || i >= shown.n) return null;
-    if (!series.values) series.values = values(series);
-    return Number.isNaN(series.values[i]) ? null : series.values[i];
+    return Number.isNaN(values(series)[i]) ? null : series.values[i];
   }
   matchMedia('(prefers-color-scheme: dark)').addEventListener('change', () => shown && draw(shown, range(), withRaw));
   /** A line at `t` through all panels. */

@@ -186,8 +186,8 @@ void Bench::Impl::stored(std::int64_t shot) {
     if (newest) frame = newest;
     if (!s.reason.empty()) log_line(fmt::format("shot {}: {}: {}", shot, name(s.outcome), s.reason));
   }
-  changed();
   if (newest) recorded();
+  changed();
 }
 
 // ---- the stop ----

@@ -116,6 +116,7 @@ struct HttpServer::Impl {
   asio::io_context io{1};
   tcp::acceptor acceptor;
   asio::steady_timer pause;  ///< runs: a state was sent less than `least_pause` ago
+  std::chrono::steady_clock::time_point last_record{};  ///< when one was sent
   bool pausing = false, state_stale = false, record_stale = false;
   std::set<std::shared_ptr<Client>> clients;
   std::set<std::shared_ptr<Listener>> listeners;
@@ -271,6 +272,7 @@ void HttpServer::Impl::send_news() {
   const auto all = listeners;  // a listener may leave meanwhile
   for (const auto& l : all)
     if (l->of_records() ? record_stale : state_stale) l->send();
+  if (record_stale) last_record = std::chrono::steady_clock::now();
   state_stale = record_stale = false;
   pausing = true;
   pause.expires_after(least_pause);
@@ -308,7 +310,9 @@ void HttpServer::changed() {
 }
 void HttpServer::recorded() {
   asio::post(impl_->io, [this] {
-    impl_->record_stale = true;
+    impl_->record_stale = impl_->state_stale = true;
+    // a shot does not wait behind what was sent while it was fired; shots themselves keep the pause
+    if (std::chrono::steady_clock::now() - impl_->last_record >= least_pause) impl_->pausing = false;
     impl_->send_news();
   });
 }

@@ -36,7 +36,7 @@ class HttpServer {
   std::uint16_t port() const;
   /// The state has changed. From any thread.
   void changed();
-  /// There is a newer record. From any thread.
+  /// There is a newer record, and a state that names it: sent at once. From any thread.
   void recorded();
   /// Serves until stop() from another thread, or SIGINT / SIGTERM; afterwards no handler runs any more.
   void serve(bool until_interrupted);

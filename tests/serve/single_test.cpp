@@ -62,6 +62,8 @@ TEST_CASE("live bench: a simulation made ahead is the one made beside the shot, 
     for (json& shot : all)
       if (shot.at("kind") == "simulated") {
         shot.erase("started");
+        // its U comes later, and from what the shot really had
+        for (auto& [symbol, q] : shot.at("quantities").items()) q.erase("u");
         simulated.push_back(shot);
       }
     return simulated.dump();

@@ -97,7 +97,13 @@ function draw() {
   }
   graph = new Dygraph($('trend'), rows, { labels: ['shot', ...shown.map((a) => a.label)], series, ylabel: option.text + ' / ' + unit, errorBars: true, sigma: 1, drawPoints: true,
     pointSize: 4, strokeWidth: 0.5, connectSeparatedPoints: true, includeZero: false, xRangePad: 12, yRangePad: 8,
-    axes: { y: { axisLabelWidth: 54 }, x: { axisLabelFormatter: (/** @type {number} */ v) => (Number.isInteger(v) ? String(v) : '') } } });
+    axes: { y: { axisLabelWidth: 54, axisLabelFormatter: yLabel }, x: { axisLabelFormatter: (/** @type {number} */ v) => (Number.isInteger(v) ? String(v) : '') } } });
+}
+
+/** As many digits as the span needs: no two labels are alike. @param {number} v @param {any} _g @param {any} _o @param {any} graphed */
+function yLabel(v, _g, _o, graphed) {
+  const [low, high] = graphed.yAxisRange();
+  return v.toFixed(Math.max(0, Math.min(6, 1 - Math.floor(Math.log10(high - low)))));
 }
 
 /** Each angle with its marker, its number of shots, their mean and span. @param {(Angle & {place: number, colour: string})[]} shown @param {string} symbol @param {string} unit @param {number} factor */
