@@ -62,7 +62,7 @@ class Remarks {
 
 Markup shot_section(const ReportInput& input) {
   Markup out;
-  out.open("section", {{"id", "shots"}});
+  out.open("section", {{"id", "shots"}, {"tabindex", "0"}, {"aria-label", "every shot"}});
   out.element("h2", "Every shot, in executed order");
   if (input.shots.empty()) {
     out.element("p", "No shot has been fired.");

@@ -154,7 +154,7 @@ TEST_CASE("mistakes in a waveform file", "[system]") {
   Folder folder;
   const std::string db = folder.file("i.db");
   const BadFile files[] = {
-      {"time [s],pvdf_a [N]\n0,1\n0,2\n", "has 2 sample(s); allowed 8 or more"},
+      {"time [s],pvdf_a [N]\n0,1\n0,2\n", "has 2 samples; allowed 8 or more"},
       {"time,pvdf_a\n0,1\n1,2\n", "has no unit; write it in brackets, as in `time [s]`"},
       {"time [s],pvdf_a [V]\n0,1\n1,2\n", "volts need a calibration; write [pvdf_a] gain_N_per_V"},
       {"a b c\n", "column 'a b c': is not known; allowed time, pvdf_a"},
