@@ -36,7 +36,8 @@ enum Flag : std::uint32_t {
       1U << 9,  ///< closing angle reached differs from the commanded one by more than the tolerance
   flag_gain =
       1U << 10,  ///< a settled force no contact has, or one film's far from the other's: a gain may be wrong
-  flag_grazing = 1U << 11,  ///< the force only just reaches zero: whether it opened there is not known
+  flag_grazing = 1U << 11,     ///< the force only just reaches zero: whether it opened there is not known
+  flag_resolution = 1U << 12,  ///< a later landing of the core, or a blow of the contacts: not told apart
 };
 
 /// One closed interval of one contact.

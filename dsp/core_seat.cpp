@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "dsp/force.h"
+#include "dsp/laser_clock.h"
 #include "dsp/least_squares.h"
 #include "dsp/signal.h"
 #include "dsp/statistics.h"
@@ -14,20 +15,11 @@ namespace powbench::dsp {
 
 namespace {
 
-/// Slope of the least-squares line through the samples of [t1, t2]; 0 when there are fewer than three.
-double slope(const Signal& s, double t1, double t2) {
-  const std::size_t i1 = s.index_at(t1), i2 = s.index_at(t2);
-  if (i2 < i1 + 3) return 0.0;
-  const double n = static_cast<double>(i2 - i1), middle = 0.5 * (n - 1);
-  double sum = 0;
-  for (std::size_t i = i1; i < i2; ++i) sum += (static_cast<double>(i - i1) - middle) * s.value[i];
-  return sum / (n * (n * n - 1) / 12.0) / s.dt;
-}
-
 struct Kink {
   Measured at;
   Measured velocity;  ///< just before
   double velocity_after = 0;
+  double duration = 0;  ///< s, of the velocity's fall
   bool found = false;
 };
 
@@ -67,8 +59,11 @@ double held_for(const Signal& s, double t1, double t2) {
   return i2 > i1 && run > 2 ? run * s.dt : 0.0;
 }
 
-/// Least residual over the start t_s and the duration of the velocity drop, window fixed so that the sums compare.
-Kink fit_kink(const Signal& s, double guess, double before, double after, double noise) {
+constexpr double kink_step = 0.2e-6;  ///< s
+
+/// Least residual over the start t_s and the duration of the velocity drop, window fixed so that the sums compare; to `finest`.
+Kink fit_kink(const Signal& s, double guess, double before, double after, double noise,
+              double finest = kink_step) {
   Kink kink;
   const double span = 0.35 * std::min(before, after), longest = 0.35 * after;
   const auto cost = [&](double t, double duration) {
@@ -83,7 +78,7 @@ Kink fit_kink(const Signal& s, double guess, double before, double after, double
   double step = span / 6;
   for (double t = guess - span; t <= guess + span; t += step)
     for (double duration = 0; duration <= longest; duration += longest / 5) look(t, duration);
-  for (; step > 0.2e-6; step *= 0.5) {
+  for (; step > finest; step *= 0.5) {
     const double t = best, duration = length;
     for (const double dt : {-step, 0.0, step})
       for (const double dd : {-step, 0.0, step}) look(t + dt, duration + dd);
@@ -92,16 +87,20 @@ Kink fit_kink(const Signal& s, double guess, double before, double after, double
   if (!m.samples || !m.ls.converged) return kink;
   const double dof = std::max(static_cast<double>(m.samples) - 7.0, 1.0);
   const double sigma = std::max(std::sqrt(m.ls.chi2 / dof), noise);
-  // Half the curvature matrix of the residual over (t_s, duration) is the inverse covariance at unit noise.
-  const double h = std::max(2e-6, 0.5 * s.dt), d = std::max(length, h);
-  const double centre = cost(best, d);
-  const double tt = (cost(best - h, d) + cost(best + h, d) - 2 * centre) / (2 * h * h);
-  const double dd = (cost(best, d - h) + cost(best, d + h) - 2 * centre) / (2 * h * h);
-  const double td =
-      (cost(best + h, d + h) + cost(best - h, d - h) - cost(best + h, d - h) - cost(best - h, d + h)) /
-      (8 * h * h);
-  const double det = tt * dd - td * td;
-  const double variance = det > 0 && dd > 0 ? dd / det : (tt > 0 ? 1 / tt : span * span);
+  // Half the curvature matrix of the residual over (t_s, duration) is the inverse covariance at unit noise. Where a slow laser
+  // holds its values the residual has corners; if they hide the curvature, it is taken across them.
+  double variance = span * span;
+  for (const double h : {std::max(2e-6, 0.5 * s.dt), std::max(10e-6, 0.5 * s.dt)}) {
+    const double d = std::max(length, h), centre = cost(best, d);
+    const double tt = (cost(best - h, d) + cost(best + h, d) - 2 * centre) / (2 * h * h);
+    const double dd = (cost(best, d - h) + cost(best, d + h) - 2 * centre) / (2 * h * h);
+    const double td =
+        (cost(best + h, d + h) + cost(best - h, d - h) - cost(best + h, d - h) - cost(best - h, d + h)) /
+        (8 * h * h);
+    const double det = tt * dd - td * td;
+    variance = det > 0 && dd > 0 ? dd / det : (tt > 0 ? 1 / tt : span * span);
+    if (sigma * std::sqrt(variance) < 0.8 * span) break;
+  }
   // Up to one record sample of uncorrected shift; a slow laser blurs the stop over one of its own, whose start is read
   // early by anything up to that.
   const double coarse =
@@ -109,32 +108,123 @@ Kink fit_kink(const Signal& s, double guess, double before, double after, double
   kink.at = {best, std::hypot(std::min(sigma * std::sqrt(variance), span), coarse)};
   kink.velocity = {m.ls.x[1], m.ls.u(1) * sigma};
   kink.velocity_after = m.ls.x[1] + m.ls.x[3];
+  kink.duration = length;
   kink.found = kink.at.u < 0.8 * span;
   return kink;
 }
 
-struct Drop {
-  double at = 0, size = 0;
+/// Velocity lost at once, beside what changes smoothly, all along the travel.
+struct Drops {
+  std::vector<double> lost, noise;  ///< m/s, one a bin
+  double t0 = 0, dt = 0;            ///< s: the middle of the first bin, and a bin
 };
 
-/// Velocity lost across +-`half` around each sample of [t1, t2]; local maxima above `least`, in time order.
-std::vector<Drop> velocity_drops(const Signal& s, double t1, double t2, double half, double least) {
-  std::vector<double> d;
-  const std::size_t i1 = s.index_at(t1), i2 = s.index_at(t2);
-  for (std::size_t i = i1; i < i2; ++i) {
-    const double t = s.time(i);
-    d.push_back(slope(s, t - half, t + 0.5 * s.dt) - slope(s, t - 0.5 * s.dt, t + half));
+struct Drop {
+  double at = 0, size = 0;  ///< s, m/s
+  bool counts = true;       ///< as large as was asked for
+};
+
+constexpr double drop_reach =
+    0.5e-3;                         ///< s on either side of a drop in which the rest of the travel is a cubic
+constexpr double drop_bin = 10e-6;  ///< s
+constexpr double clear_of_noise = 8;  ///< of a drop, over its noise
+
+/// At every bin the coefficient of max(t - t_bin, 0) beside a polynomial of third degree, by least squares over +-drop_reach. The
+/// motion of the base bends the travel, but within that reach it is a cubic to a few per cent of a landing. `late`: s, where a slow
+/// laser's values are new at uncertain times: within the reach the core seems to gain that time and to lose it again.
+Drops velocity_drops(const Signal& s, double noise, double late) {
+  Drops d;
+  const auto per = static_cast<std::size_t>(std::max(1.0, std::round(drop_bin / s.dt)));
+  d.dt = static_cast<double>(per) * s.dt;
+  d.t0 = s.time(0) + 0.5 * (d.dt - s.dt);
+  std::vector<double> x(s.size() / per);
+  for (std::size_t k = 0; k < x.size(); ++k) {
+    for (std::size_t i = 0; i < per; ++i) x[k] += s.value[k * per + i];
+    x[k] /= static_cast<double>(per);
   }
+  // The odd half of max(u, 0) is a straight line; of |u| / 2 what a parabola leaves is the filter.
+  const auto reach = static_cast<std::size_t>(std::max(4.0, std::round(drop_reach / d.dt)));
+  const double n = static_cast<double>(2 * reach + 1);
+  std::vector<double> weight(2 * reach + 1);
+  const auto unit = [&](std::size_t k) {
+    return (static_cast<double>(k) - static_cast<double>(reach)) / static_cast<double>(reach);
+  };
+  double u2 = 0, u4 = 0, a0 = 0, a2 = 0;  // sums of u^2, u^4, |u|, |u|^3
+  for (std::size_t k = 0; k < weight.size(); ++k) {
+    const double u = std::abs(unit(k));
+    u2 += u * u, u4 += u * u * u * u, a0 += u, a2 += u * u * u;
+  }
+  const double det = n * u4 - u2 * u2, c0 = (a0 * u4 - a2 * u2) / det, c2 = (a2 * n - a0 * u2) / det;
+  double square = 0;
+  for (std::size_t k = 0; k < weight.size(); ++k) {
+    weight[k] = 0.5 * (std::abs(unit(k)) - c0 - c2 * unit(k) * unit(k));
+    square += weight[k] * weight[k];
+  }
+  double gain = 0;
+  for (double& w : weight) w /= -square * static_cast<double>(reach) * d.dt, gain += w * w;
+  d.lost.assign(x.size(), 0.0);
+  for (std::size_t k = reach; k + reach < x.size(); ++k)
+    for (std::size_t i = 0; i < weight.size(); ++i) d.lost[k] += weight[i] * x[k + i - reach];
+  noise *= std::sqrt(gain);
+  const auto quiet = static_cast<std::size_t>(std::max(0.0, -d.t0 / d.dt));
+  if (quiet > 3 * reach)
+    noise = std::max(noise, robust_sigma(std::span(d.lost).subspan(reach, quiet - 2 * reach)));
+  d.noise.assign(x.size(), noise);
+  if (late > 0)
+    for (std::size_t k = reach; k + reach < x.size(); ++k) {
+      const double speed = (x[k + reach] - x[k - reach]) / (2 * static_cast<double>(reach) * d.dt);
+      d.noise[k] = std::hypot(noise, speed * late * std::sqrt(12.0) / drop_reach);
+    }
+  return d;
+}
+
+/// Largest within half the reach on either side, and above `share` of what `least` and the noise ask for; in time order.
+std::vector<Drop> tops(const Drops& d, double t1, double t2, double least, double share = 1) {
   std::vector<Drop> out;
-  const auto reach = static_cast<std::size_t>(std::max(1.0, half / s.dt));
-  for (std::size_t k = 0; k < d.size(); ++k) {
-    if (d[k] < least) continue;
-    const std::size_t a = k > reach ? k - reach : 0, b = std::min(d.size(), k + reach + 1);
-    const auto top = std::max_element(d.begin() + static_cast<std::ptrdiff_t>(a),
-                                      d.begin() + static_cast<std::ptrdiff_t>(b));
-    if (top - d.begin() == static_cast<std::ptrdiff_t>(k)) out.push_back({s.time(i1 + k), d[k]});
+  const auto reach = static_cast<std::size_t>(0.5 * drop_reach / d.dt);
+  const auto index = [&](double t) {
+    const double k = std::ceil((t - d.t0) / d.dt);
+    return static_cast<std::size_t>(std::clamp(k, 0.0, static_cast<double>(d.lost.size())));
+  };
+  for (std::size_t k = index(t1); k < index(t2); ++k) {
+    const double asked = std::max(least, clear_of_noise * d.noise[k]);
+    if (d.lost[k] < share * asked) continue;
+    const std::size_t a = k > reach ? k - reach : 0, b = std::min(d.lost.size(), k + reach + 1);
+    const auto top = std::max_element(d.lost.begin() + static_cast<std::ptrdiff_t>(a),
+                                      d.lost.begin() + static_cast<std::ptrdiff_t>(b));
+    if (top - d.lost.begin() == static_cast<std::ptrdiff_t>(k))
+      out.push_back({d.t0 + static_cast<double>(k) * d.dt, d.lost[k], d.lost[k] >= asked});
   }
   return out;
+}
+
+constexpr double first_share = 0.5;  ///< of the largest drop: the first one above it is the seat
+
+/// Later landings. A blow of the contacts moves the static core off and the core after it, which takes velocity from the core's
+/// travel before and behind the blow, up to a fifth of what the impact took. Between `doubt_share` of what counts and what
+/// counts nobody can say which it was.
+constexpr double doubt_share = 0.6;
+constexpr double crowded = 100e-6;  ///< s: how far a blow beside it can move the time of a landing
+
+void later_landings(CoreEvents& e, Signal s, const Kink& seat, double first, double noise, double late,
+                    double t_end, const ExtractOptions& o) {
+  for (std::size_t i = 0; i < s.size(); ++i)  // the impact's own drop taken out
+    s.value[i] +=
+        (seat.velocity.value - seat.velocity_after) * lost_distance(s.time(i) - seat.at.value, seat.duration);
+  const Drops d = velocity_drops(s, noise, late);
+  double doubted = 0;
+  for (const Drop& drop : tops(d, seat.at.value + o.seat_window, t_end, o.seat_share * first, doubt_share)) {
+    if (!drop.counts) {
+      doubted = drop.at;
+      continue;
+    }
+    const Kink again = fit_kink(s, drop.at, 0.7 * o.seat_window, 0.7 * o.seat_window, noise);
+    e.settled = again.found ? again.at : Measured{drop.at, crowded};
+    e.settled.u = std::hypot(e.settled.u, crowded / std::sqrt(3.0));
+  }
+  if (doubted <= e.settled.value) return;
+  e.settled.u = std::hypot(e.settled.u, std::sqrt(0.5) * (doubted - e.settled.value));
+  e.flags |= flag_resolution;
 }
 
 constexpr double impact_search = 0.3e-3;  ///< s on either side of the laser's seat
@@ -179,40 +269,34 @@ CoreEvents core_events(const Record& record, const ExtractOptions& o) {
   const auto quiet = std::span(s.value).first(before);
   const double open = median(quiet), quantum = std::abs(record.find(Channel::laser)->scale) / std::sqrt(12.0);
   const double noise = std::max(robust_sigma(quiet), quantum);
-  const std::size_t window = std::max<std::size_t>(10, static_cast<std::size_t>(o.settled_window / s.dt));
+  const std::size_t tail = std::max<std::size_t>(10, static_cast<std::size_t>(o.settled_window / s.dt));
   const auto end =
-      std::span(s.value).subspan(last - std::min(window, last - before), std::min(window, last - before));
+      std::span(s.value).subspan(last - std::min(tail, last - before), std::min(tail, last - before));
   const double closed = median(end), root = std::sqrt(static_cast<double>(end.size()));
   const double travel = closed - open;
   e.travel = {travel, std::hypot(noise / std::sqrt(static_cast<double>(before)),
                                  robust_sigma(end) / root + noise / root)};
   if (std::abs(travel) < 50 * noise) return e;  // it did not move
 
-  // Half the travel is the earliest time the core can land.
-  std::size_t half_way = before;
-  while (half_way < last && s.value[half_way] - open < 0.5 * travel) ++half_way;
-  if (half_way >= last || travel < 0) return e;
-  const double half = 0.4 * o.seat_window;
-  const double slope_noise = noise / (half * std::sqrt(half / s.dt / 12.0)) * std::sqrt(2.0);
-  auto drops = velocity_drops(s, s.time(half_way), t_end - half, half, 8 * slope_noise);
+  // The base may stand a millimetre off when the core lands, but not by two thirds of the travel.
+  std::size_t under_way = before;
+  while (under_way < last && s.value[under_way] - open < travel / 3) ++under_way;
+  if (under_way >= last || travel < 0) return e;
+  const Unheld own = unheld(s, 0.5 * s.time(under_way), s.time(last));
+  const auto drops = tops(velocity_drops(own.signal, noise, own.late), s.time(under_way), t_end, 0.0);
   if (drops.empty()) return e;
-  const auto largest =
-      std::max_element(drops.begin(), drops.end(), [](auto& a, auto& b) { return a.size < b.size; });
-  const Kink seat = fit_kink(s, largest->at, o.seat_window, o.seat_window, noise);
-  if (!seat.found) return e;
+  const double largest =
+      std::max_element(drops.begin(), drops.end(), [](auto& a, auto& b) { return a.size < b.size; })->size;
+  const Drop first = *std::find_if(drops.begin(), drops.end(),
+                                   [&](const Drop& drop) { return drop.size >= first_share * largest; });
+  const double window = o.seat_window;  // centred on what a first look finds
+  const Kink near = fit_kink(s, first.at, window, window, noise, drop_bin);
+  const Kink seat = fit_kink(s, near.velocity.known() ? near.at.value : first.at, window, window, noise);
+  if (!seat.velocity.known()) return e;
   e.seat = e.settled = seat.at;
   e.impact_velocity = seat.velocity;
-  const double least = std::max(o.seat_share * largest->size, 8 * slope_noise);
-  for (const Drop& d : drops) {
-    if (d.at < seat.at.value + o.seat_window || d.size < least) continue;
-    const Kink again = fit_kink(s, d.at, 0.7 * o.seat_window, 0.7 * o.seat_window, noise);
-    if (again.found && again.velocity.value - again.velocity_after > least) e.settled = again.at;
-  }
-  const bool bounced = e.settled.value > e.seat.value;
-  if (const Measured impact = impact_time(record, e.seat); impact.known()) {
-    e.seat = impact;
-    if (!bounced) e.settled = impact;
-  }
+  if (const Measured impact = impact_time(record, e.seat); impact.known()) e.seat = e.settled = impact;
+  later_landings(e, own.signal, seat, first.size, noise, own.late, t_end, o);
   // another landing within the resolution would not have been told apart
   e.settled.u = std::hypot(e.settled.u, core_resolution(o) / std::sqrt(3.0));
   e.bounce_time = {e.settled.value - e.seat.value, std::hypot(e.settled.u, e.seat.u)};

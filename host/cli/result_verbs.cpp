@@ -218,8 +218,9 @@ void print_events(const Events& events) {
   print_train("film B", events.pvdf_b);
   print_train("pole by force", events.pole.by_force);
   if (events.core.seat.known())
-    fmt::print("  core: a second landing within {:.0f} us of the first is not told apart\n",
-               1e6 * dsp::core_resolution({}));
+    fmt::print("  core: a second landing within {:.0f} us of the first is not told apart{}\n",
+               1e6 * dsp::core_resolution({}),
+               events.core.flags ? " [" + flag_names(events.core.flags) + "]" : "");
   const PoleEvents& p = events.pole;
   if (p.disagreement.known())
     fmt::print("  force and contact voltage differ for {} us +- {}, at most {} us +- {} at a time\n",

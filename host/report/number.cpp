@@ -81,7 +81,7 @@ std::string short_hash(const std::string& hash) {
 }
 
 std::string flags_text(std::uint32_t flags) {
-  static constexpr std::array<std::pair<std::uint32_t, std::string_view>, 12> words{
+  static constexpr std::array<std::pair<std::uint32_t, std::string_view>, 13> words{
       {{flag_clipped, "clipped"},
        {flag_gap, "lost samples"},
        {flag_edge, "filter edge"},
@@ -93,7 +93,8 @@ std::string flags_text(std::uint32_t flags) {
        {flag_no_calibration, "no valid calibration"},
        {flag_angle_off, "angle off"},
        {flag_gain, "gain implausible"},
-       {flag_grazing, "opening not certain"}}};
+       {flag_grazing, "opening not certain"},
+       {flag_resolution, "later landing not certain"}}};
   std::string text;
   for (const auto& [flag, word] : words) {
     if ((flags & flag) == 0) continue;

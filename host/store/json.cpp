@@ -14,7 +14,7 @@ namespace {
 using nlohmann::json;
 using Ordered = nlohmann::ordered_json;
 
-constexpr std::array<std::pair<std::uint32_t, const char*>, 12> flag_table{
+constexpr std::array<std::pair<std::uint32_t, const char*>, 13> flag_table{
     {{flag_clipped, "clipped"},
      {flag_gap, "gap"},
      {flag_edge, "edge"},
@@ -26,7 +26,8 @@ constexpr std::array<std::pair<std::uint32_t, const char*>, 12> flag_table{
      {flag_no_calibration, "no_calibration"},
      {flag_angle_off, "angle_off"},
      {flag_gain, "gain"},
-     {flag_grazing, "grazing"}}};
+     {flag_grazing, "grazing"},
+     {flag_resolution, "resolution"}}};
 
 Ordered flags_json(std::uint32_t flags) {
   Ordered list = Ordered::array();
