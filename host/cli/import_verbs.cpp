@@ -184,6 +184,7 @@ Exit show_file_events(const EventsArgs& args) {
   const LabRule rule{args.force_percent, args.voltage_percent, args.min_opening_us};
   set_rule(in.options, rule);
   set_filter_options(in.options, args);
+  if (args.stream) return stream_events(in.record, in.options, args);
   RunOptions run = run_options(Plan{});
   run.extract = in.options;
   FilteredEvents found = extract_filtered(in.record, run, false);

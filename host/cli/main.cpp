@@ -179,6 +179,9 @@ void add_result_verbs(CLI::App& app) {
       "of the filter: zero (forward and backward) or causal (its delay is taken out of the times)");
   show->add_option("--band", events->band,
                    "where core vibration is looked for and modelled, such as 800Hz..18kHz (the default)");
+  show->add_flag(
+      "--stream", events->stream,
+      "as the samples come in: each touch, release and seat as soon as it is known, with its latency");
   show->add_option(
       "--picture", events->picture,
       "SVG to write: the force as it came and as events were taken from it, in time and frequency");

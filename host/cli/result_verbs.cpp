@@ -262,6 +262,7 @@ Exit show_events(const EventsArgs& args) {
   set_filter_options(options.extract, args);
   Record record = store.load_record(id);
   record.conditions = shot.conditions;
+  if (args.stream) return stream_events(record, options.extract, args);
   FilteredEvents found = extract_filtered(record, options, args.filter.empty());
   Events& events = found.events;
   write_strip(record, found, args,

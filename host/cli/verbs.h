@@ -6,6 +6,8 @@
 #include <vector>
 
 #include "core/outcome.h"
+#include "core/record.h"
+#include "dsp/options.h"
 
 /// The verbs of the command line. Each takes its arguments as a struct and returns the exit code; what goes wrong is
 /// thrown and turned into a sentence by main. Data goes to stdout, talk to stderr.
@@ -124,9 +126,12 @@ struct EventsArgs : ResultArgs {
   std::string filter, phase,
       band;             ///< of the force channels, see host/config/filter_text.h; "" = none wanted
   std::string picture;  ///< .svg to write: the force before and after, in time and frequency
+  bool stream = false;  ///< events as they come, with their latency
 };
 Exit show_events(const EventsArgs&);
 Exit show_file_events(const EventsArgs&);
+/// The record as it would come in, events as soon as they are known. Refuses what needs the whole record.
+Exit stream_events(const Record&, const dsp::ExtractOptions&, const EventsArgs&);
 
 struct ImportArgs {
   std::string file;
