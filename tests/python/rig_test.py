@@ -75,7 +75,7 @@ class RigTest(unittest.TestCase):
             with self.assertRaises(powbench.RigError) as caught:
                 powbench.Rig(uri)
             if uri:
-                self.assertIn(str(caught.exception), program("info", uri, code=3))
+                self.assertIn(str(caught.exception), program("info", uri, code=2))
         with self.assertRaises(powbench.BadInput):
             powbench.Rig("sim:no-such.rig.toml")
 
