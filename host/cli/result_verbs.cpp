@@ -52,17 +52,17 @@ std::string degrees_text(double angle) {
 Json row_json(const ComparisonRow& r) {
   return {{"quantity", r.quantity},
           {"unit", r.unit},
-          {"closing_angle_deg", json_of(stored_degrees(r.closing_angle))},
+          {"closing_angle_deg", json_of<Json>(stored_degrees(r.closing_angle))},
           {"repeats", r.repeats},
-          {"measured", json_of(r.measured.value)},
-          {"u_measured", json_of(r.measured.u)},
-          {"U_measured", json_of(r.coverage * r.measured.u)},
-          {"scatter", json_of(r.scatter)},
-          {"simulated", json_of(r.simulated)},
-          {"published_measurement", json_of(r.published_measurement)},
-          {"published_simulation", json_of(r.published_simulation)},
-          {"u_simulated", json_of(r.u_simulated)},
-          {"difference_over_U", json_of(r.difference_over_U())},
+          {"measured", json_of<Json>(r.measured.value)},
+          {"u_measured", json_of<Json>(r.measured.u)},
+          {"U_measured", json_of<Json>(r.coverage * r.measured.u)},
+          {"scatter", json_of<Json>(r.scatter)},
+          {"simulated", json_of<Json>(r.simulated)},
+          {"published_measurement", json_of<Json>(r.published_measurement)},
+          {"published_simulation", json_of<Json>(r.published_simulation)},
+          {"u_simulated", json_of<Json>(r.u_simulated)},
+          {"difference_over_U", json_of<Json>(r.difference_over_U())},
           {"agreement", agreement(r.difference_over_U())},
           {"against_simulation", name(r.against_simulation)},
           {"outcome", name(r.outcome)}};
@@ -72,15 +72,15 @@ Json curve_json(const CurveRow& r) {
   const CurveDeviation& d = r.median;
   return {{"quantity", r.quantity},
           {"unit", r.unit},
-          {"closing_angle_deg", json_of(stored_degrees(r.closing_angle))},
+          {"closing_angle_deg", json_of<Json>(stored_degrees(r.closing_angle))},
           {"repeats", r.repeats},
-          {"measured", json_of(d.measured)},
-          {"simulated", json_of(d.simulated)},
-          {"largest_difference", json_of(d.largest)},
-          {"at_s", json_of(d.at)},
-          {"relative_percent", json_of(d.share() * 100)},
-          {"rms_percent_of_span", json_of(d.rms_share * 100)},
-          {"late_s", json_of(d.late)}};
+          {"measured", json_of<Json>(d.measured)},
+          {"simulated", json_of<Json>(d.simulated)},
+          {"largest_difference", json_of<Json>(d.largest)},
+          {"at_s", json_of<Json>(d.at)},
+          {"relative_percent", json_of<Json>(d.share() * 100)},
+          {"rms_percent_of_span", json_of<Json>(d.rms_share * 100)},
+          {"late_s", json_of<Json>(d.late)}};
 }
 
 void print_curves(const std::vector<CurveRow>& rows) {
@@ -127,10 +127,10 @@ Exit list_campaigns(const ResultArgs& args) {
         shots.push_back({{"id", s.id},
                          {"kind", name(s.kind)},
                          {"number", s.number},
-                         {"angle_deg", json_of(s.angle_deg)},
+                         {"angle_deg", json_of<Json>(s.angle_deg)},
                          {"outcome", name(s.outcome)},
                          {"reason", s.reason},
-                         {"seed", seed_json(c.origin, s.conditions)},
+                         {"seed", seed_of<Json>(c.origin, s.conditions)},
                          {"record_sha256", s.record_hash}});
     Json earlier = Json::array();
     for (const StoredShot& s : store.earlier_attempts(c.id))
@@ -196,10 +196,6 @@ std::string digits_of(double value, int decimals) {
   if (!std::isfinite(value)) return "-";
   const double one = std::pow(10.0, decimals);
   return fmt::format("{:.{}f}", std::round(value * one) / one + 0.0, decimals);
-}
-
-nlohmann::ordered_json seed_json(Origin origin, const Conditions& c) {
-  return origin == Origin::import ? Json(nullptr) : Json(c.seed);
 }
 
 void print_events(const Events& events) {

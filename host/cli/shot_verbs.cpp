@@ -72,11 +72,11 @@ Exit list_shots(const ResultArgs& args) {
       list.push_back({{"shot", s.id},
                       {"campaign", s.campaign},
                       {"kind", name(s.kind)},
-                      {"angle_deg", json_of(s.angle_deg)},
-                      {"reached_rad", json_of(reached)},
-                      {"touch_s", json_of(touch)},
-                      {"bounce_s", json_of(bounce)},
-                      {"settled_s", json_of(settled)},
+                      {"angle_deg", json_of<Json>(s.angle_deg)},
+                      {"reached_rad", json_of<Json>(reached)},
+                      {"touch_s", json_of<Json>(touch)},
+                      {"bounce_s", json_of<Json>(bounce)},
+                      {"settled_s", json_of<Json>(settled)},
                       {"attempt", s.attempt},
                       {"started", s.started},
                       {"outcome", name(s.outcome)},
@@ -120,12 +120,12 @@ Exit show_shot(const ShotArgs& args) {
                 {"campaign", s.campaign},
                 {"origin", name(origin)},
                 {"kind", name(s.kind)},
-                {"angle_deg", json_of(s.angle_deg)},
-                {"supply_volts", json_of(s.conditions.supply_volts)},
-                {"mains_hertz", json_of(s.conditions.mains_hertz)},
-                {"hold_time_s", json_of(s.conditions.hold_time)},
-                {"ambient_K", json_of(s.conditions.ambient)},
-                {"seed", seed_json(origin, s.conditions)},
+                {"angle_deg", json_of<Json>(s.angle_deg)},
+                {"supply_volts", json_of<Json>(s.conditions.supply_volts)},
+                {"mains_hertz", json_of<Json>(s.conditions.mains_hertz)},
+                {"hold_time_s", json_of<Json>(s.conditions.hold_time)},
+                {"ambient_K", json_of<Json>(s.conditions.ambient)},
+                {"seed", seed_of<Json>(origin, s.conditions)},
                 {"started", s.started},
                 {"attempt", s.attempt},
                 {"outcome", name(s.outcome)},
@@ -237,7 +237,7 @@ Exit compare_campaigns(const CompareArgs& args) {
   const auto rows = compare_pair(compare_stored(store, first), compare_stored(store, second));
   const Outcome verdicts[] = {campaign_verdict(store, first), campaign_verdict(store, second)};
   if (args.json) {
-    fmt::print("{}\n", pair_json(rows).dump(2));
+    fmt::print("{}\n", pair_json(rows, 2));
     return exit_of(worse(verdicts[0], verdicts[1]));
   }
   std::size_t differ = 0, judged = 0;

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <nlohmann/json_fwd.hpp>
 #include <string>
 
 #include "core/conditions.h"
@@ -16,7 +15,10 @@ namespace powbench::host {
 std::string digits_of(double value, int decimals);
 
 /// The seed of a shot; null of an import: nobody drew one.
-nlohmann::ordered_json seed_json(Origin, const Conditions&);
+template <class Json>
+Json seed_of(Origin origin, const Conditions& c) {
+  return origin == Origin::import ? Json(nullptr) : Json(c.seed);
+}
 
 /// Quantities and contact trains as a table for people, to stdout.
 void print_events(const Events&);

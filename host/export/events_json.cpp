@@ -27,21 +27,21 @@ Json flags_json(std::uint32_t flags) {
 Json train_json(const ContactTrain& t, std::uint32_t all) {
   Json contacts = Json::array();
   for (const Contact& c : t.contacts)
-    contacts.push_back({{"touch_s", json_of(c.touch.value)},
-                        {"u_touch_s", json_of(c.touch.u)},
-                        {"release_s", json_of(c.release.value)},
-                        {"u_release_s", json_of(c.release.u)},
-                        {"peak", json_of(c.peak.value)},
-                        {"impulse", json_of(c.impulse.value)},
+    contacts.push_back({{"touch_s", json_of<Json>(c.touch.value)},
+                        {"u_touch_s", json_of<Json>(c.touch.u)},
+                        {"release_s", json_of<Json>(c.release.value)},
+                        {"u_release_s", json_of<Json>(c.release.u)},
+                        {"peak", json_of<Json>(c.peak.value)},
+                        {"impulse", json_of<Json>(c.impulse.value)},
                         {"flags", flags_json(c.flags | t.flags | all)},
-                        {"probability", json_of(c.probability)}});
+                        {"probability", json_of<Json>(c.probability)}});
   return {{"shows", name(t.shows)},
           {"reason", t.reason.empty() ? Json(nullptr) : Json(t.reason)},
           {"contacts", contacts},
-          {"settled_s", json_of(t.settled.value)},
-          {"u_settled_s", json_of(t.settled.u)},
-          {"bounce_time_s", json_of(t.bounce_time.value)},
-          {"resolution_s", t.present ? json_of(t.resolution) : Json(nullptr)}};
+          {"settled_s", json_of<Json>(t.settled.value)},
+          {"u_settled_s", json_of<Json>(t.settled.u)},
+          {"bounce_time_s", json_of<Json>(t.bounce_time.value)},
+          {"resolution_s", t.present ? json_of<Json>(t.resolution) : Json(nullptr)}};
 }
 
 }  // namespace
@@ -54,21 +54,22 @@ std::string to_events_json(const Events& e, const Record& record, int indent, co
                                        {Channel::contact_a, &e.contact_voltage}})
     if (record.find(channel)) channels[std::string(info(channel).name)] = train_json(*train, all);
   const CoreEvents& c = e.core;
-  const Json core = {{"seat_s", json_of(c.seat.value)},
-                     {"u_seat_s", json_of(c.seat.u)},
-                     {"settled_s", json_of(c.settled.value)},
-                     {"u_settled_s", json_of(c.settled.u)},
-                     {"bounce_time_s", json_of(c.bounce_time.value)},
-                     {"impact_velocity_m_per_s", json_of(c.impact_velocity.value)},
-                     {"u_impact_velocity_m_per_s", json_of(c.impact_velocity.u)},
-                     {"travel_m", json_of(c.travel.value)},
-                     {"u_travel_m", json_of(c.travel.u)},
-                     {"resolution_s", c.seat.known() ? json_of(dsp::core_resolution(o)) : Json(nullptr)},
-                     {"flags", flags_json(c.flags | all)}};
+  const Json core = {
+      {"seat_s", json_of<Json>(c.seat.value)},
+      {"u_seat_s", json_of<Json>(c.seat.u)},
+      {"settled_s", json_of<Json>(c.settled.value)},
+      {"u_settled_s", json_of<Json>(c.settled.u)},
+      {"bounce_time_s", json_of<Json>(c.bounce_time.value)},
+      {"impact_velocity_m_per_s", json_of<Json>(c.impact_velocity.value)},
+      {"u_impact_velocity_m_per_s", json_of<Json>(c.impact_velocity.u)},
+      {"travel_m", json_of<Json>(c.travel.value)},
+      {"u_travel_m", json_of<Json>(c.travel.u)},
+      {"resolution_s", c.seat.known() ? json_of<Json>(dsp::core_resolution(o)) : Json(nullptr)},
+      {"flags", flags_json(c.flags | all)}};
   const Json j = {{"channels", channels},
                   {"core", core},
-                  {"closing_angle_deg", json_of(degrees(e.coil.closing_angle.value))},
-                  {"u_closing_angle_deg", json_of(degrees(e.coil.closing_angle.u))},
+                  {"closing_angle_deg", json_of<Json>(degrees(e.coil.closing_angle.value))},
+                  {"u_closing_angle_deg", json_of<Json>(degrees(e.coil.closing_angle.u))},
                   {"no_closing_angle", e.coil.no_angle.empty() ? Json(nullptr) : Json(e.coil.no_angle)}};
   return j.dump(indent);
 }

@@ -7,26 +7,26 @@
 
 namespace powbench::host {
 
-nlohmann::ordered_json pair_json(std::span<const PairRow> all) {
+std::string pair_json(std::span<const PairRow> all, int indent) {
   using Json = nlohmann::ordered_json;
   const auto mean = [](const Measured& m, double k) {
-    Json j = json_of(m);
-    j["U"] = json_of(k * m.u);
+    Json j = json_of<Json>(m);
+    j["U"] = json_of<Json>(k * m.u);
     return j;
   };
   Json rows = Json::array();
   for (const PairRow& r : all)
     rows.push_back({{"quantity", r.quantity},
                     {"unit", r.unit},
-                    {"closing_angle_deg", json_of(stored_degrees(r.closing_angle))},
+                    {"closing_angle_deg", json_of<Json>(stored_degrees(r.closing_angle))},
                     {"n", {r.n[0], r.n[1]}},
                     {"first", mean(r.first, r.k[0])},
                     {"second", mean(r.second, r.k[1])},
-                    {"difference", json_of(r.difference)},
-                    {"U", json_of(r.U)},
-                    {"over_U", json_of(r.over_U())},
+                    {"difference", json_of<Json>(r.difference)},
+                    {"U", json_of<Json>(r.U)},
+                    {"over_U", json_of<Json>(r.over_U())},
                     {"agreement", agreement(r.over_U())}});
-  return rows;
+  return rows.dump(indent);
 }
 
 }  // namespace powbench::host

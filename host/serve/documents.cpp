@@ -46,7 +46,7 @@ class Shown {
   }
   Json json() const {
     Json out = Json::object();
-    for (const Quantity& q : quantity_table) out[std::string(q.symbol)] = json_of(of(q));
+    for (const Quantity& q : quantity_table) out[std::string(q.symbol)] = json_of<Json>(of(q));
     return out;
   }
   const std::optional<Events> events;
@@ -92,7 +92,7 @@ std::string campaigns_document(const Store& store, CampaignFacts& facts) {
     std::size_t measured_shots = 0, outside = 0;
     Json outcomes = Json::object(), angles = Json::array();
     const CampaignFacts::Facts known = facts.of(c);
-    for (const double a : known.angles) angles.push_back(json_of(degrees(a)));
+    for (const double a : known.angles) angles.push_back(json_of<Json>(degrees(a)));
     for (const auto& [outcome, count] : store.outcomes(c.id, ShotKind::measured)) {
       measured_shots += count;
       outcomes[std::string(name(outcome))] = count;
@@ -119,14 +119,15 @@ std::string shots_document(const Store& store, const CampaignInfo& campaign, std
   for (const StoredShot& s : store.shots(campaign.id)) {
     if (s.id <= after) continue;
     const Shown shown(store, s);
-    list.push_back({{"id", s.id},
-                    {"kind", name(s.kind)},
-                    {"angle_deg", json_of(s.angle_deg)},
-                    {"reached_rad", json_of(shown.events ? shown.events->coil.closing_angle : Measured{})},
-                    {"outcome", name(s.outcome)},
-                    {"reason", s.reason},
-                    {"started", s.started},
-                    {"quantities", shown.json()}});
+    list.push_back(
+        {{"id", s.id},
+         {"kind", name(s.kind)},
+         {"angle_deg", json_of<Json>(s.angle_deg)},
+         {"reached_rad", json_of<Json>(shown.events ? shown.events->coil.closing_angle : Measured{})},
+         {"outcome", name(s.outcome)},
+         {"reason", s.reason},
+         {"started", s.started},
+         {"quantities", shown.json()}});
   }
   return text({{"campaign", campaign.id},
                {"name", campaign.name},
@@ -183,11 +184,11 @@ std::string shot_document(const Store& store, const StoredShot& shot) {
     rows.push_back({{"symbol", q.symbol},
                     {"unit", q.unit},
                     {"meaning", q.meaning},
-                    {"value", json_of(m.value)},
-                    {"u", json_of(m.u)},
-                    {"simulated", json_of(p.value)},
-                    {"simulated_u", json_of(row.u_simulated)},
-                    {"over_U", json_of(over_U)},
+                    {"value", json_of<Json>(m.value)},
+                    {"u", json_of<Json>(m.u)},
+                    {"simulated", json_of<Json>(p.value)},
+                    {"simulated_u", json_of<Json>(row.u_simulated)},
+                    {"over_U", json_of<Json>(over_U)},
                     {"agreement", judged || !std::isfinite(p.value) ? agreement(over_U)
                                   : row.u_simulated_unknown         ? "simulated U not known"
                                                                     : "no simulated U yet"}});
@@ -197,12 +198,12 @@ std::string shot_document(const Store& store, const StoredShot& shot) {
        {"campaign", shot.campaign},
        {"kind", name(shot.kind)},
        {"origin", name(shot.kind == ShotKind::simulated ? Origin::simulation : campaign.origin)},
-       {"angle_deg", json_of(shot.angle_deg)},
-       {"reached_rad", json_of(events ? events->coil.closing_angle : Measured{})},
-       {"touch_rad", json_of(events ? touch_angle(*events, shot.conditions.mains_hertz) : Measured{})},
-       {"supply_volts", json_of(shot.conditions.supply_volts)},
-       {"mains_hertz", json_of(shot.conditions.mains_hertz)},
-       {"hold_time_s", json_of(shot.conditions.hold_time)},
+       {"angle_deg", json_of<Json>(shot.angle_deg)},
+       {"reached_rad", json_of<Json>(events ? events->coil.closing_angle : Measured{})},
+       {"touch_rad", json_of<Json>(events ? touch_angle(*events, shot.conditions.mains_hertz) : Measured{})},
+       {"supply_volts", json_of<Json>(shot.conditions.supply_volts)},
+       {"mains_hertz", json_of<Json>(shot.conditions.mains_hertz)},
+       {"hold_time_s", json_of<Json>(shot.conditions.hold_time)},
        {"started", shot.started},
        {"outcome", name(shot.outcome)},
        {"reason", shot.reason},
@@ -247,7 +248,8 @@ std::string frame_document(const Store& store, const StoredShot& shot) {
 }
 
 std::string pair_document(const Store& store, const CampaignInfo& first, const CampaignInfo& second) {
-  const Json rows = pair_json(compare_pair(compare_stored(store, first), compare_stored(store, second)));
+  const Json rows =
+      Json::parse(pair_json(compare_pair(compare_stored(store, first), compare_stored(store, second))));
   const auto who = [](const CampaignInfo& c) {
     return Json{{"id", c.id}, {"name", c.name}, {"origin", name(c.origin)}, {"created", c.created}};
   };

@@ -53,7 +53,7 @@ Measured measured_from(const json& j) {
 }
 
 Ordered part_json(const BounceTrain& b) {
-  return {{"openings", b.openings}, {"from_s", json_of(b.from)}, {"to_s", json_of(b.to)}};
+  return {{"openings", b.openings}, {"from_s", json_of<Ordered>(b.from)}, {"to_s", json_of<Ordered>(b.to)}};
 }
 BounceTrain part_from(const json& j) {
   return {.openings = j.at("openings").get<int>(),
@@ -64,24 +64,24 @@ BounceTrain part_from(const json& j) {
 Ordered train_json(const ContactTrain& t) {
   Ordered contacts = Ordered::array();
   for (const Contact& c : t.contacts)
-    contacts.push_back({{"touch_s", json_of(c.touch)},
-                        {"release_s", json_of(c.release)},
-                        {"peak", json_of(c.peak)},
-                        {"impulse", json_of(c.impulse)},
+    contacts.push_back({{"touch_s", json_of<Ordered>(c.touch)},
+                        {"release_s", json_of<Ordered>(c.release)},
+                        {"peak", json_of<Ordered>(c.peak)},
+                        {"impulse", json_of<Ordered>(c.impulse)},
                         {"flags", flags_json(c.flags)},
-                        {"probability", json_of(c.probability)}});
+                        {"probability", json_of<Ordered>(c.probability)}});
   return {{"present", t.present},
           {"shows", name(t.shows)},
           {"reason", t.reason},
           {"contacts", contacts},
-          {"settled_s", json_of(t.settled)},
-          {"settled_force", json_of(t.settled_force)},
-          {"bounce_time_s", json_of(t.bounce_time)},
+          {"settled_s", json_of<Ordered>(t.settled)},
+          {"settled_force", json_of<Ordered>(t.settled_force)},
+          {"bounce_time_s", json_of<Ordered>(t.bounce_time)},
           {"bounce_count", t.bounce_count},
           {"first_train", part_json(t.first_train)},
           {"second_train", part_json(t.second_train)},
-          {"resolution_s", json_of(t.resolution)},
-          {"noise", json_of(t.noise)},
+          {"resolution_s", json_of<Ordered>(t.resolution)},
+          {"noise", json_of<Ordered>(t.noise)},
           {"flags", flags_json(t.flags)}};
 }
 
@@ -117,8 +117,8 @@ ContactTrain train_from(const json& j) {
 
 Ordered pole_json(const PoleEvents& p) {
   return {{"by_force", train_json(p.by_force)},
-          {"disagreement_s", json_of(p.disagreement)},
-          {"longest_disagreement_s", json_of(p.longest_disagreement)}};
+          {"disagreement_s", json_of<Ordered>(p.disagreement)},
+          {"longest_disagreement_s", json_of<Ordered>(p.longest_disagreement)}};
 }
 
 PoleEvents pole_from(const json& j) {
@@ -129,11 +129,11 @@ PoleEvents pole_from(const json& j) {
 
 Ordered core_json(const CoreEvents& c) {
   return {{"present", c.present},
-          {"seat_s", json_of(c.seat)},
-          {"settled_s", json_of(c.settled)},
-          {"bounce_time_s", json_of(c.bounce_time)},
-          {"impact_velocity", json_of(c.impact_velocity)},
-          {"travel_m", json_of(c.travel)},
+          {"seat_s", json_of<Ordered>(c.seat)},
+          {"settled_s", json_of<Ordered>(c.settled)},
+          {"bounce_time_s", json_of<Ordered>(c.bounce_time)},
+          {"impact_velocity", json_of<Ordered>(c.impact_velocity)},
+          {"travel_m", json_of<Ordered>(c.travel)},
           {"flags", flags_json(c.flags)}};
 }
 
@@ -148,12 +148,12 @@ CoreEvents core_from(const json& j) {
 }
 
 Ordered coil_json(const CoilEvents& c) {
-  return {{"closing_angle_rad", json_of(c.closing_angle)},
+  return {{"closing_angle_rad", json_of<Ordered>(c.closing_angle)},
           {"no_angle", c.no_angle},
-          {"switch_on_s", json_of(c.switch_on)},
-          {"mains_hertz", json_of(c.mains_hertz)},
-          {"supply_volts", json_of(c.supply_volts)},
-          {"peak_current", json_of(c.peak_current)},
+          {"switch_on_s", json_of<Ordered>(c.switch_on)},
+          {"mains_hertz", json_of<Ordered>(c.mains_hertz)},
+          {"supply_volts", json_of<Ordered>(c.supply_volts)},
+          {"peak_current", json_of<Ordered>(c.peak_current)},
           {"flags", flags_json(c.flags)}};
 }
 
@@ -185,14 +185,6 @@ std::string flag_names(std::uint32_t flags) {
   return text;
 }
 
-Ordered json_of(double x) {
-  return std::isfinite(x) ? Ordered(x) : Ordered(nullptr);
-}
-
-Ordered json_of(const Measured& m) {
-  return {{"value", json_of(m.value)}, {"u", json_of(m.u)}};
-}
-
 std::string to_json(const Events& e, int indent) {
   const Ordered j = {{"pvdf_a", train_json(e.pvdf_a)},
                      {"pvdf_b", train_json(e.pvdf_b)},
@@ -207,12 +199,12 @@ std::string to_json(const Events& e, int indent) {
 }
 
 std::string to_json(const Conditions& c, int indent) {
-  const Ordered j = {{"supply_volts", json_of(c.supply_volts)},
-                     {"mains_hertz", json_of(c.mains_hertz)},
-                     {"closing_angle", json_of(c.closing_angle)},
+  const Ordered j = {{"supply_volts", json_of<Ordered>(c.supply_volts)},
+                     {"mains_hertz", json_of<Ordered>(c.mains_hertz)},
+                     {"closing_angle", json_of<Ordered>(c.closing_angle)},
                      {"polarity", c.polarity},
-                     {"hold_time", json_of(c.hold_time)},
-                     {"ambient", json_of(c.ambient)},
+                     {"hold_time", json_of<Ordered>(c.hold_time)},
+                     {"ambient", json_of<Ordered>(c.ambient)},
                      {"specimen", c.specimen},
                      {"seed", c.seed}};
   return j.dump(indent);
@@ -231,10 +223,10 @@ double four_digits(double v) {
 
 std::string to_json(const InputSpread& p) {
   Ordered j = Ordered::object();
-  for (const auto& [symbol, u] : p.u) j[symbol] = json_of(u);
+  for (const auto& [symbol, u] : p.u) j[symbol] = json_of<Ordered>(u);
   for (const CurveSpread& c : p.curves) {
     Ordered values = Ordered::array();
-    for (const double u : c.u) values.push_back(json_of(four_digits(u)));
+    for (const double u : c.u) values.push_back(json_of<Ordered>(four_digits(u)));
     j["curves"][c.channel] = {{"t0", c.t0}, {"dt", c.dt}, {"u", std::move(values)}};
   }
   return j.dump();

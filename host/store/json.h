@@ -1,6 +1,6 @@
 #pragma once
 
-#include <nlohmann/json_fwd.hpp>
+#include <cmath>
 #include <string>
 #include <string_view>
 
@@ -17,9 +17,15 @@ std::string to_json(const Conditions&, int indent = -1);
 Events events_from_json(std::string_view);
 Conditions conditions_from_json(std::string_view);
 
-/// null for what is not known; a measured value as {value, u}.
-nlohmann::ordered_json json_of(double);
-nlohmann::ordered_json json_of(const Measured&);
+/// null for what is not known; a measured value as {value, u}. `Json`: the library's type, whichever the caller has.
+template <class Json>
+Json json_of(double x) {
+  return std::isfinite(x) ? Json(x) : Json(nullptr);
+}
+template <class Json>
+Json json_of(const Measured& m) {
+  return {{"value", json_of<Json>(m.value)}, {"u", json_of<Json>(m.u)}};
+}
 
 /// Names of the set flags, e.g. "clipped, poor_fit"; empty when none is set.
 std::string flag_names(std::uint32_t flags);

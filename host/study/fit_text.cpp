@@ -203,7 +203,7 @@ std::string fit_text(const FitJob& job, const FitReport& report, const std::vect
 
 std::string fit_json(const FitJob& job, const FitReport& report, const std::vector<FitCell>& cells) {
   Json j;
-  j["misfit"] = json_of(report.full.best.misfit);
+  j["misfit"] = json_of<Json>(report.full.best.misfit);
   j["evaluations_each"] = job.options.evaluations;
   j["parameters"] = Json::array();
   const auto& told = report.full.identifiability;
@@ -217,35 +217,35 @@ std::string fit_json(const FitJob& job, const FitReport& report, const std::vect
          {"low", p.low / unit},
          {"high", p.high / unit},
          {"deviation", 0.5 * (p.value_at(u + told.deviation[i]) - p.value_at(u - told.deviation[i])) / unit},
-         {"told", told.data_share.empty() ? Json(nullptr) : json_of(told.data_share[i])}});
+         {"told", told.data_share.empty() ? Json(nullptr) : json_of<Json>(told.data_share[i])}});
   }
   j["correlation"] = told.correlation;
   j["cells"] = Json::array();
   for (const auto& c : cells)
     j["cells"].push_back({{"theta_deg", c.theta_deg},
                           {"quantity", c.quantity},
-                          {"measured", json_of(c.measured)},
-                          {"fitted", json_of(c.fitted)},
-                          {"error_percent", json_of(c.fitted_percent)},
-                          {"held_out", json_of(c.held_out.median)},
-                          {"held_out_low", json_of(c.held_out.low)},
-                          {"held_out_high", json_of(c.held_out.high)},
-                          {"held_out_error_percent", json_of(c.held_out_percent)},
-                          {"median_of_others_error_percent", json_of(c.others_percent)}});
+                          {"measured", json_of<Json>(c.measured)},
+                          {"fitted", json_of<Json>(c.fitted)},
+                          {"error_percent", json_of<Json>(c.fitted_percent)},
+                          {"held_out", json_of<Json>(c.held_out.median)},
+                          {"held_out_low", json_of<Json>(c.held_out.low)},
+                          {"held_out_high", json_of<Json>(c.held_out.high)},
+                          {"held_out_error_percent", json_of<Json>(c.held_out_percent)},
+                          {"median_of_others_error_percent", json_of<Json>(c.others_percent)}});
   j["bounce_held_out"] = Json::array();
   for (const auto& fold : report.file.folds)
     if (fold.held_out && fold.bounce)
       j["bounce_held_out"].push_back({{"theta_deg", *fold.held_out},
-                                      {"samples_deviation", json_of(fold.bounce->deviation)},
-                                      {"median_s", json_of(fold.bounce->median)},
-                                      {"median_deviation", json_of(fold.bounce->median_deviation)}});
+                                      {"samples_deviation", json_of<Json>(fold.bounce->deviation)},
+                                      {"median_s", json_of<Json>(fold.bounce->median)},
+                                      {"median_deviation", json_of<Json>(fold.bounce->median_deviation)}});
   j["summary"] = Json::array();
   for (const char* q : quantities) {
     const Summary s = summary(cells, q);
     j["summary"].push_back({{"quantity", q},
-                            {"mean_error_percent", json_of(s.fitted.mean())},
-                            {"mean_held_out_error_percent", json_of(s.held_out.mean())},
-                            {"mean_median_of_others_error_percent", json_of(s.others.mean())}});
+                            {"mean_error_percent", json_of<Json>(s.fitted.mean())},
+                            {"mean_held_out_error_percent", json_of<Json>(s.held_out.mean())},
+                            {"mean_median_of_others_error_percent", json_of<Json>(s.others.mean())}});
   }
   return j.dump(2) + "\n";
 }

@@ -86,7 +86,7 @@ std::string sweep_json(const sim::Design& design, const std::vector<std::vector<
     Json entry{{"name", sim::metric_table[k].name}};
     const char* names[] = {"least", "q05", "median", "q95", "largest"};
     for (std::size_t s = 0; s < std::size(shares); ++s)
-      entry[names[s]] = json_of(sim::quantile_of_sorted(values, shares[s]));
+      entry[names[s]] = json_of<Json>(sim::quantile_of_sorted(values, shares[s]));
     entry["modes"] = modes_json(sim::modes(values));
     j["metrics"].push_back(std::move(entry));
   }
@@ -97,7 +97,7 @@ std::string sweep_json(const sim::Design& design, const std::vector<std::vector<
   for (std::size_t n = 0; n < rows.size(); ++n) {
     Json row{{"at", design.point(static_cast<std::int64_t>(n))}};
     for (std::size_t k = 0; k < sim::metric_table.size(); ++k)
-      row[std::string(sim::metric_table[k].name)] = json_of(rows[n][k]);
+      row[std::string(sim::metric_table[k].name)] = json_of<Json>(rows[n][k]);
     j["rows"].push_back(std::move(row));
   }
   return j.dump() + "\n";
@@ -125,9 +125,9 @@ std::string sensitivity_json(std::span<const sim::Sensitivity> rows, const sim::
                  {"variable", r.name},
                  {"step", r.step},
                  {"metric", metric.name},
-                 {"low", json_of(r.low)},
-                 {"centre", json_of(r.centre)},
-                 {"high", json_of(r.high)}});
+                 {"low", json_of<Json>(r.low)},
+                 {"centre", json_of<Json>(r.centre)},
+                 {"high", json_of<Json>(r.high)}});
   return j.dump(2) + "\n";
 }
 
