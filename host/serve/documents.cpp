@@ -116,8 +116,7 @@ std::string campaigns_document(const Store& store, CampaignFacts& facts) {
 
 std::string shots_document(const Store& store, const CampaignInfo& campaign, std::int64_t after) {
   Json list = Json::array();
-  for (const StoredShot& s : store.shots(campaign.id)) {
-    if (s.id <= after) continue;
+  for (const StoredShot& s : after > 0 ? store.shots_after(campaign.id, after) : store.shots(campaign.id)) {
     const Shown shown(store, s);
     list.push_back(
         {{"id", s.id},

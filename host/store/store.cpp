@@ -130,6 +130,15 @@ std::vector<StoredShot> Store::shots(std::int64_t campaign, ShotKind kind) const
   return list;
 }
 
+std::vector<StoredShot> Store::shots_after(std::int64_t campaign, std::int64_t after) const {
+  std::vector<StoredShot> list;
+  Statement s(impl_->db,
+              shot_query + "WHERE shot.id > ? AND campaign_id = ? AND " + last_attempt + "ORDER BY shot.id");
+  s.bind(after).bind(campaign);
+  while (s.step()) list.push_back(shot_row(s));
+  return list;
+}
+
 std::map<Outcome, std::size_t> Store::outcomes(std::int64_t campaign, ShotKind kind) const {
   std::map<Outcome, std::size_t> counts;
   Statement s(impl_->db, "SELECT outcome, count(*) FROM shot WHERE campaign_id = ? AND kind = ? AND " +

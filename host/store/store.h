@@ -117,6 +117,8 @@ class Store {
   /// All shots of a campaign, by kind, then number; of each the last attempt.
   std::vector<StoredShot> shots(std::int64_t campaign) const;
   std::vector<StoredShot> shots(std::int64_t campaign, ShotKind kind) const;
+  /// Those of `shots` whose id is larger than `after`, by id; the others are not read.
+  std::vector<StoredShot> shots_after(std::int64_t campaign, std::int64_t after) const;
   /// The same shots as `shots`, with the few numbers of a list: 20 000 of them in well below a second.
   std::vector<ShotLine> lines(std::int64_t campaign) const;
   /// How many shots of a campaign ended how, without reading them: their seals are not checked.

@@ -211,6 +211,15 @@ TEST_CASE("live bench: two campaigns compared, only newer shots, what to take al
   CHECK(json::parse(query("/api/campaigns/1/shots", "after=" + std::to_string(after)).body)
             .at("shots")
             .size() == all.size() - 3);
+  const host::Store store(s.folder.file("lab.db"), host::Store::Mode::read_only);
+  for (std::int64_t last = 0; last <= 13; ++last)
+    for (const std::int64_t campaign : {1, 2, 3}) {
+      std::set<std::int64_t> wanted, got;
+      for (const auto& shot : store.shots(campaign))
+        if (shot.id > last) wanted.insert(shot.id);
+      for (const auto& shot : store.shots_after(campaign, last)) got.insert(shot.id);
+      CHECK(got == wanted);
+    }
   const json campaigns = s.get("/api/campaigns");
   CHECK(campaigns.at(0).at("angles_deg").size() == 3);
   CHECK(campaigns.at(0).at("outcomes").at("NOT JUDGED") == 3);
