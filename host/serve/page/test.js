@@ -112,7 +112,7 @@ export function show(state, before) {
     ' ms, specimen ' + state.plan.specimen + ' (from the plan)';
   const aim = state.job && state.job.aim;
   $('aimed').textContent = !aim ? '' : 'To touch there the coil is switched on at ' + aim.closing_angle_deg.toFixed(1) + '°; touch is predicted ' + (1e3 * aim.touch_s).toFixed(2) + ' ms later.';
-  if (before && before.newest_prediction !== state.newest_prediction && drawn === shown) stale = true;  // the simulation's U has come
+  if (before && before.newest_prediction !== state.newest_prediction) stale = true;  // the simulation's U has come
   if (before && before.job && !state.job) stale = stale || !whole || !!drawing;  // the simulation is there now; what is being drawn may have been asked for before
   newest = state.newest_shot || 0;
   if (!before || before.job || !before.status || before.plan.name !== state.plan.name || before.plan.specimen !== state.plan.specimen) prepare(state);
