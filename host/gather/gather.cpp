@@ -283,8 +283,8 @@ std::optional<DeviceShape> shape_of(const sim::Specimen& s) {
 }  // namespace
 
 /// The closings of the angle, as they stand now, had other conditions than the simulation was made under.
-bool outdated(const StoredShot& simulated, const std::vector<PlannedShot>& planned,
-              const std::vector<Events>& measured, const RunOptions& options) {
+static bool outdated(const StoredShot& simulated, const std::vector<PlannedShot>& planned,
+                     const std::vector<Events>& measured, const RunOptions& options) {
   const double angle = radians(simulated.angle_deg);
   const auto asked = std::find_if(planned.begin(), planned.end(), [&](const PlannedShot& p) {
     return same_angle(effective_angle(p.conditions), angle);

@@ -41,8 +41,9 @@ std::string why(const ReportInput& input) {
     if (shot.outcome == is && !shot.reason.empty()) add(fmt::format("shot {}: {}", shot.index, shot.reason));
   for (const auto& row : input.comparison.rows)
     if (is == Outcome::fail && row.against_simulation == Outcome::fail)
-      add(fmt::format("{} at {}: simulation and measurement differ by {:.2g} %, allowed {:g} %", row.quantity,
-                      angle_text(row.closing_angle), 100 * std::fabs(row.simulated / row.measured.value - 1),
+      add(fmt::format("{} at {}: simulation and measurement differ by {} %, allowed {:g} %", row.quantity,
+                      angle_text(row.closing_angle),
+                      fixed(100 * std::fabs(row.simulated / row.measured.value - 1), 1),
                       100 * input.most_from_simulation));
   if (first.empty()) return {};
   return "Why: " + first + (more > 0 ? fmt::format(" (and {} more). ", more) : ". ");
@@ -139,7 +140,8 @@ std::string simulated_of(const ReportInput& input) {
   return text;
 }
 
-/// Quantities that are simulated off to one side at every angle, whether each is within U or not: at six angles chance does so once in 32.
+/// Quantities that are simulated off to one side at every angle, whether each is within U or not. Scatter alone does so at six angles
+/// once in 32 for each quantity; what all angles share, such as the scale of a channel, does it every time: so it is told, not judged.
 std::string one_sided(const ReportInput& input) {
   constexpr int fewest = 6;
   std::string text;
@@ -251,11 +253,12 @@ void calibration_warning(Markup& out, const ReportInput& input) {
   if (without > 0)
     out.element(
         "p",
-        fmt::format(
-            "No valid calibration for {}: the scales of {} channels are taken on trust, and no U "
-            "of this report holds what they may be off by.",
-            without == measured ? "these records" : fmt::format("{} of {} records", without, measured),
-            without == 1 ? "its" : "their"),
+        fmt::format("No valid calibration for {}: the scales of {} channels are taken on trust, and no U "
+                    "of this report holds what they may be off by.",
+                    measured == 1         ? "this record"
+                    : without == measured ? "these records"
+                                          : fmt::format("{} of {} records", without, measured),
+                    without == 1 ? "its" : "their"),
         {{"class", "warn"}});
 }
 
@@ -292,7 +295,11 @@ void times(Markup& out, const ReportInput& input) {
   std::string note =
       "U: 95.45 %, of the scatter of the repeats and of how sharply an event shows in the record, k by their "
       "degrees of freedom. It holds neither the scale of a channel nor what another supply voltage or coil "
-      "temperature would change; the simulated \xC2\xB1 shows how much those do. ";
+      "temperature would change";
+  const auto& all = input.comparison.rows;
+  const bool shown =
+      std::any_of(all.begin(), all.end(), [](const auto& r) { return std::isfinite(r.u_simulated); });
+  note += shown ? "; the simulated \xC2\xB1 shows how much those do. " : ". ";
   if (step > 1)
     note += fmt::format("One in {} of {} angles, and the best; the figures show all. ", step, angles.size());
   if (without_u)

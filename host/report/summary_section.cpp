@@ -16,7 +16,8 @@ namespace {
 struct AngleKept {
   Range seen;  ///< deg: reached less asked; empty where no tolerance was given or no angle is known
   std::size_t closings = 0, off = 0;
-  std::string where;  ///< shots that were off
+  std::string where;  ///< shots that did not pass
+  Outcome worst = Outcome::pass;
 };
 
 AngleKept angle_kept(const ReportInput& input) {
@@ -29,7 +30,9 @@ AngleKept angle_kept(const ReportInput& input) {
     if (!reached.known()) continue;
     kept.seen.include(degrees(wrap_half_turn(reached.value - asked)));
     ++kept.closings;
-    if (judge_angle(reached, asked, input.angle_tolerance, input.decision) == Outcome::pass) continue;
+    const Outcome judged = judge_angle(reached, asked, input.angle_tolerance, input.decision);
+    if (judged == Outcome::pass) continue;
+    kept.worst = worse(kept.worst, judged);
     if (++kept.off <= most_named) kept.where += fmt::format("{} {}", kept.off > 1 ? "," : "", shot.index);
   }
   if (kept.off > most_named) kept.where += fmt::format(" and {} more", kept.off - most_named);
@@ -63,7 +66,7 @@ void angle_row(Markup& out, const AngleKept& angle, double tolerance) {
   if (angle.off == 0)
     out.text(angle.closings == 1 ? std::string("kept") : fmt::format("kept by all {}", angle.closings));
   else
-    out.element("span", name(Outcome::fail), {{"class", badge_class(Outcome::fail)}})
+    out.element("span", name(angle.worst), {{"class", badge_class(angle.worst)}})
         .text(std::string(angle.off == 1 ? " shot" : " shots") + angle.where);
   out.close().close();
 }

@@ -118,12 +118,13 @@ Judgement judge_shot(const Events& events, const Conditions& conditions, const R
   if (angle == Outcome::not_observed)
     add(angle, fmt::format("closing angle not observed, commanded {:.2f} deg", degrees(commanded)));
   else if (angle != Outcome::pass)
-    add(angle, fmt::format("closing angle {:.2f} deg{}, commanded {:.2f} deg, tolerance {:g} deg",
-                           degrees(commanded + wrap_half_turn(reached.value - commanded)),
-                           options.decision == Decision::guarded
-                               ? fmt::format(" with U = {:.2g} deg", degrees(2 * reached.u))
-                               : "",
-                           degrees(commanded), degrees(options.angle_tolerance)));
+    add(angle,
+        fmt::format("closing angle {:.2f} deg{}, commanded {:.2f} deg, tolerance {:g} deg",
+                    degrees(commanded + wrap_half_turn(reached.value - commanded)),
+                    options.decision != Decision::guarded ? ""
+                    : std::isfinite(reached.u) ? fmt::format(" with U = {:.2g} deg", degrees(2 * reached.u))
+                                               : " without an uncertainty",
+                    degrees(commanded), degrees(options.angle_tolerance)));
   return j;
 }
 

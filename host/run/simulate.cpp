@@ -203,7 +203,6 @@ SimulatedCount simulate_campaign(Store& store, std::int64_t campaign, std::span<
       ++count.kept;
       continue;
     }
-    if (before != known.end()) ++count.renewed;
     shots.push_back(shot), inputs.push_back(in);
   }
 
@@ -218,6 +217,7 @@ SimulatedCount simulate_campaign(Store& store, std::int64_t campaign, std::span<
     const std::int64_t id = keep_simulated(store, shots[i], *result.closing, result.events, options);
     if (!result.prediction.empty()) store.store_prediction(id, result.prediction);
     ++count.stored;
+    if (known.contains(shots[i].angle_deg)) ++count.renewed;
   };
   const auto work = [&] {
     for (std::size_t i = next++; i < shots.size() && !StopOnSignal::asked(); i = next++) {

@@ -233,6 +233,7 @@ TEST_CASE("of devices whose inputs scatter as stated, 95 % of the differences li
   for (const auto& [symbol, count] : counts) {
     const auto [within, all] = count;
     CAPTURE(symbol, within, all);
+    WARN(symbol << ": " << within << " of " << all << " differences lie within U");
     CHECK(within > 0.88 * all);
     CHECK(all > 100);
   }
