@@ -1,8 +1,6 @@
 #include <catch2/catch.hpp>
 #include <cctype>
 #include <cmath>
-#include <map>
-#include <nlohmann/json.hpp>
 #include <string>
 
 #include "host/compare/compare.h"
@@ -10,6 +8,7 @@
 #include "host/report/number.h"
 #include "host/report/report.h"
 #include "host/report/view.h"
+#include "tests/host/report_samples.h"
 #include "tests/host/report_xml_check.h"
 
 using namespace powbench;
@@ -18,53 +17,6 @@ using test::without_own_scripts;
 using test::xml_error;
 
 namespace {
-
-Waveform wave(const char* channel, const char* unit, std::size_t n) {
-  Waveform w{channel, unit, -10e-3, 10e-6, {}};
-  for (std::size_t i = 0; i < n; ++i)
-    w.values.push_back(static_cast<float>(std::sin(0.01 * static_cast<double>(i))));
-  return w;
-}
-
-Events some_events(double touch) {
-  Events e;
-  e.method = "method <one>";
-  e.parameters_hash = "cafe";
-  e.contact_voltage.present = true;
-  Contact first, last;
-  first.touch = {touch, 2e-6};
-  first.release = {touch + 1e-3, 2e-6};
-  last.touch = {touch + 3e-3, 2e-6};
-  e.contact_voltage.contacts = {first, last};
-  e.contact_voltage.settled = last.touch;
-  e.contact_voltage.bounce_time = {3e-3, 3e-6};
-  e.contact_voltage.bounce_count = 1;
-  e.core.seat = {touch + 2e-3, 10e-6};
-  e.coil.closing_angle = {radians(30.1), radians(0.02)};
-  return e;
-}
-
-ReportShot some_shot(int index) {
-  ReportShot s;
-  s.index = index;
-  s.conditions.closing_angle = radians(30);
-  s.outcome = Outcome::pass;
-  s.events = some_events(12e-3);
-  s.waveforms = {wave("pvdf_a", "N", 6000), wave("laser", "m", 6000), wave("mains_voltage", "V", 6000)};
-  s.raw = {wave("pvdf_a", "N", 6000)};
-  s.record_hash = "0123456789abcdef";
-  return s;
-}
-
-void compare_into(ReportInput& in) {
-  std::vector<AngleGroup> groups;
-  for (const auto& s : in.shots) {
-    auto& group = group_at(groups, effective_angle(s.conditions));
-    if (s.events) group.measured.push_back(*s.events);
-  }
-  for (const auto& s : in.simulated) group_at(groups, s.closing_angle).simulated.push_back(s.events);
-  in.comparison = compare(groups, in.published, in.limits);
-}
 
 bool has_word(const std::string& text, const std::string& word) {
   const auto letter = [](char c) { return std::isalpha(static_cast<unsigned char>(c)) != 0; };
@@ -391,72 +343,4 @@ TEST_CASE("a long campaign's page does not grow with its shots", "[report]") {
   };
   const std::size_t few = size(800), many = size(8000);
   CHECK(many < few + few / 100);
-}
-
-TEST_CASE("closer look: what the page's script decodes is the record, to a count", "[report]") {
-  ReportInput in;
-  in.campaign = "zoom";
-  in.shots = {some_shot(1), some_shot(2)};
-  for (float& v : in.shots[0].raw[0].values) v += 0.25F;  // stripped off
-  in.shots[1].raw.clear();                                // not one of those to zoom into
-  compare_into(in);
-  const std::string html = render_html(in), begin = "id=\"closings\">";
-  CHECK(xml_error(html) == "");
-  const auto from = html.find(begin) + begin.size();
-  const auto closings = nlohmann::json::parse(html.substr(from, html.find("</script>", from) - from));
-  REQUIRE(closings.size() == 1);
-  const auto& c = closings.at(0);
-  CHECK(c.at("name") == "shot 1 at 30.0 deg");
-  CHECK(c.at("marks").at(0).at("at") == Approx(12.0));
-  std::map<std::string, std::vector<double>> decoded;
-  for (const auto& series : c.at("channels").at(0).at("series")) {
-    const std::string text = series.at("data");
-    const std::string letters = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-    std::string bytes;
-    unsigned held = 0, bits = 0;
-    for (const char ch : text) {
-      if (ch == '=') break;
-      held = held << 6 | static_cast<unsigned>(letters.find(ch));
-      if ((bits += 6) >= 8) bytes += static_cast<char>(held >> (bits -= 8) & 255U);
-    }
-    auto& values = decoded[series.at("label")];
-    for (std::size_t i = 0; i + 1 < bytes.size(); i += 2) {
-      const auto low = static_cast<unsigned char>(bytes[i]), high = static_cast<unsigned char>(bytes[i + 1]);
-      const auto count = static_cast<std::int16_t>(low | high << 8);
-      values.push_back(count == -32768
-                           ? std::nan("")
-                           : series.at("middle").get<double>() + count * series.at("step").get<double>());
-    }
-    REQUIRE(values.size() == c.at("n").get<std::size_t>());
-  }
-  const Waveform& measured = in.shots[0].waveforms[0];
-  double worst = 0, worst_off = 0;
-  for (std::size_t i = 0; i < decoded["measured"].size(); ++i) {
-    const double at = (c.at("t0").get<double>() + static_cast<double>(i) * c.at("dt").get<double>()) * 1e-3;
-    const double k = (at - measured.t0) / measured.dt;
-    const auto j = static_cast<std::size_t>(k);
-    const double part = k - static_cast<double>(j);
-    const double truth = (1 - part) * static_cast<double>(measured.values[j]) +
-                         part * static_cast<double>(measured.values[j + 1]);
-    worst = std::max(worst, std::fabs(decoded["measured"][i] - truth));
-    worst_off = std::max(worst_off, std::fabs(decoded["stripped off"][i] - 0.25));
-  }
-  CHECK(worst < 1e-4);
-  CHECK(worst_off < 1e-4);
-}
-
-TEST_CASE("closer look: a spike of one sample stays, however long the record", "[report]") {
-  ReportInput in;
-  in.campaign = "spike";
-  in.shots = {some_shot(1)};
-  auto& values = in.shots[0].waveforms[0].values;
-  in.shots[0].waveforms[0].dt = 0.2e-6;  // 5 MS/s, 60 ms
-  values.assign(300'000, 1.0F);
-  values[131'071] = 50.0F;
-  compare_into(in);
-  const std::string html = render_html(in), begin = "id=\"closings\">";
-  const auto from = html.find(begin) + begin.size();
-  const auto closings = nlohmann::json::parse(html.substr(from, html.find("</script>", from) - from));
-  for (const auto& series : closings.at(0).at("channels").at(0).at("series"))
-    if (series.at("label") == "measured") CHECK(series.at("step").get<double>() * 65'000 == Approx(49.0));
 }
