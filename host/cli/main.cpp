@@ -333,6 +333,7 @@ int main(int argc, char** argv) {
   add_manual_verbs(app);
   add_specimen_verbs(app);
 
+  app.failure_message(parse_failure);
   if (const std::string wrong = unknown_verb(app, argc, argv); !wrong.empty()) {
     fmt::print(stderr, "{}\n", wrong);
     return leave(Exit::bad_input);

@@ -61,4 +61,28 @@ std::string unknown_verb(const CLI::App& app, int argc, char** argv) {
   return {};
 }
 
+std::string parse_failure(const CLI::App* app, const CLI::Error& error) {
+  std::string verbs;
+  const CLI::App* at = app;
+  while (!at->get_subcommands().empty()) {
+    at = at->get_subcommands().front();
+    verbs += " " + at->get_name();
+  }
+  std::string text = error.what();
+  if (error.get_exit_code() == static_cast<int>(CLI::ExitCodes::ExtrasError)) {
+    const std::vector<std::string> extra = app->remaining(true);
+    std::vector<std::string> options;
+    for (const CLI::Option* option : at->get_options())
+      if (!option->get_lnames().empty()) options.push_back("--" + option->get_lnames().front());
+    const std::string word = extra.empty() ? "" : extra.front().substr(0, extra.front().find('='));
+    text =
+        fmt::format("'{}' is {} of this verb", word, word.starts_with("-") ? "no option" : "a word too many");
+    if (const std::string meant = word.starts_with("--") ? nearest(word, options) : ""; !meant.empty())
+      text += fmt::format("; did you mean '{}'?", meant);
+  }
+  for (char& c : text)
+    if (c == '\n') c = ' ';
+  return fmt::format("powbench{}: {}; powbench{} --help explains\n", verbs, text, verbs);
+}
+
 }  // namespace powbench::host

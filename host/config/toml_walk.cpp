@@ -367,7 +367,25 @@ class TomlWalk {
     const auto guess = nearest(name, everywhere);
     for (const auto& field : kind_.fields())
       if (!guess.empty() && field.key == guess) return unknown_guess(full_key(field.section, guess));
+    if (const std::string inner = section_below(path, name); !inner.empty()) {
+      std::vector<std::string> keys;
+      for (const auto& field : kind_.fields())
+        if (field.section == inner) keys.push_back(field.key);
+      return "unknown key; write [" + inner + "] and its keys below" + known(keys);
+    }
     return "unknown key" + known(here);
+  }
+
+  /// The section below `path` that a key is named after, as limits.t_ct1 for t_ct1_ms in [limits]; or empty.
+  std::string section_below(const std::string& path, const std::string& name) const {
+    std::string longest;
+    for (const std::string& section : sections()) {
+      if (!section.starts_with(path + ".")) continue;
+      const std::string last = section.substr(path.size() + 1);
+      if ((name == last || name.starts_with(last + "_")) && section.size() > longest.size())
+        longest = section;
+    }
+    return longest;
   }
 
   static std::string unknown_guess(const std::string& guess) {

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <catch2/catch.hpp>
 
 #include "tests/system/program.h"
@@ -103,12 +104,17 @@ TEST_CASE("mistakes on the command line", "[system]") {
       {{"show", "1", "--campaign", "2", "--db", db},
        "--campaign 2: shot 1 is of campaign 1; leave --campaign out"},
       {{"plot", "1", "--campaign", "2", "--db", db}, "shot 1 is of campaign 1"},
+      {{"report", "--db", db, "--pfd"},
+       "powbench report: '--pfd' is no option of this verb; did you mean '--pdf'?"},
+      {{"report", "x", "--db", db}, "'x' is a word too many of this verb; powbench report --help explains"},
+      {{"plan", "check"}, "powbench plan check: plan is required; powbench plan check --help explains"},
       {{"info", "teapot:"}, "unknown rig 'teapot:'; a rig is named like sim:"}};
   for (const Mistake& m : mistakes) {
     const Finished r = run(folder, m.words);
     INFO(m.words[0] << " " << (m.words.size() > 1 ? m.words[1] : "") << ": " << r.err);
     CHECK(r.status == m.status);
     CHECK_THAT(r.err, Contains(m.says));
+    CHECK(std::count(r.err.begin(), r.err.end(), '\n') == 1);  // one sentence
     CHECK(r.out.empty());
   }
   CHECK(read_file(db) == before);
@@ -132,6 +138,8 @@ TEST_CASE("mistakes in a plan", "[system]") {
       {"angles_deg = [60]\nrepeats = 1\nspecimen = \"none.toml\"\n", "none.toml: cannot be read"},
       {"angles_deg = [60]\nrepeats = 1\n[limits.touch]\nmax_ms = 20\n", "did you mean 'limits.t_ct1'?"},
       {"angles_deg = [60]\nrepeats = 1\n[limits.t_ct1]\nmax = 20\n", "did you mean 'max_ms'?"},
+      {"angles_deg = [60]\nrepeats = 1\n[limits]\nt_ct_bon_ms = 9\n",
+       "unknown key; write [limits.t_ct_bon] and its keys below; known: min_ms, max_ms"},
       {"angles_deg = [60]\nrepeats = 1\n[limits.t_ct1]\nmin_ms = 20\nmax_ms = 10\n", "is above max_ms"},
       {"angles_deg = [60]\nrepeats = 1\nrepeats = 2\n", "given twice; keep one of the two lines"},
       {"angles_deg = { start = 0, stop = 180 }\nrepeats = 1\n", "'step' is missing"},
