@@ -19,6 +19,7 @@
 #include "host/gather/pdf.h"
 #include "host/gather/scene.h"
 #include "host/gather/strip_picture.h"
+#include "host/gather/summary_json.h"
 #include "host/gather/verdict.h"
 #include "host/gather/vibration.h"
 #include "host/report/number.h"
@@ -57,6 +58,7 @@ Json row_json(const ComparisonRow& r) {
           {"measured", json_of<Json>(r.measured.value)},
           {"u_measured", json_of<Json>(r.measured.u)},
           {"U_measured", json_of<Json>(r.coverage * r.measured.u)},
+          {"k", json_of<Json>(r.coverage)},
           {"scatter", json_of<Json>(r.scatter)},
           {"simulated", json_of<Json>(r.simulated)},
           {"published_measurement", json_of<Json>(r.published_measurement)},
@@ -330,14 +332,15 @@ Exit write_report(const ReportArgs& args) {
   write_file(folder / "junit.xml", render_junit(input));
   if (args.pdf) print_pdf(folder / "report.html", folder / "report.pdf");
   const Outcome outcome = verdict(input);
-  if (args.json)
-    fmt::print("{}\n", Json{{"report", (folder / "report.html").string()},
-                            {"junit", (folder / "junit.xml").string()},
-                            {"verdict", name(outcome)},
-                            {"origin", name(campaign.origin)}}
-                           .dump(2));
-  fmt::print(stderr, "{}, {}: {}; {} and {}\n", campaign.name, name(campaign.origin), name(outcome),
-             (folder / "report.html").string(), (folder / "junit.xml").string());
+  const std::string html = (folder / "report.html").string(), junit = (folder / "junit.xml").string(),
+                    pdf = args.pdf ? (folder / "report.pdf").string() : "";
+  if (args.json) {
+    Json out = {{"report", html}, {"junit", junit}, {"pdf", args.pdf ? Json(pdf) : Json(nullptr)}};
+    out.update(Json::parse(summary_json(input)));
+    fmt::print("{}\n", out.dump(2));
+  }
+  fmt::print(stderr, "{}, {}: {}; {}{}{} and {}\n", campaign.name, name(campaign.origin), name(outcome), html,
+             args.pdf ? ", " : "", pdf, junit);
   return exit_of(outcome);
 }
 

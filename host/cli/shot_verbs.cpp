@@ -12,6 +12,7 @@
 #include "host/compare/pair.h"
 #include "host/export/write_file.h"
 #include "host/gather/pair_json.h"
+#include "host/gather/unlike.h"
 #include "host/gather/verdict.h"
 #include "host/report/number.h"
 #include "host/store/json.h"
@@ -260,6 +261,9 @@ Exit compare_campaigns(const CompareArgs& args) {
     differ += r.over_U() > 1 ? 1U : 0U;
   }
   fmt::print("{} of {} differ, {} not known\n", differ, judged, rows.size() - judged);
+  const auto lines = unlike(store, first, second);
+  if (!lines.empty()) fmt::print("the two campaigns were not alike in\n");
+  for (const std::string& line : lines) fmt::print("  {}\n", line);
   return exit_of(worse(verdicts[0], verdicts[1]));
 }
 

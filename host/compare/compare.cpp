@@ -121,4 +121,14 @@ Comparison compare(std::vector<AngleGroup> groups, std::span<const PublishedRow>
   return all;
 }
 
+std::vector<const ComparisonRow*> ranked(const Comparison& comparison) {
+  std::vector<const ComparisonRow*> rows;
+  for (const auto& row : comparison.rows)
+    if (std::isfinite(row.difference_over_U())) rows.push_back(&row);
+  std::stable_sort(rows.begin(), rows.end(), [](const auto* a, const auto* b) {
+    return a->difference_over_U() > b->difference_over_U();
+  });
+  return rows;
+}
+
 }  // namespace powbench::host

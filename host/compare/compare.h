@@ -44,4 +44,7 @@ Comparison compare(std::vector<AngleGroup> groups, std::span<const PublishedRow>
                    const std::vector<Limit>& limits, Decision = Decision::simple,
                    double most_from_simulation = std::numeric_limits<double>::quiet_NaN());
 
+/// The rows whose difference over its U is known, the largest first.
+std::vector<const ComparisonRow*> ranked(const Comparison&);
+
 }  // namespace powbench::host

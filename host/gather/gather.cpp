@@ -213,7 +213,7 @@ double phase_deviation(const Store& store, const StoredShot& shot) {
 TestRecord gather_test_record(const Store& store, const CampaignInfo& c) {
   TestRecord record = stored_plan(c).test;
   for (const Annotation& a : store.annotations(c.id))
-    stored_text(c, [&] { return complete(record, a.key, a.text), 0; });
+    if (a.key != course_key) stored_text(c, [&] { return complete(record, a.key, a.text), 0; });
   return record;
 }
 
@@ -311,9 +311,14 @@ ReportInput gather_report(const Store& store, const CampaignInfo& c, const std::
   input.most_from_simulation = plan.limits_vs_simulation;
   input.angle_tolerance = options.angle_tolerance;
   input.test = gather_test_record(store, c);
-  const auto annotations = store.annotations(c.id);
-  input.annotations = annotations.size();
-  if (!annotations.empty()) input.annotated = annotations.back().created;
+  for (const Annotation& a : store.annotations(c.id)) {
+    if (a.key == course_key) {
+      input.course.push_back({a.created, a.text});
+      continue;
+    }
+    ++input.annotations;
+    input.annotated = a.created;
+  }
   input.provenance = provenance(store, c, plan, shots, database);
   input.limits = options.limits;
   if (names_published(specimen)) input.published = published_rows();

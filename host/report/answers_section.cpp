@@ -25,30 +25,6 @@ void answer(Markup& out, std::string_view question, std::string_view main, const
   out.close();
 }
 
-/// The first reason for a verdict that is none of PASS and NOT JUDGED, with how many more there are; or empty.
-std::string why(const ReportInput& input) {
-  const Outcome is = verdict(input);
-  if (is == Outcome::pass || is == Outcome::not_judged) return {};
-  std::string first;
-  std::size_t more = 0;
-  const auto add = [&](const std::string& reason) {
-    if (first.empty())
-      first = reason;
-    else
-      ++more;
-  };
-  for (const auto& shot : input.shots)
-    if (shot.outcome == is && !shot.reason.empty()) add(fmt::format("shot {}: {}", shot.index, shot.reason));
-  for (const auto& row : input.comparison.rows)
-    if (is == Outcome::fail && row.against_simulation == Outcome::fail)
-      add(fmt::format("{} at {}: simulation and measurement differ by {} %, allowed {:g} %", row.quantity,
-                      angle_text(row.closing_angle),
-                      fixed(100 * std::fabs(row.simulated / row.measured.value - 1), 1),
-                      100 * input.most_from_simulation));
-  if (first.empty()) return {};
-  return "Why: " + first + (more > 0 ? fmt::format(" (and {} more). ", more) : ". ");
-}
-
 void verdict_answer(Markup& out, const ReportInput& input) {
   const Counts c = count(input);
   std::string detail = input.unplanned
@@ -63,7 +39,8 @@ void verdict_answer(Markup& out, const ReportInput& input) {
   add(c.not_judged, "not judged");
   add(c.errors, "without a valid measurement");
   add(c.missing, "not fired");
-  detail += ". " + why(input);
+  detail += ". ";
+  if (const std::string why = verdict_reason(input); !why.empty()) detail += "Why: " + why + ". ";
   detail +=
       input.limits.empty() && !std::isfinite(input.most_from_simulation)
           ? std::string(c.failed + c.not_observed > 0 ? "The plan sets no limit on a quantity."
@@ -104,16 +81,6 @@ void best_answer(Markup& out, const ReportInput& input) {
          fmt::format("{} Closing at random among them bounces {} ms longer on average ({} %).", sure,
                      with_uncertainty(b.gain, 2, 1e3, 2),
                      fixed(100 * b.gain.value / (b.bounce.value + b.gain.value), 0)));
-}
-
-std::vector<const ComparisonRow*> ranked(const ReportInput& input) {
-  std::vector<const ComparisonRow*> rows;
-  for (const auto& row : input.comparison.rows)
-    if (std::isfinite(row.difference_over_U())) rows.push_back(&row);
-  std::stable_sort(rows.begin(), rows.end(), [](const auto* a, const auto* b) {
-    return a->difference_over_U() > b->difference_over_U();
-  });
-  return rows;
 }
 
 std::string times_text(double E) {
@@ -276,6 +243,7 @@ void times(Markup& out, const ReportInput& input) {
   const std::size_t step = (angles.size() + most_angles - 1) / most_angles;
   const double best = best_angle(input.comparison).angles > 1 ? best_angle(input.comparison).angle : unknown;
   bool without_u = false;
+  Range k;
   for (std::size_t i = 0; i < angles.size(); ++i) {
     if (i % step != 0 && angles[i] != best) continue;
     out.open("tr", {{"class", angles[i] == best ? "best" : ""}});
@@ -288,14 +256,16 @@ void times(Markup& out, const ReportInput& input) {
       out.element("td", with_uncertainty(row->measured, row->coverage, 1e3, 2), {{"class", "key"}});
       out.element("td", simulated_text(*row), {{"class", "sim"}});
       without_u = without_u || row->u_simulated_unknown;
+      if (row->measured.known()) k.include(row->coverage);
     }
     out.close();
   }
   out.close().close();
-  std::string note =
+  std::string note = fmt::format(
       "U: 95.45 %, of the scatter of the repeats and of how sharply an event shows in the record, k by their "
-      "degrees of freedom. It holds neither the scale of a channel nor what another supply voltage or coil "
-      "temperature would change";
+      "degrees of freedom{}. It holds neither the scale of a channel nor what another supply voltage or coil "
+      "temperature would change",
+      k.empty() ? "" : ", here " + range_of(k.low, k.high, 2));
   const auto& all = input.comparison.rows;
   const bool shown =
       std::any_of(all.begin(), all.end(), [](const auto& r) { return std::isfinite(r.u_simulated); });
@@ -312,6 +282,33 @@ void times(Markup& out, const ReportInput& input) {
 
 }  // namespace
 
+std::string verdict_reason(const ReportInput& input) {
+  const Outcome is = verdict(input);
+  if (is == Outcome::pass || is == Outcome::not_judged) return {};
+  std::string first;
+  std::size_t more = 0;
+  const auto add = [&](const std::string& reason) {
+    if (first.empty())
+      first = reason;
+    else
+      ++more;
+  };
+  for (const auto& shot : input.shots)
+    if (shot.outcome == is && !shot.reason.empty()) add(fmt::format("shot {}: {}", shot.index, shot.reason));
+  for (const auto& row : input.comparison.rows)
+    if (is == Outcome::fail && row.against_simulation == Outcome::fail)
+      add(fmt::format("{} at {}: simulation and measurement differ by {} %, allowed {:g} %", row.quantity,
+                      angle_text(row.closing_angle),
+                      fixed(100 * std::fabs(row.simulated / row.measured.value - 1), 1),
+                      100 * input.most_from_simulation));
+  if (is == Outcome::aborted && first.empty() && !input.course.empty()) {
+    const CourseEntry& last = input.course.back();
+    add(fmt::format("{} ({})", last.what, time_text(last.when)));
+  }
+  if (first.empty()) return {};
+  return first + (more > 0 ? fmt::format(" (and {} more)", more) : "");
+}
+
 std::string simulated_text(const ComparisonRow& row) {
   const ReadableUnit unit = readable_unit(row.unit);
   if (std::isfinite(row.u_simulated))
@@ -322,7 +319,7 @@ std::string simulated_text(const ComparisonRow& row) {
 }
 
 Markup answers_section(const ReportInput& input) {
-  const auto rows = ranked(input);
+  const auto rows = ranked(input.comparison);
   Markup out;
   out.open("section", {{"id", "answers"}});
   out.open("div", {{"class", "answers"}});

@@ -41,20 +41,23 @@ std::string conditions_text(const ReportInput& input) {
                      text(hertz, measured_hertz, "Hz", "mains frequency"), ambient);
 }
 
-/// 2030-12-31T10:20:30Z as people read it; the day once where both are of one day.
+constexpr std::size_t day_length = 10, second_length = 19;  // of an ISO time
+
+/// Both as `time_text`; the day once where both are of one day.
 std::string time_span(const std::string& from, const std::string& to) {
-  constexpr std::size_t day = 10, second = 19;
-  const auto clock = [&](const std::string& t) {
-    return t.size() > second ? t.substr(day + 1, second - day - 1) : "";
-  };
-  if (from.size() <= second) return from;
-  const std::string begin = from.substr(0, day) + " " + clock(from);
-  if (to.size() <= second || to == from) return begin + " UTC";
-  return begin + " to " + (to.substr(0, day) == from.substr(0, day) ? "" : to.substr(0, day) + " ") +
-         clock(to) + " UTC";
+  if (from.size() <= second_length || to.size() <= second_length || to == from) return time_text(from);
+  const std::string end = time_text(to);
+  return time_text(from).substr(0, second_length) + " to " +
+         (to.substr(0, day_length) == from.substr(0, day_length) ? end.substr(day_length + 1) : end);
 }
 
 }  // namespace
+
+std::string time_text(const std::string& iso) {
+  if (iso.size() <= second_length) return iso;
+  return iso.substr(0, day_length) + " " + iso.substr(day_length + 1, second_length - day_length - 1) +
+         " UTC";
+}
 
 std::string_view badge_class(Outcome o) {
   return o == Outcome::pass         ? "badge pass"

@@ -85,7 +85,20 @@ Case completeness_case(const ReportInput& input) {
   if (n.missing > 0 || n.planned == 0) {
     c.outcome = Outcome::aborted;
     c.message = fmt::format("{} of {} planned shots fired", n.planned - n.missing, n.planned);
+    if (!input.course.empty()) c.message += "; " + input.course.back().what;
   }
+  return c;
+}
+
+Case calibration_case(const ReportInput& input) {
+  Case c{"calibrations of the instruments in force", "record", Outcome::pass, ""};
+  for (const Instrument& i : expired_then(input)) {
+    c.outcome = Outcome::not_judged;
+    c.message += fmt::format("{}{}, certificate {}, was valid until {}",
+                             c.message.empty() ? "expired: " : "; ", i.name, i.certificate, i.valid_until);
+  }
+  if (c.outcome == Outcome::pass && input.origin == Origin::import && input.test.recorded.empty())
+    c = {c.name, c.group, Outcome::not_judged, "when the records were taken is not known"};
   return c;
 }
 
@@ -97,6 +110,7 @@ std::string render_junit(const ReportInput& input) {
   for (const auto& shot : input.shots) cases.push_back(shot_case(shot));
   for (const auto& limit : input.limits) cases.push_back(limit_case(input, limit));
   if (std::isfinite(input.most_from_simulation)) cases.push_back(simulation_case(input));
+  if (!input.test.instruments.empty()) cases.push_back(calibration_case(input));
   std::size_t failures = 0, errors = 0, skips = 0;
   for (const auto& c : cases) {
     const std::string_view e = element_of(c.outcome);

@@ -79,6 +79,12 @@ struct DeviceShape {
   int poles = 0;
 };
 
+/// What happened to the campaign beside its shots: that it stopped early, that it was gone on with.
+struct CourseEntry {
+  std::string when;  ///< ISO 8601
+  std::string what;
+};
+
 struct ReportInput {
   std::string campaign;     ///< name
   std::string specimen;     ///< name
@@ -90,6 +96,7 @@ struct ReportInput {
       std::numeric_limits<double>::quiet_NaN();  ///< share of the measured mean; NaN = no limit
   double angle_tolerance = 0;  ///< rad: allowed deviation of the angle reached; 0 = none given
   TestRecord test;
+  std::vector<CourseEntry> course;  ///< in time
   Provenance provenance;
   std::vector<ReportShot> shots;  ///< in executed order
   std::vector<SimulatedClosing> simulated;
@@ -119,6 +126,13 @@ Counts count(const ReportInput&);
 /// where at least one limit was judged.
 Outcome verdict(const ReportInput&);
 
+/// The first reason for a verdict that is none of PASS and NOT JUDGED, with how many more there are; or empty.
+std::string verdict_reason(const ReportInput&);
+
+/// Instruments whose calibration had ended on the day of the test; of an import on the day on which it was recorded, none where that
+/// is not known.
+std::vector<Instrument> expired_then(const ReportInput&);
+
 /// One self-contained HTML page: no network, inline SVG, made to be printed on A4. Scripts, for the closer look alone, are part of it.
 /// Also well-formed XML.
 std::string render_html(const ReportInput&);
@@ -127,7 +141,8 @@ std::string render_html(const ReportInput&);
 std::string render_shot_svg(const ReportInput&);
 std::string render_shot_html(const ReportInput&);
 
-/// JUnit XML: one suite; a case per shot, per limit and for the number of shots done. FAIL and NOT OBSERVED are failures;
+/// JUnit XML: one suite; a case per shot, per limit, for the number of shots done and for the calibrations of the instruments that the
+/// test record names (skipped where one had expired). FAIL and NOT OBSERVED are failures;
 /// ERROR, TIMEOUT, ABORTED are errors; NOT JUDGED is skipped.
 std::string render_junit(const ReportInput&);
 

@@ -14,6 +14,9 @@ const Markup& page_style();
 /// Classes of the style sheet for an outcome.
 std::string_view badge_class(Outcome);
 
+/// 2030-12-31T10:20:30Z as people read it; what is no such time as it is.
+std::string time_text(const std::string& iso);
+
 Markup header_section(const ReportInput&);
 /// Verdict, best angle, agreement and the times themselves.
 Markup answers_section(const ReportInput&);

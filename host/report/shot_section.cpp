@@ -14,7 +14,8 @@ namespace {
 constexpr std::size_t most_listed = 400;
 
 std::string value_text(const ReportShot& shot, std::string_view symbol) {
-  return shot.events ? fixed(find_quantity(symbol)->of(*shot.events).value * 1e3, 3) : std::string(no_value);
+  return shot.events ? with_uncertainty(find_quantity(symbol)->of(*shot.events), 2, 1e3, 3)
+                     : std::string(no_value);
 }
 
 std::string reached_text(const ReportShot& shot) {
@@ -69,9 +70,9 @@ Markup shot_section(const ReportInput& input) {
     return out.close();
   }
   out.open("table", {{"class", "shots"}}).open("thead").open("tr");
-  for (const std::string_view head :
-       {"shot", "asked", "reached \xC2\xB1 U / \xC2\xB0", "U of rig / \xC2\xB0", "outcome", "t_ct1 / ms",
-        "t_ct_bon / ms", "t_xt1 / ms", "re-openings", "seed", "record", "remarks"})
+  for (const std::string_view head : {"shot", "asked", "reached \xC2\xB1 U / \xC2\xB0", "U of rig / \xC2\xB0",
+                                      "outcome", "t_ct1 \xC2\xB1 U / ms", "t_ct_bon \xC2\xB1 U / ms",
+                                      "t_xt1 \xC2\xB1 U / ms", "re-openings", "seed", "record", "remarks"})
     out.element("th", head, {{"scope", "col"}});
   out.close().close().open("tbody");
   std::size_t left_out = 0, listed = 0;
@@ -95,7 +96,7 @@ Markup shot_section(const ReportInput& input) {
     out.element("td", fixed(degrees(2 * shot.phase_u), 3));
     out.open("td").element("span", name(shot.outcome), {{"class", badge_class(shot.outcome)}}).close();
     for (const std::string_view symbol : {"t_ct1", "t_ct_bon", "t_xt1"})
-      out.element("td", value_text(shot, symbol));
+      out.element("td", value_text(shot, symbol), {{"class", "nowrap"}});
     const bool train = shot.events && !timing_train(*shot.events).contacts.empty();
     out.element("td",
                 train ? fmt::format("{}", timing_train(*shot.events).bounce_count) : std::string(no_value));

@@ -101,6 +101,8 @@ footer { margin-top: 36px; color: var(--soft); font-size: 13px; }
   header { flex-direction: column; gap: 14px; }
   .answers, .grid, .provenance, #definitions dl { grid-template-columns: minmax(0, 1fr); }
   .columns { columns: 1; }
+  .limits th, .limits td { padding: 5px 4px; }
+  .limits .left { display: none; }
   section { overflow-x: auto; }
   svg.plot { min-width: 620px; }
   .grid svg.plot { min-width: 0; font-size: 14px; }

@@ -84,7 +84,8 @@ void limits_table(Markup& out, const ReportInput& input) {
     out.element("p", decision_text(input.decision), {{"class", "fine"}});
   }
   out.open("table", {{"class", "limits"}}).open("thead").open("tr");
-  out.element("th", "Quantity", {{"scope", "col"}, {"colspan", "2"}});
+  out.element("th", "quantity", {{"scope", "col"}});
+  out.element("th", "meaning", {{"scope", "col"}, {"class", "left"}});
   for (const std::string_view head : {"allowed", "measured, all angles", "result"})
     out.element("th", head, {{"scope", "col"}});
   out.close().close().open("tbody");
@@ -117,7 +118,8 @@ void limits_table(Markup& out, const ReportInput& input) {
   out.close().close();
 }
 
-void provenance_list(Markup& out, const Provenance& p) {
+void provenance_list(Markup& out, const ReportInput& input) {
+  const Provenance& p = input.provenance;
   out.element("h3", "Provenance");
   out.open("dl", {{"class", "provenance"}});
   const auto item = [&](std::string_view key, const std::string& value) {
@@ -137,6 +139,10 @@ void provenance_list(Markup& out, const Provenance& p) {
   item("Order", p.order);
   item("Database", p.database);
   for (const auto& [key, value] : p.more) item(key, value);
+  std::string course;
+  for (const CourseEntry& e : input.course)
+    course += fmt::format("{}{}: {}", course.empty() ? "" : "; ", time_text(e.when), e.what);
+  if (!course.empty()) item("Course", course);
   out.close();
 }
 
@@ -149,13 +155,21 @@ Markup limits_section(const ReportInput& input) {
   return out.close();
 }
 
+static std::string day_of_test(const ReportInput& input) {
+  return input.origin == Origin::import ? input.test.recorded : input.provenance.started.substr(0, 10);
+}
+
+std::vector<Instrument> expired_then(const ReportInput& input) {
+  const std::string day = day_of_test(input);
+  return day.empty() ? std::vector<Instrument>() : expired(input.test, day);
+}
+
 /// Empty if no entry was given: an empty form would look like a completed one.
 Markup record_section(const ReportInput& input) {
   Markup out;
   const TestRecord& test = input.test;
   const bool imported = input.origin == Origin::import;
-  const std::string day = imported ? test.recorded : input.provenance.started.substr(0, 10);
-  const auto late = day.empty() ? std::vector<Instrument>() : expired(test, day);
+  const std::string day = day_of_test(input);
   bool told = !test.instruments.empty();
   for (const RecordField& f : record_fields) told = told || !(test.*f.place).empty();
   out.open("section", {{"id", "record"}}).element("h3", "Test record");
@@ -164,7 +178,7 @@ Markup record_section(const ReportInput& input) {
                 {{"class", "fine"}});
     return out.close();
   }
-  for (const Instrument& i : late)
+  for (const Instrument& i : expired_then(input))
     out.element("p",
                 fmt::format("Calibration expired: {}, certificate {}, was valid until {}; {} on {}.", i.name,
                             i.certificate, i.valid_until, imported ? "recorded" : "the test began", day),
@@ -200,7 +214,7 @@ Markup record_section(const ReportInput& input) {
 Markup provenance_section(const ReportInput& input) {
   Markup out;
   out.open("section", {{"id", "provenance"}});
-  provenance_list(out, input.provenance);
+  provenance_list(out, input);
   out.open("div", {{"class", "sign"}});
   for (const std::string_view line : {"Tested by", "Approved by", "Date of issue"}) out.element("p", line);
   out.close();

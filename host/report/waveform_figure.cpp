@@ -63,31 +63,42 @@ void draw_closed(Plot& plot, const Events& events, double row, double end_ms, st
   }
 }
 
-/// Names the marked instants above the strip; a name too close to the one before it moves up a row.
-void label_marks(Plot& plot, const ReportInput& input, const AngleView& view, const Range& window) {
-  struct Label {
-    double at;
-    std::string_view text, color;
-  };
+struct Label {
+  double at;  ///< ms
+  std::string_view text, color;
+  int row;  ///< above the strip, from 0
+};
+
+/// The marked instants by name, each in the lowest row in which it stands clear of the others.
+std::vector<Label> mark_labels(const ReportInput& input, const AngleView& view, const Range& window) {
   std::vector<Label> labels;
   for (const auto& mark : marks) {
     const double measured = mark_ms(input, view, mark.quantity, false);
     const double simulated = mark_ms(input, view, mark.quantity, true);
     if (std::isfinite(measured))
-      labels.push_back({measured, mark.label, colour::measured});
+      labels.push_back({measured, mark.label, colour::measured, 0});
     else if (std::isfinite(simulated))
-      labels.push_back({simulated, mark.label, colour::simulated});
+      labels.push_back({simulated, mark.label, colour::simulated, 0});
   }
   std::sort(labels.begin(), labels.end(), [](const Label& a, const Label& b) { return a.at < b.at; });
   const double close = 66 * window.span() / (page_width - left - right);
-  int row = 0;
-  for (std::size_t i = 0; i < labels.size(); ++i) {
-    row = i > 0 && labels[i].at - labels[i - 1].at < close ? 1 - row : 0;
-    plot.note(labels[i].at, labels[i].text, labels[i].color, row);
-  }
+  for (auto label = labels.begin(); label != labels.end(); ++label)
+    while (std::any_of(labels.begin(), label, [&](const Label& before) {
+      return before.row == label->row && label->at - before.at < close;
+    }))
+      ++label->row;
+  return labels;
 }
 
-Markup strip(const ReportInput& input, const AngleView& view, const Range& window, double y, double* height) {
+/// Height of the rows of names beyond the two that there is always room for.
+double more_rows(const std::vector<Label>& labels) {
+  int most = 1;
+  for (const Label& label : labels) most = std::max(most, label.row);
+  return 15.0 * (most - 1);
+}
+
+Markup strip(const AngleView& view, const Range& window, double y, const std::vector<Label>& labels,
+             double* height) {
   std::vector<const ReportShot*> rows;
   for (const auto* shot : view.shots)
     if (shot->events && rows.size() < 2 * drawn_shots) rows.push_back(shot);
@@ -100,13 +111,13 @@ Markup strip(const ReportInput& input, const AngleView& view, const Range& windo
     draw_closed(plot, view.simulated->events, 0, window.high, colour::simulated, 0.65);
   plot.frame();
   plot.text_left(std::max(count, 1.0) / 2, "closed");
-  label_marks(plot, input, view, window);
+  for (const Label& label : labels) plot.note(label.at, label.text, label.color, label.row);
   std::vector<Plot::LegendEntry> legend;
   if (!view.shots.empty())
     legend.push_back({fmt::format("measured ({} of {})", shots_to_draw(view).size(), view.shots.size()),
                       {colour::measured, 1.6}});
   if (view.simulated != nullptr) legend.push_back({"simulated", simulated_line});
-  plot.legend(legend, 44);
+  plot.legend(legend, 44 + more_rows(labels));
   return plot.finish();
 }
 
@@ -218,8 +229,9 @@ Markup waveform_figure(const ReportInput& input, const AngleView& view, const Ra
     if (!values.empty()) shown.emplace_back(panel, values);
   }
   std::vector<Markup> drawn;
-  double y = top, height = 0;
-  drawn.push_back(strip(input, view, window, y, &height));
+  const std::vector<Label> labels = mark_labels(input, view, window);
+  double y = top + more_rows(labels), height = 0;
+  drawn.push_back(strip(view, window, y, labels, &height));
   y += height + gap;
   for (const auto& [panel, values] : shown) {
     const bool last = &panel == &shown.back().first;

@@ -146,11 +146,22 @@ RunSummary run_campaign(Store& store, std::int64_t campaign, std::span<const Pla
   }
   std::size_t fired = 0;
   int failures = 0;
+  const auto left = static_cast<std::size_t>(
+      std::count_if(plan.begin(), plan.end(), [&](const auto& p) { return !done.contains(p.index); }));
+  if (left > 0 && left < plan.size())
+    store.annotate(
+        campaign, course_key,
+        fmt::format("gone on with, {} of {} shots recorded before", plan.size() - left, plan.size()));
+  const auto stop = [&](const std::string& why, const std::string& then) {
+    summary.stopped = why + "; " + then + options.how_to_go_on;
+    store.annotate(campaign, course_key,
+                   fmt::format("{}, {} of {} shots recorded", why, summary.done(), plan.size()));
+  };
   for (const PlannedShot& planned : plan) {
     if (done.contains(planned.index)) continue;
     if (stop_asked(options)) {
       summary.interrupted = true;
-      summary.stopped = "stopped by the operator; " + options.how_to_go_on;
+      stop("stopped by the operator", "");
       break;
     }
     const StoredShot shot = stored(campaign, ShotKind::measured, planned);
@@ -172,13 +183,12 @@ RunSummary run_campaign(Store& store, std::int64_t campaign, std::span<const Pla
     summary.interlock = summary.interlock || result.interlock;
     if (!back) {
       summary.rig_lost = true;
-      summary.stopped = "the rig did not come back; what was stored is safe; " + options.how_to_go_on;
+      stop("stopped because the rig did not come back", "what was stored is safe; ");
       break;
     }
     if (failures >= options.max_failures) {
-      summary.stopped =
-          fmt::format("stopped after {} shots in a row without a record; mend the cause, then {}", failures,
-                      options.how_to_go_on);
+      stop(fmt::format("stopped after {} shots in a row without a record", failures),
+           "mend the cause, then ");
       break;
     }
     pause_between(options);

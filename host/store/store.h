@@ -75,6 +75,9 @@ struct Annotation {
   std::string key, text;
 };
 
+/// Key of the annotations that the program makes by itself: that a campaign stopped early, and that it was gone on with.
+inline constexpr const char* course_key = "course";
+
 /// No store is there, or what is there is none: the name is wrong, nothing is damaged.
 class WrongStore : public StoreError {
   using StoreError::StoreError;

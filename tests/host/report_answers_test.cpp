@@ -74,6 +74,45 @@ TEST_CASE("a FAIL by the closing angle says so on page 1, with the shot and the 
   CHECK_THAT(kept, !Contains("badge pass"));  // not judged is never green
 }
 
+TEST_CASE("who stopped a campaign stands on page 1 and in JUnit, its course beside the provenance",
+          "[report]") {
+  ReportInput in = campaign({60.1, 60.2});
+  in.planned = 4;
+  in.course = {{"2030-12-30T09:00:00Z", "stopped by the operator, 1 of 4 shots recorded"},
+               {"2030-12-31T10:20:30Z", "stopped because the rig did not come back, 2 of 4 shots recorded"}};
+  const std::string html = page(in);
+  CHECK_THAT(html,
+             Contains("Why: stopped because the rig did not come back, 2 of 4 shots recorded (2030-12-31 "
+                      "10:20:30 UTC)."));
+  CHECK_THAT(html,
+             Contains("2030-12-30 09:00:00 UTC: stopped by the operator, 1 of 4 shots recorded; 2030-12-31"));
+  CHECK_THAT(render_junit(in), Contains("2 of 4 planned shots fired; stopped because the rig"));
+  in.course.clear();
+  CHECK_THAT(page(in), !Contains("Why:") && !Contains("Course"));
+}
+
+TEST_CASE("an instrument whose calibration had expired is skipped in JUnit, never passed", "[report]") {
+  ReportInput in = campaign({60.1});
+  in.provenance.started = "2030-12-31T10:20:30Z";
+  CHECK_THAT(render_junit(in), !Contains("calibrations of the instruments"));
+  in.test.instruments = {"laser LK-2; L-9; 2030-12-31"};
+  CHECK_THAT(render_junit(in), Contains("calibrations of the instruments in force\"></testcase>") ||
+                                   Contains("calibrations of the instruments in force\"/>"));
+  in.test.instruments = {"laser LK-2; L-9; 2030-12-30"};
+  CHECK_THAT(
+      render_junit(in),
+      Contains("<skipped message=\"expired: laser LK-2, certificate L-9, was valid until 2030-12-30\""));
+  in.origin = Origin::import;
+  CHECK(expired_then(in).empty());
+  CHECK_THAT(render_junit(in), Contains("<skipped message=\"when the records were taken is not known\""));
+}
+
+TEST_CASE("the k of U is told, and each time in the list of shots has its U", "[report]") {
+  const std::string html = page(campaign({60.1, 60.2}));
+  CHECK_THAT(html, Contains("k by their degrees of freedom, here "));
+  CHECK_THAT(html, Contains("<td class=\"nowrap\">12.0000 \xC2\xB1 0.0040</td>"));
+}
+
 TEST_CASE("a simulation of other conditions than the closings had says so on page 1", "[report]") {
   ReportInput in = campaign({60.1, 60.2});
   in.simulated.push_back({radians(60), closing(12.1e-3, 60), {}});

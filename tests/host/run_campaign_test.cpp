@@ -145,6 +145,8 @@ TEST_CASE("a lost rig is looked for five times in 3.75 s, and the campaign goes 
     CHECK(c.rig.fired == 2);
     CHECK(summary.rig_lost);
     CHECK(summary.stopped.find("--resume") != std::string::npos);
+    CHECK(c.store.annotations(1).at(0).text ==
+          "stopped because the rig did not come back, 1 of 3 shots recorded");
     CHECK(summary.exit_code() == Exit::rig_fault);
   }
   CHECK(c.clock.naps == std::vector<double>{0.25, 0.5, 1.0, 2.0});
@@ -177,6 +179,25 @@ TEST_CASE("a stop during a shot ends the campaign behind it; the shot is stored"
   CHECK(summary.exit_code() == Exit::interrupted);
   CHECK(c.rig.fired == 2);
   CHECK(c.store.shots(1).size() == 2);
+  const auto course = c.store.annotations(1);
+  REQUIRE(course.size() == 1);
+  CHECK(course[0].key == course_key);
+  CHECK(course[0].text == "stopped by the operator, 2 of 4 shots recorded");
+}
+
+TEST_CASE("a campaign that is gone on with says so, one that runs through says nothing", "[run]") {
+  Campaign c(4);
+  const auto rest = c.plan;
+  c.plan.resize(3);
+  c.run();
+  CHECK(c.store.annotations(1).empty());
+  c.plan = rest;
+  c.run();
+  const auto course = c.store.annotations(1);
+  REQUIRE(course.size() == 1);
+  CHECK(course[0].text == "gone on with, 3 of 4 shots recorded before");
+  c.run();  // nothing is left
+  CHECK(c.store.annotations(1).size() == 1);
 }
 
 TEST_CASE("a stop ends a long pause and the search for a lost rig at once", "[run]") {

@@ -134,6 +134,11 @@ TEST_CASE("Ctrl-C ends after the shot in flight, with exit 130, and the rest can
     const host::Store store(db, host::Store::Mode::read_only);
     CHECK(store.shots(store.campaign().id).size() == 4);  // the one in flight is stored
   }
+  const Finished report = run(folder, {"report", "--db", db, "-o", folder.file("out"), "--json"});
+  CHECK(report.status == 1);
+  CHECK_THAT(report.out, Catch::Contains("\"verdict\": \"ABORTED\"") &&
+                             Catch::Contains("stopped by the operator, 4 of 8 shots recorded") &&
+                             Catch::Contains("\"best_angle\""));
   REQUIRE(run(folder, bench.command(plan, db)).status == 0);
   check_complete(db, 8);
 }
