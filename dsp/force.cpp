@@ -159,7 +159,7 @@ Force restore_alone(const Record& record, Channel channel, const ExtractOptions&
   auto quiet = before(s, t_quiet);
   const bool no_pretrigger = quiet.size() < 20;
   if (hum) {
-    for (std::size_t i = 0; i < s.size(); ++i) s.value[i] -= hum->value(s.time(i));
+    hum->subtract_from(s);
   } else {
     f.flags |= flag_no_hum_fit;
     // without a pre-trigger the zero is what the record begins with

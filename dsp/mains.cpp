@@ -84,6 +84,25 @@ double HarmonicFit::value(double t) const {
   return v;
 }
 
+void HarmonicFit::subtract_from(Signal& s) const {
+  constexpr std::size_t run = 256;  // samples for which a phasor is turned before it is set anew
+  for (double& v : s.value) v -= offset;
+  for (std::size_t k = 0; k < order.size(); ++k) {
+    const double w = 2 * pi * hertz * order[k];
+    const double turn_c = std::cos(w * s.dt), turn_s = std::sin(w * s.dt);
+    for (std::size_t first = 0; first < s.size(); first += run) {
+      const double a = w * (s.time(first) - centre);
+      double c = std::cos(a), d = std::sin(a);
+      for (std::size_t i = first; i < std::min(first + run, s.size()); ++i) {
+        s.value[i] -= cosine[k] * c + sine[k] * d;
+        const double next = c * turn_c - d * turn_s;
+        d = d * turn_c + c * turn_s;
+        c = next;
+      }
+    }
+  }
+}
+
 double HarmonicFit::amplitude(std::size_t k) const {
   return std::hypot(cosine[k], sine[k]);
 }
