@@ -48,6 +48,8 @@ struct SweepArgs {
   int angles = 90, draws = 60;
   std::string database = "powbench.db";
   std::string picture;  ///< SVG to write; "" = none
+  std::string shard;    ///< I/N: only every Nth block of points, from the Ith; "" = all
+  int slurm = 0;        ///< print a script that submits so many shards; 0 = simulate
   int threads = 0;
   bool json = false;
   std::string progress = "auto";

@@ -107,6 +107,14 @@ void add_sweep_verb(CLI::App& app) {
   v->add_option("-j,--threads", args->threads, "threads; 0 = all cores")
       ->check(CLI::Range(0, 1024))
       ->capture_default_str();
+  v->add_option(
+      "--shard", args->shard,
+      "I/N: only part I of N, into a store of its own; `powbench db merge` puts the parts together, and the "
+      "same command without --shard then prints the result");
+  v->add_option(
+       "--slurm", args->slurm,
+       "simulate nothing: print a script that submits so many shards to Slurm and puts them together")
+      ->check(CLI::Range(1, 1'000'000));
   v->add_flag("--json", args->json, "JSON to stdout");
   add_progress(v, args->progress);
 }

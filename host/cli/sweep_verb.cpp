@@ -8,6 +8,7 @@
 
 #include "core/version.h"
 #include "host/cli/picture.h"
+#include "host/cli/shard.h"
 #include "host/cli/study.h"
 #include "host/gather/scene.h"
 #include "host/run/stop.h"
@@ -113,6 +114,7 @@ Exit run_sweep(const SweepArgs& args, const Study& s, sim::Team& team) {
       throw BadInput(
           {"--vary reaches " + wrong[0].key + " = " + wrong[0].value + ": allowed " + wrong[0].range});
   }
+  const Shard shard = read_shard(args.shard);
   SweepStore store(args.database);
   SweepInfo info;
   info.design = design_text(args, s);
@@ -132,14 +134,20 @@ Exit run_sweep(const SweepArgs& args, const Study& s, sim::Team& team) {
       known[static_cast<std::size_t>(b.first + k)] = true;
     }
   constexpr std::int64_t block = 500;
-  Progress progress("sweep", rows.size(), progress_style(args.progress));
+  const auto count_of = [&](std::int64_t first) { return std::min(block, design.size() - first); };
+  std::int64_t blocks = 0, own = 0, points = 0, done = 0;
+  for (std::int64_t first = 0; first < design.size(); first += block, ++blocks)
+    if (shard.has(blocks)) ++own, points += count_of(first);
+  Progress progress("sweep", static_cast<std::size_t>(points), progress_style(args.progress));
   for (std::int64_t first = 0; first < design.size(); first += block) {
+    if (!shard.has(first / block)) continue;
+    done += count_of(first);
     if (known[static_cast<std::size_t>(first)]) continue;
     if (StopOnSignal::asked()) {
       fmt::print(stderr, "stopped; the same command goes on with sweep {} in {}\n", id, args.database);
       return Exit::interrupted;
     }
-    const std::int64_t count = std::min(block, design.size() - first);
+    const std::int64_t count = count_of(first);
     std::vector<double> flat;
     const auto results = sim::run_points(design, s.base, first, count, s.options, team);
     for (std::size_t k = 0; k < results.size(); ++k) {
@@ -147,10 +155,18 @@ Exit run_sweep(const SweepArgs& args, const Study& s, sim::Team& team) {
       flat.insert(flat.end(), row.begin(), row.end());
     }
     store.put(id, first, count, flat);
-    progress.update(static_cast<std::size_t>(first + count));
+    progress.update(static_cast<std::size_t>(done));
   }
   progress.finish();
   fmt::print(stderr, "sweep {} in {}\n", id, args.database);
+  if (shard.of > 1) {
+    fmt::print(
+        stderr,
+        "shard {}/{}: {} of {} blocks of {} points; powbench db merge -o ALL.db PART.db... puts the shards "
+        "together, this command with --db ALL.db and without --shard prints the result\n",
+        shard.index, shard.of, own, blocks, block);
+    return Exit::pass;
+  }
   fmt::print("{}", args.json ? sweep_json(design, rows, true) : sweep_text(rows));
   if (!args.picture.empty()) write_picture(args.picture, sweep_svg(design, rows));
   return Exit::pass;
@@ -187,8 +203,36 @@ Exit run_best_angle(const SweepArgs& args, const Study& s, sim::Team& team) {
 
 }  // namespace
 
+/// The command again, without what each shard has of its own.
+static std::vector<std::string> words_of(const SweepArgs& args) {
+  const SweepArgs usual;
+  std::vector<std::string> words{"sweep"};
+  const auto add = [&](const char* option, const std::string& text, bool is_usual) {
+    if (!is_usual) words.insert(words.end(), {option, text});
+  };
+  add("--specimen", args.specimen_file, args.specimen_file.empty());
+  for (const std::string& v : args.vary) add("--vary", v, false);
+  add("--sampling", args.sampling, args.sampling == usual.sampling);
+  add("--points", std::to_string(args.points), args.points == usual.points);
+  add("--seed", std::to_string(args.seed), args.seed == usual.seed);
+  add("--angle", fmt::format("{}", args.angle_deg), args.angle_deg == usual.angle_deg);
+  add("--volts", fmt::format("{}", args.supply_volts), args.supply_volts == usual.supply_volts);
+  add("--ambient", fmt::format("{}", args.ambient_degC), args.ambient_degC == usual.ambient_degC);
+  add("--metric", args.metric, args.metric == usual.metric);
+  add("--svg", args.picture, args.picture.empty());
+  for (const auto& [flag, is] : {std::pair{"--forces", args.forces}, {"--json", args.json}})
+    if (is) words.emplace_back(flag);
+  return words;
+}
+
 Exit sweep(const SweepArgs& args) {
+  if ((args.slurm > 0 || !args.shard.empty()) && (args.sensitivity || args.best_angle))
+    throw BadInput({"--shard and --slurm are of sweeps, not of --sensitivity and --best-angle"});
   const Study s = prepare(args);
+  if (args.slurm > 0) {
+    fmt::print("{}", slurm_script(words_of(args), args.database, args.slurm));
+    return Exit::pass;
+  }
   sim::Team team(args.threads > 0 ? args.threads
                                   : static_cast<int>(std::max(1U, std::thread::hardware_concurrency())));
   const StopOnSignal stop;

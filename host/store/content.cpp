@@ -70,9 +70,10 @@ std::string campaign_hash(const Database& db, const CampaignInfo& c) {
   return seal.hex();
 }
 
+/// When it was begun is left out: a point is a function of the design and the program alone, whoever computed it when.
 std::string sweep_hash(const Database& db, const SweepInfo& s) {
   Seal seal;
-  seal.add(s.created).add(s.design).add(s.design_hash).add(s.points).add(s.columns).add(s.program_version);
+  seal.add(s.design).add(s.design_hash).add(s.points).add(s.columns).add(s.program_version);
   for (const SweepBlock& b : select_blocks(db, s.id)) {
     seal.add(b.first).add(b.count);
     for (const double x : b.numbers) seal.add(x);
