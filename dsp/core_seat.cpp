@@ -56,7 +56,7 @@ double held_for(const Signal& s, double t1, double t2) {
   std::size_t changes = 0;
   for (std::size_t i = i1; i + 1 < i2; ++i) changes += s.value[i] != s.value[i + 1];
   const double run = static_cast<double>(i2 - i1) / static_cast<double>(changes + 1);
-  return i2 > i1 && run > 2 ? run * s.dt : 0.0;
+  return i2 > i1 && run > 1.5 ? run * s.dt : 0.0;
 }
 
 constexpr double kink_step = 0.2e-6;  ///< s
@@ -118,6 +118,34 @@ struct Drops {
   std::vector<double> lost, noise;  ///< m/s, one a bin
   double t0 = 0, dt = 0;            ///< s: the middle of the first bin, and a bin
 };
+
+/// Velocity at the end of the flight, m/s: slope at the seat of a polynomial through the travel before it alone, for what the core does
+/// behind is not that of any model here. The pull rises steeply as the gap closes: of fourth order, and what a fifth would change is part
+/// of u, as is the acceleration times u of the time. `held`, s: how long a slow laser shows a value, whose middle is what `s` has. Its delay
+/// may have been set from there or from where the value is new: the mean of both is taken, half their distance is u. What is held counts
+/// once.
+Measured flight_velocity(const Signal& s, const Measured& seat, double held, double window, double noise) {
+  constexpr std::size_t order = 4, fewest = 16;
+  std::array<std::vector<double>, order + 2> c;
+  std::vector<double> y;
+  for (std::size_t i = s.index_at(seat.value - window); i < s.size(); ++i) {
+    const double tau = s.time(i) - 0.25 * held - seat.value, x = tau / window;
+    if (tau > -std::max(seat.u, s.dt)) break;
+    if (s.masked[i]) continue;
+    double power = 1;
+    for (auto& column : c) column.push_back(power), power *= x;
+    y.push_back(s.value[i]);
+  }
+  if (y.size() < fewest) return {};
+  const LeastSquares fit = linear_least_squares(std::span(c).first(order + 1), y),
+                     more = linear_least_squares(c, y);
+  if (!fit.converged || !more.converged) return {};
+  const double sigma = std::max(std::sqrt(fit.chi2 / static_cast<double>(y.size() - order - 1)), noise) *
+                       std::sqrt(std::max(1.0, held / s.dt));
+  const double acceleration = 2 * fit.x[2] / (window * window);
+  return {fit.x[1] / window, std::hypot(fit.u(1) * sigma / window, (more.x[1] - fit.x[1]) / window,
+                                        acceleration * std::hypot(seat.u, 0.25 * held))};
+}
 
 struct Drop {
   double at = 0, size = 0;  ///< s, m/s
@@ -294,8 +322,12 @@ CoreEvents core_events(const Record& record, const ExtractOptions& o) {
   const Kink seat = fit_kink(s, near.velocity.known() ? near.at.value : first.at, window, window, noise);
   if (!seat.velocity.known()) return e;
   e.seat = e.settled = seat.at;
-  e.impact_velocity = seat.velocity;
   if (const Measured impact = impact_time(record, e.seat); impact.known()) e.seat = e.settled = impact;
+  constexpr double flight = 3;  // windows: what the polynomial follows
+  e.impact_velocity =
+      flight_velocity(own.signal, {e.seat.value, std::hypot(e.seat.u, own.late)},
+                      held_for(s, e.seat.value - flight * window, e.seat.value), flight * window, noise);
+  if (!e.impact_velocity.known()) e.impact_velocity = seat.velocity;
   later_landings(e, own.signal, seat, first.size, noise, own.late, t_end, o);
   // another landing within the resolution would not have been told apart
   e.settled.u = std::hypot(e.settled.u, core_resolution(o) / std::sqrt(3.0));

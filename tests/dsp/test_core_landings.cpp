@@ -7,6 +7,7 @@
 #include "core/units.h"
 #include "dsp/core_seat.h"
 #include "rigs/simulated_record.h"
+#include "sim/closing.h"
 
 // The core's later landings on the simulated rig, against the integrator's own events.
 
@@ -97,8 +98,12 @@ TEST_CASE("no landing is invented after a soft one") {
 TEST_CASE("a laser whose clock beats with the record's makes no landings") {
   // 49 kS/s in a record of 100 kS/s: the hold drifts by a sample and back every 0.5 ms
   int found = 0, doubted = 0;
-  for (const auto& [volts, degrees] :
-       {std::pair(244.0, 11.0), {244.0, 165.0}, {237.0, 77.0}, {230.0, 66.0}, {202.0, 77.0}, {202.0, 110.0}}) {
+  for (const auto& [volts, degrees] : {std::pair(244.0, 11.0),
+                                       {244.0, 165.0},
+                                       {237.0, 77.0},
+                                       {230.0, 66.0},
+                                       {202.0, 77.0},
+                                       {202.0, 110.0}}) {
     const Shot s = shot(volts, degrees, 100e3, 0);
     CAPTURE(volts, degrees);
     REQUIRE(s.settled(0.2) == s.landings[0].time);
@@ -128,4 +133,29 @@ TEST_CASE("later landings over supply and angle: found where they are hard, with
   CHECK(beyond <= 0.02 * shots);
   CHECK(invented <= 0.02 * shots);
   CHECK(flagged <= 0.3 * shots);
+}
+
+TEST_CASE("the core's velocity at the seat is within its uncertainty of the integrator's") {
+  double squares = 0;
+  int n = 0;
+  for (const double rate : {100e3, 200e3, 1e6})
+    for (const double volts : {215.0, 230.0, 255.0})
+      for (int k = 0; k < 12; ++k) {
+        const double degrees = 15.0 * k + 2;
+        Conditions c;
+        c.supply_volts = volts;
+        c.closing_angle = radians(degrees);
+        const auto closing = sim::simulate({}, c, 0.06, 2e-6);
+        double truth = 0;  // in the laboratory frame, as the laser sees it
+        for (const sim::PlantSample& s : closing.samples)
+          if (s.time < closing.truth.core_seat) truth = s.core_velocity;
+        const Measured v = shot(volts, degrees, rate, 0).found.impact_velocity;
+        const double z = (v.value - truth) / v.u;
+        INFO(rate << " Hz, " << volts << " V, " << degrees << " deg: " << v.value << " +- " << v.u
+                  << ", true " << truth);
+        CHECK(std::abs(z) < 3);
+        squares += z * z, ++n;
+      }
+  CHECK(std::sqrt(squares / n) > 0.5);
+  CHECK(std::sqrt(squares / n) < 1.25);
 }
