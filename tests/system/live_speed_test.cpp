@@ -1,6 +1,17 @@
 #include <algorithm>
+#include <atomic>
 #include <catch2/catch.hpp>
+#include <ctime>
+#include <mutex>
+#include <thread>
 #include <vector>
+
+#include "host/config/plan_file.h"
+#include "host/gather/scene.h"
+#include "host/serve/api.h"
+#include "host/serve/bench.h"
+#include "host/serve/frame.h"
+#include "host/serve/http.h"
 
 #include "tests/system/browser.h"
 #include "tests/system/live_bench.h"
@@ -65,4 +76,75 @@ TEST_CASE("live bench: from the click to the picture in a browser", "[.slow]") {
        << answered[15] << " ms, the page knows of the stored shot " << told[15] << " ms, has the curves "
        << data[15] << " ms");
   CHECK(tab.errors() == std::vector<std::string>());
+}
+
+/// Records of 6 channels x 20 000 points until the browser's scope has drawn them. The page asks for the next one every 40 ms, and its
+/// clock counts. Printed, not asserted.
+TEST_CASE("live bench: records drawn a second in a browser", "[.slow]") {
+  namespace host = powbench::host;
+  powbench::Record record;
+  record.sample_rate = 100e3;
+  for (std::size_t c = 0; c < 6; ++c) {
+    powbench::ChannelRecord channel;
+    channel.channel = static_cast<powbench::Channel>(c);
+    for (std::size_t i = 0; i < 20'000; ++i) channel.raw.push_back(static_cast<std::int16_t>(i * (c + 1)));
+    record.channels.push_back(std::move(channel));
+  }
+  const Folder folder;
+  std::mutex mutex;
+  std::int64_t shot = 0;
+  std::shared_ptr<const std::string> newest;
+  std::atomic<host::HttpServer*> told = nullptr;
+  const auto next = [&] {
+    {
+      const std::scoped_lock lock(mutex);
+      newest = std::make_shared<const std::string>(host::record_frame(record, ++shot, "SIMULATED RIG"));
+    }
+    if (host::HttpServer* s = told) s->recorded();
+  };
+  auto bench = std::make_unique<host::Bench>(
+      "sim:", host::make_scene(host::parse_plan("angles_deg = [0]\nrepeats = 1\n", "plan")),
+      folder.file("lab.db"), [&] {
+        if (host::HttpServer* s = told) s->changed();
+      });
+  std::unique_ptr<host::Api> api;
+  host::HttpServer server("127.0.0.1", 0,
+                          {[&](const host::Request& r) {
+                             if (r.path == "/api/campaigns") next();
+                             return api->answer(r);
+                           },
+                           host::Api::is_stop, [&](const host::Request& r) { return api->listen(r); },
+                           [&] { return bench->state(); },
+                           [&] {
+                             const std::scoped_lock lock(mutex);
+                             return newest;
+                           }});
+  const std::string place = "127.0.0.1:" + std::to_string(server.port());
+  api = std::make_unique<host::Api>(*bench, host::Access::made({place}));
+  told = &server;
+  std::thread serving([&] { server.serve(false); });
+  {
+    Browser browser(folder);
+    Tab tab = browser.open("http://" + place);
+    press(tab, "tab-rig");
+    tab.value("setInterval(()=>fetch('/api/campaigns'),40)");
+    const std::string drawn = "Number(document.getElementById('scope').dataset.drawn)";
+    tab.until(drawn + " > 5");
+    const std::clock_t used = std::clock();
+    const double a_second =
+        tab.value("new Promise(r=>{const t=performance.now(),n=" + drawn + ";setTimeout(()=>r((" + drawn +
+                  "-n)/(performance.now()-t)*1e3),5000)})")
+            .get<double>();
+    const double cpu = static_cast<double>(std::clock() - used) / CLOCKS_PER_SEC;
+    WARN("records of 6 x 20 000 points drawn in the browser: "
+         << a_second << " a second, asked for every 40 ms; the server took " << 100 * cpu / 5
+         << " % of a core");
+    CHECK(a_second > 0);
+    CHECK(tab.errors() == std::vector<std::string>());
+  }
+  server.stop();
+  serving.join();
+  told = nullptr;
+  bench->stop();
+  bench.reset();
 }
