@@ -35,7 +35,7 @@ cp debian/tests/* "$root/tests/"
 inside() { chroot "$root" env -i PATH=/usr/sbin:/usr/bin:/sbin:/bin HOME=/root DEBIAN_FRONTEND=noninteractive LC_ALL=C.UTF-8 "$@"; }
 mount --bind /proc "$root/proc" && trap 'umount "$root/proc"; rm -rf "$root"' EXIT
 start=$SECONDS
-inside sh -c 'apt-get -q -y --no-install-recommends install /packages/*.deb' >"$packages/install.log" 2>&1
+inside sh -c 'apt-get -q update && apt-get -q -y --no-install-recommends install /packages/*.deb' >"$packages/install.log" 2>&1
 verdict 'installation' $?
 inside sh /tests/demo
 verdict demo $?
