@@ -208,6 +208,7 @@ StopAnswer Bench::Impl::stop() {
     std::atomic<int>& count;
   } const under_way(stopping);
   stop_flag = true;  // from here on nothing is fired; what is in flight is stopped below
+  stopped_at = now();
   const std::scoped_lock one(stop_mutex);
   { const std::scoped_lock lock(mutex); }  // whoever waits has seen the flag, or sleeps and is woken
   wake.notify_all();
@@ -253,15 +254,21 @@ StopAnswer Bench::Impl::stop() {
 
 // ---- what others ask ----
 
-void Bench::Impl::begin(Job next) {
+void Bench::Impl::begin(Job next, Instant asked) {
   {
     const std::scoped_lock lock(mutex);
+    if (aiming && *aiming > stopped_at.load() && !next.aim)
+      throw NotNow("the angle of a closing at touch is being sought; stop it or wait for its end");
     if (job) throw NotNow("a job is on: " + job->doing + "; stop it or wait for its end");
     // cleared first, looked at second: a stop that comes in between is not lost
     stop_flag = false;
     if (stopping > 0) {
       stop_flag = true;
       throw NotNow("a stop is under way");
+    }
+    if (asked <= stopped_at.load()) {
+      stop_flag = true;
+      throw NotNow("STOP came after this was asked for: nothing was fired; ask again");
     }
     if (next.single) {
       complete(next);
@@ -321,14 +328,14 @@ const std::string& Bench::rig_uri() const {
   return impl_->uri;
 }
 
-void Bench::run(const Scene& scene) {
+void Bench::run(const Scene& scene, Instant asked) {
   Impl::Job job;
   job.scene = scene;
   job.shots = scene.shots;
-  impl_->begin(std::move(job));
+  impl_->begin(std::move(job), asked);
 }
 
-void Bench::resume(const CampaignInfo& c) {
+void Bench::resume(const CampaignInfo& c, Instant asked) {
   const std::string name = fmt::format("campaign {}", c.id);
   const Scene now = scene();
   Impl::Job job;
@@ -348,7 +355,7 @@ void Bench::resume(const CampaignInfo& c) {
   job.shots = job.scene.shots;
   job.campaign = c.id;
   job.before = job.done = recorded_shots(Store(impl_->database, Store::Mode::read_only), c.id).size();
-  impl_->begin(std::move(job));
+  impl_->begin(std::move(job), asked);
 }
 
 void Bench::pause(bool on) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <chrono>
 #include <cstdint>
 #include <functional>
 #include <memory>
@@ -52,22 +53,26 @@ class Bench {
   const RigFile& rig_file() const;
   const std::string& rig_uri() const;
 
-  // each throws NotNow while another job is on or a stop is under way
+  // Each throws NotNow while another job is on, a stop is under way, or one has come since the closing was `asked` for: what waited in a
+  // queue or for a search is not fired behind a STOP.
+  using Instant = std::chrono::steady_clock::time_point;
+  static Instant now() { return std::chrono::steady_clock::now(); }
 
   /// One closing at `angle`, rad, stored in this plan's campaign of single closings.
-  void fire(double angle);
+  void fire(double angle, Instant asked = now());
   /// That closing may come next: its simulation is made meanwhile. Changes nothing that can be seen; nothing is done while a job is on.
   void prepare(double angle);
-  /// One closing whose contacts touch at `touch_angle` of the mains, rad, after the simulator. Throws NotNow where there is none.
-  void fire_at_touch(double touch_angle);
+  /// One closing whose contacts touch at `touch_angle` of the mains, rad, after the simulator. Throws NotNow where there is none. Meanwhile
+  /// the state says `aiming`, and nothing else is fired.
+  void fire_at_touch(double touch_angle, Instant asked = now());
   /// The scene is that of single closings from now on.
   void adopt(const Scene&);
   /// Every shot of the scene; the scene is that of single closings from now on.
-  void run(const Scene&);
+  void run(const Scene&, Instant asked = now());
 
   /// What is missing of a campaign whose plan was not fired to its end, on the rig that began it and with its specimen. Throws NotNow with the
   /// reason where that cannot be.
-  void resume(const CampaignInfo&);
+  void resume(const CampaignInfo&, Instant asked = now());
 
   /// Between two shots: wait, or go on. Throws NotNow when no plan runs.
   void pause(bool);

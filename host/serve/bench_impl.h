@@ -46,7 +46,7 @@ struct Bench::Impl final : RunWatcher {
   void stored(std::int64_t shot) override;
 
   StopAnswer stop();
-  void begin(Job);
+  void begin(Job, Instant asked);
   Job single(double angle) const;
   void complete(Job& single) const;  ///< what it takes from the plan in force; the lock is held
   void prepare(double angle);
@@ -89,6 +89,8 @@ struct Bench::Impl final : RunWatcher {
   std::mutex aim_mutex;
   std::optional<TouchAim> touch;
 
+  std::optional<Instant> aiming;  ///< when the closing at touch was asked for whose angle is sought
+  std::atomic<Instant> stopped_at = Instant::min();
   std::atomic<bool> stop_flag = false, end_asked = false, inside = false;
   std::unique_ptr<StoppableRig> rig;
   std::atomic<int> stopping = 0;

@@ -114,19 +114,40 @@ TouchAim::Aim Bench::Impl::aim(double touch_angle) {
   return *found;
 }
 
-void Bench::fire(double angle) {
-  impl_->begin(impl_->single(angle));
+void Bench::fire(double angle, Instant asked) {
+  impl_->begin(impl_->single(angle), asked);
 }
 
 void Bench::prepare(double angle) {
   impl_->prepare(angle);
 }
 
-void Bench::fire_at_touch(double touch_angle) {
-  const TouchAim::Aim aim = impl_->aim(touch_angle);
-  Impl::Job job = impl_->single(aim.closing_angle);
-  job.aim = aim;
-  impl_->begin(std::move(job));
+void Bench::fire_at_touch(double touch_angle, Instant asked) {
+  {
+    const std::scoped_lock lock(impl_->mutex);
+    if (impl_->job) throw NotNow("a job is on: " + impl_->job->doing + "; stop it or wait for its end");
+    if (impl_->aiming && *impl_->aiming > impl_->stopped_at.load())
+      throw NotNow("the angle of a closing at touch is being sought; stop it or wait for its end");
+    impl_->aiming = asked;
+  }
+  impl_->changed();
+  const auto over = [&] {
+    {
+      const std::scoped_lock lock(impl_->mutex);
+      if (impl_->aiming == asked) impl_->aiming.reset();
+    }
+    impl_->changed();
+  };
+  try {
+    const TouchAim::Aim aim = impl_->aim(touch_angle);
+    Impl::Job job = impl_->single(aim.closing_angle);
+    job.aim = aim;
+    impl_->begin(std::move(job), asked);
+  } catch (...) {
+    over();
+    throw;
+  }
+  over();
 }
 
 }  // namespace powbench::host

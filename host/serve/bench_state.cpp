@@ -100,6 +100,7 @@ std::string Bench::Impl::state() const {
                 {"hold_time_ms", 1e3 * scene.plan.hold_time},
                 {"shots", scene.shots.size()}}},
               {"job", nullptr},
+              {"aiming", aiming && *aiming > stopped_at.load()},
               {"ended", nullptr},
               {"newest_shot", newest_shot ? Json(newest_shot) : Json(nullptr)},
               {"newest_prediction", newest_prediction ? Json(newest_prediction) : Json(nullptr)},

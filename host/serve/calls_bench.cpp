@@ -26,9 +26,9 @@ Reply post_stop(const Call& c) {
 Reply post_fire(const Call& c) {
   if (has(c.body, "touch_deg")) {
     if (has(c.body, "angle_deg")) throw Problem{400, "'angle_deg' and 'touch_deg' exclude each other"};
-    c.bench.fire_at_touch(radians(number_of(c.body, "touch_deg", 0, 360)));
+    c.bench.fire_at_touch(radians(number_of(c.body, "touch_deg", 0, 360)), c.request.received);
   } else {
-    c.bench.fire(radians(number_of(c.body, "angle_deg", 0, 360)));
+    c.bench.fire(radians(number_of(c.body, "angle_deg", 0, 360)), c.request.received);
   }
   return started();
 }
@@ -39,7 +39,7 @@ Reply post_prepare(const Call& c) {
 }
 
 Reply post_run(const Call& c) {
-  c.bench.run(scene_of_body(c));
+  c.bench.run(scene_of_body(c), c.request.received);
   return started();
 }
 Reply post_pause(const Call& c) {
@@ -74,7 +74,7 @@ Reply want_websocket(const Call&) {
 }
 
 constexpr const char* state_example =
-    R"({"version": "", "rig": {}, "link": {}, "status": {}, "plan": {}, "job": {}, "ended": {}, "newest_shot": 1, "newest_prediction": 1,
+    R"({"version": "", "rig": {}, "link": {}, "status": {}, "plan": {}, "job": {}, "aiming": false, "ended": {}, "newest_shot": 1, "newest_prediction": 1,
          "newest_campaign": 1, "stop": {"off": true, "text": "", "ms": 1}, "log": [""]})";
 
 constexpr Route of_bench[] = {

@@ -100,7 +100,7 @@ Reply post_annotation(const Call& c) {
 }
 
 Reply post_resume(const Call& c) {
-  c.bench.resume(campaign_of(reader(c), c.id));
+  c.bench.resume(campaign_of(reader(c), c.id), c.request.received);
   return json_reply(R"({"started":true})", 202);
 }
 

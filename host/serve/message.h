@@ -1,5 +1,6 @@
 #pragma once
 
+#include <chrono>
 #include <string>
 
 namespace powbench::host {
@@ -13,6 +14,8 @@ struct Request {
   std::string host, origin, content_type;  ///< header fields, empty where absent
   std::string token;                       ///< of `Authorization: Bearer`
   std::string link_token;                  ///< `token` of the query: it can do no more than read
+  std::chrono::steady_clock::time_point received =
+      std::chrono::steady_clock::now();  ///< a STOP that came later holds for this request too
 };
 
 /// The value of `name` in a query, as it stands there; "" = absent.

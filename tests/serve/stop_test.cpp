@@ -67,6 +67,43 @@ TEST_CASE("STOP: from several threads at once, while somebody begins", "[serve]"
   }
 }
 
+TEST_CASE("STOP: a closing at touch whose angle is still sought is not fired afterwards", "[serve]") {
+  Served s;
+  std::string said;
+  std::thread fire([&] {
+    try {
+      s.bench.fire_at_touch(1.5);
+    } catch (const host::NotNow& e) {
+      said = e.what();
+    }
+  });
+  wait_until("the search", [&] { return s.state().at("aiming") == true; });
+  CHECK_THROWS_AS(s.bench.fire(1.0), host::NotNow);  // it is not ready meanwhile
+  CHECK_THROWS_AS(s.bench.fire_at_touch(1.0), host::NotNow);
+  REQUIRE(s.bench.stop().off);
+  CHECK(s.state().at("aiming") == false);
+  fire.join();
+  CHECK_THAT(said, Contains("STOP came after this was asked for"));
+  s.until_ended();
+  CHECK(s.shots() == 0);
+  s.bench.fire_at_touch(1.5);  // asked for anew it is fired
+  s.until_ended();
+  CHECK(s.shots() == 1);
+}
+
+TEST_CASE("STOP: what was asked for before it and waits in a queue is not fired", "[serve]") {
+  Served s;
+  const auto before = host::Bench::now();
+  REQUIRE(s.bench.stop().off);
+  CHECK_THROWS_AS(s.bench.fire(1.0, before), host::NotNow);
+  CHECK_THROWS_AS(s.bench.run(scene_of("angles_deg = [0]\nrepeats = 1\n"), before), host::NotNow);
+  CHECK(s.state().at("job").is_null());
+  CHECK(s.shots() == 0);
+  s.bench.fire(1.0);
+  s.until_ended();
+  CHECK(s.shots() == 1);
+}
+
 TEST_CASE("STOP: a rig that does not answer is said loudly", "[serve]") {
   auto rig = std::make_unique<rigs::LocalRig>(rigs::SimRigConfig{}, sim::Specimen{});
   Served s(served_plan, "ip:" + rig->address());

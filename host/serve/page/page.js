@@ -105,7 +105,7 @@ function showJob(s) {
   const { status, job, ended } = s;
   $('state').textContent = status ? stateWord(status.state) : 'no answer';
   $('state').className = 'state' + (status ? (status.live ? ' live' : '') : ' gone');
-  $('job').textContent = !s.link.answers ? s.link.error : !job ? endedText(ended) : job.kind === 'single' ? job.doing :
+  $('job').textContent = !s.link.answers ? s.link.error : !job ? (s.aiming ? 'seeking the closing angle, then firing' : endedText(ended)) : job.kind === 'single' ? job.doing :
     job.name + ': ' + job.done + ' of ' + job.shots + ', ' + (job.ending ? 'last shot' : job.doing) +
     (known(job.seconds_left) ? ', ' + duration(job.seconds_left) + ' left' : '') +
     (job.outside_limits ? ', ' + job.outside_limits + ' OUTSIDE LIMITS' : '');

@@ -106,12 +106,12 @@ export function opened(on) {
 
 /** The newest shot, one at a time: what arrives while one is drawn is drawn next. @param {State} state @param {State|null} before */
 export function show(state, before) {
-  field('fire').disabled = !!state.job || !state.status || !access.may_fire;
-  field('fire').title = state.job ? 'the bench is busy' : !state.status ? 'the rig does not answer' : access.may_fire ? '' : 'the token may not fire';
+  field('fire').disabled = !!state.job || state.aiming || !state.status || !access.may_fire;
+  field('fire').title = state.job ? 'the bench is busy' : state.aiming ? 'the closing angle is being sought' : !state.status ? 'the rig does not answer' : access.may_fire ? '' : 'the token may not fire';
   $('conditions').textContent = state.plan.supply_volts + ' V, ' + state.plan.mains_hertz + ' Hz, coil on for ' + state.plan.hold_time_ms +
     ' ms, specimen ' + state.plan.specimen + ' (from the plan)';
   const aim = state.job && state.job.aim;
-  $('aimed').textContent = !aim ? '' : 'To touch there the coil is switched on at ' + aim.closing_angle_deg.toFixed(1) + '°; touch is predicted ' + (1e3 * aim.touch_s).toFixed(2) + ' ms later.';
+  $('aimed').textContent = state.aiming ? 'The closing angle that makes the contacts touch there is being sought by simulation; it is fired at once when found. STOP cancels it.' : !aim ? '' : 'To touch there the coil is switched on at ' + aim.closing_angle_deg.toFixed(1) + '°; touch is predicted ' + (1e3 * aim.touch_s).toFixed(2) + ' ms later.';
   if (before && before.newest_prediction !== state.newest_prediction) stale = true;  // the simulation's U has come
   if (before && before.job && !state.job) stale = stale || !whole || !!drawing;  // the simulation is there now; what is being drawn may have been asked for before
   newest = state.newest_shot || 0;
