@@ -166,7 +166,7 @@ constexpr Route of_documents[] = {
      "Campaign `second` against campaign `first`, each difference over its U.",
      "",
      R"({"first": {}, "second": {}, "rows": [{"quantity": "", "unit": "", "closing_angle_deg": 0, "n": [1],
-          "first": {"value": 0, "u": 0, "U": 0}, "second": {"value": 0, "u": 0, "U": 0}, "difference": 0, "U": 0, "over_U": 0, "agreement": ""}]})",
+          "first": {"value": 0, "u": 0, "U": 0}, "second": {"value": 0, "u": 0, "U": 0}, "difference": 0, "U": 0, "over_U": 0, "agreement": ""}], "unlike": [""]})",
      get_comparison,
      {"first", "second"}},
     {"GET", "/api/shots/{id}", Right::read,

@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
+#include <set>
 
 #include "core/phase.h"
 #include "core/quantities.h"
@@ -17,6 +18,7 @@
 #include "host/gather/gather.h"
 #include "host/gather/pair_json.h"
 #include "host/gather/pdf.h"
+#include "host/gather/unlike.h"
 #include "host/report/closing_json.h"
 #include "host/serve/frame.h"
 #include "host/store/json.h"
@@ -92,7 +94,13 @@ std::string campaigns_document(const Store& store, CampaignFacts& facts) {
     std::size_t measured_shots = 0, outside = 0;
     Json outcomes = Json::object(), angles = Json::array();
     const CampaignFacts::Facts known = facts.of(c);
-    for (const double a : known.angles) angles.push_back(json_of<Json>(degrees(a)));
+    std::set<double> own;  // single closings have no planned ones
+    if (known.planned)
+      for (const double a : known.angles) own.insert(stored_degrees(a));
+    else
+      for (const StoredShot& s : store.shots(c.id, ShotKind::measured))
+        if (std::isfinite(s.angle_deg)) own.insert(s.angle_deg);
+    for (const double a : own) angles.push_back(json_of<Json>(a));
     for (const auto& [outcome, count] : store.outcomes(c.id, ShotKind::measured)) {
       measured_shots += count;
       outcomes[std::string(name(outcome))] = count;
@@ -252,7 +260,10 @@ std::string pair_document(const Store& store, const CampaignInfo& first, const C
   const auto who = [](const CampaignInfo& c) {
     return Json{{"id", c.id}, {"name", c.name}, {"origin", name(c.origin)}, {"created", c.created}};
   };
-  return text({{"first", who(first)}, {"second", who(second)}, {"rows", rows}});
+  return text({{"first", who(first)},
+               {"second", who(second)},
+               {"rows", rows},
+               {"unlike", unlike(store, first, second)}});
 }
 
 std::string junit_document(const Store& store, const CampaignInfo& campaign) {

@@ -21,7 +21,12 @@ class StoppableRig final : public rigs::Rig {
   rigs::Shot fire(const Conditions& c, std::chrono::milliseconds limit) override {
     const Inside inside(inside_);
     if (stop_) return stopped();
-    return rig_->fire(c, limit);
+    rigs::Shot shot = rig_->fire(c, limit);
+    if (stop_ && shot.outcome != Outcome::pass) {  // its own words are of any client that stops
+      shot.outcome = Outcome::aborted;
+      shot.reason = "stopped by the operator; the rig: " + shot.reason;
+    }
+    return shot;
   }
   std::optional<rigs::Shot> recover(std::chrono::milliseconds limit) override {
     const Inside inside(inside_);

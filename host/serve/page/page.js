@@ -103,8 +103,10 @@ function endedText(ended) {
 /** @param {State} s */
 function showJob(s) {
   const { status, job, ended } = s;
-  $('state').textContent = status ? stateWord(status.state) : 'no answer';
-  $('state').className = 'state' + (status ? (status.live ? ' live' : '') : ' gone');
+  // between two looks at the rig a shot may begin and end: "ready" would be the word of before
+  const busy = !!job && !!status && !status.live && job.doing !== 'paused';
+  $('state').textContent = !status ? 'no answer' : busy ? 'busy' : stateWord(status.state);
+  $('state').className = 'state' + (status ? (status.live || busy ? ' live' : '') : ' gone');
   $('job').textContent = !s.link.answers ? s.link.error : !job ? (s.aiming ? 'seeking the closing angle, then firing' : endedText(ended)) : job.kind === 'single' ? job.doing :
     job.name + ': ' + job.done + ' of ' + job.shots + ', ' + (job.ending ? 'last shot' : job.doing) +
     (known(job.seconds_left) ? ', ' + duration(job.seconds_left) + ' left' : '') +
