@@ -104,7 +104,7 @@ function endedText(ended) {
 function showJob(s) {
   const { status, job, ended } = s;
   // between two looks at the rig a shot may begin and end: "ready" would be the word of before
-  const busy = !!job && !!status && !status.live && job.doing !== 'paused';
+  const busy = (!!job || s.aiming) && !!status && !status.live && !(job && job.doing === 'paused');
   $('state').textContent = !status ? 'no answer' : busy ? 'busy' : stateWord(status.state);
   $('state').className = 'state' + (status ? (status.live || busy ? ' live' : '') : ' gone');
   $('job').textContent = !s.link.answers ? s.link.error : !job ? (s.aiming ? 'seeking the closing angle, then firing' : endedText(ended)) : job.kind === 'single' ? job.doing :
