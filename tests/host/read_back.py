@@ -35,6 +35,7 @@ def compare(columns):
 
 
 def with_xarray():
+    import netCDF4  # by which xarray reads; without it there is no reader
     import xarray
 
     with xarray.open_dataset(path("record.nc")) as d:
