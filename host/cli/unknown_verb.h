@@ -5,7 +5,7 @@
 namespace CLI {
 class App;
 class Error;
-}
+}  // namespace CLI
 
 namespace powbench::host {
 

@@ -49,8 +49,7 @@ FileKind kind_of(Plan& p) {
               "negative fires half a period later; alternate changes from shot to shot");
   kind.choice("decision_rule", p.decision, {"simple", "guarded"},
               "of the limits: simple, the value decides; guarded, it must be inside by its uncertainty U");
-  kind.number("angle_tolerance_deg", p.angle_tolerance, {0.01, 90},
-              "a shot further off its angle fails");
+  kind.number("angle_tolerance_deg", p.angle_tolerance, {0.01, 90}, "a shot further off its angle fails");
   kind.number("crosstalk_a_percent", p.crosstalk_a, {-50, 50},
               "share of film B's force that film A shows, from the bench's calibration; taken out");
   kind.number("crosstalk_b_percent", p.crosstalk_b, {-50, 50}, "the same of film A's force on film B");

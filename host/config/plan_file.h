@@ -51,8 +51,8 @@ struct Plan {
   double supply_u = std::numeric_limits<double>::quiet_NaN();
   double coil_temperature_u = std::numeric_limits<double>::quiet_NaN();  ///< K, standard; NaN = 2 K
   Polarity polarity = Polarity::positive;
-  Decision decision = Decision::simple;   ///< of the limits
-  double angle_tolerance = radians(1.0);  ///< rad: a shot whose reached angle is further off fails
+  Decision decision = Decision::simple;         ///< of the limits
+  double angle_tolerance = radians(1.0);        ///< rad: a shot whose reached angle is further off fails
   double crosstalk_a = 0.0, crosstalk_b = 0.0;  ///< share of the other film's force that film a, b shows
   double limits_vs_simulation = std::numeric_limits<double>::quiet_NaN();  ///< relative; NaN = no such limit
   std::array<Interval, quantity_table.size()> limits{};  ///< in the order of the quantity table
