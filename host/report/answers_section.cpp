@@ -282,6 +282,14 @@ void times(Markup& out, const ReportInput& input) {
 
 }  // namespace
 
+std::string last_of_course(const ReportInput& input) {
+  if (input.course.empty()) return {};
+  const CourseEntry& last = input.course.back();
+  // a program that was killed notes nothing
+  return fmt::format("{} ({}){}", last.what, time_text(last.when),
+                     last.what.starts_with("stopped") ? "" : "; how that ended is not noted");
+}
+
 std::string verdict_reason(const ReportInput& input) {
   const Outcome is = verdict(input);
   if (is == Outcome::pass || is == Outcome::not_judged) return {};
@@ -301,10 +309,7 @@ std::string verdict_reason(const ReportInput& input) {
                       angle_text(row.closing_angle),
                       fixed(100 * std::fabs(row.simulated / row.measured.value - 1), 1),
                       100 * input.most_from_simulation));
-  if (is == Outcome::aborted && first.empty() && !input.course.empty()) {
-    const CourseEntry& last = input.course.back();
-    add(fmt::format("{} ({})", last.what, time_text(last.when)));
-  }
+  if (is == Outcome::aborted && first.empty() && !input.course.empty()) add(last_of_course(input));
   if (first.empty()) return {};
   return first + (more > 0 ? fmt::format(" (and {} more)", more) : "");
 }

@@ -85,7 +85,7 @@ Case completeness_case(const ReportInput& input) {
   if (n.missing > 0 || n.planned == 0) {
     c.outcome = Outcome::aborted;
     c.message = fmt::format("{} of {} planned shots fired", n.planned - n.missing, n.planned);
-    if (!input.course.empty()) c.message += "; " + input.course.back().what;
+    if (!input.course.empty()) c.message += "; " + last_of_course(input);
   }
   return c;
 }

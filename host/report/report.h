@@ -129,6 +129,9 @@ Outcome verdict(const ReportInput&);
 /// The first reason for a verdict that is none of PASS and NOT JUDGED, with how many more there are; or empty.
 std::string verdict_reason(const ReportInput&);
 
+/// What the course of the campaign says last, with its time; empty where it says nothing.
+std::string last_of_course(const ReportInput&);
+
 /// Instruments whose calibration had ended on the day of the test; of an import on the day on which it was recorded, none where that
 /// is not known.
 std::vector<Instrument> expired_then(const ReportInput&);

@@ -146,16 +146,16 @@ RunSummary run_campaign(Store& store, std::int64_t campaign, std::span<const Pla
   }
   std::size_t fired = 0;
   int failures = 0;
-  const auto left = static_cast<std::size_t>(
-      std::count_if(plan.begin(), plan.end(), [&](const auto& p) { return !done.contains(p.index); }));
-  if (left > 0 && left < plan.size())
-    store.annotate(
-        campaign, course_key,
-        fmt::format("gone on with, {} of {} shots recorded before", plan.size() - left, plan.size()));
+  // of this plan; a campaign of single closings has others too
+  auto recorded = static_cast<std::size_t>(
+      std::count_if(plan.begin(), plan.end(), [&](const auto& p) { return done.contains(p.index); }));
+  if (recorded > 0 && recorded < plan.size())
+    store.annotate(campaign, course_key,
+                   fmt::format("gone on with, {} of {} shots recorded before", recorded, plan.size()));
   const auto stop = [&](const std::string& why, const std::string& then) {
     summary.stopped = why + "; " + then + options.how_to_go_on;
     store.annotate(campaign, course_key,
-                   fmt::format("{}, {} of {} shots recorded", why, summary.done(), plan.size()));
+                   fmt::format("{}, {} of {} shots recorded", why, recorded, plan.size()));
   };
   for (const PlannedShot& planned : plan) {
     if (done.contains(planned.index)) continue;
@@ -178,6 +178,7 @@ RunSummary run_campaign(Store& store, std::int64_t campaign, std::span<const Pla
     }
     ++summary.counts[static_cast<std::size_t>(ended.outcome)];
     failures = measured(ended.outcome) ? 0 : failures + 1;
+    recorded += measured(ended.outcome) ? 1U : 0U;
     progress.update(done.size() + ++fired, fmt::format("{:.0f} deg", shot.angle_deg));
 
     summary.interlock = summary.interlock || result.interlock;

@@ -87,6 +87,10 @@ TEST_CASE("who stopped a campaign stands on page 1 and in JUnit, its course besi
   CHECK_THAT(html,
              Contains("2030-12-30 09:00:00 UTC: stopped by the operator, 1 of 4 shots recorded; 2030-12-31"));
   CHECK_THAT(render_junit(in), Contains("2 of 4 planned shots fired; stopped because the rig"));
+  in.course.push_back({"2030-12-31T11:00:00Z", "gone on with, 2 of 4 shots recorded before"});
+  CHECK_THAT(page(in),
+             Contains("Why: gone on with, 2 of 4 shots recorded before (2030-12-31 11:00:00 UTC); how that "
+                      "ended is not noted."));
   in.course.clear();
   CHECK_THAT(page(in), !Contains("Why:") && !Contains("Course"));
 }

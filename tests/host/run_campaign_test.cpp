@@ -200,6 +200,17 @@ TEST_CASE("a campaign that is gone on with says so, one that runs through says n
   CHECK(c.store.annotations(1).size() == 1);
 }
 
+TEST_CASE("a stopped single closing counts itself, not the others of its campaign", "[run]") {
+  const StopOnSignal guard;
+  Campaign c(3);
+  c.run();
+  c.plan = {c.plan.back()};
+  c.plan.front().index = 3;
+  std::raise(SIGINT);
+  CHECK(c.run().interrupted);
+  CHECK(c.store.annotations(1).at(0).text == "stopped by the operator, 0 of 1 shots recorded");
+}
+
 TEST_CASE("a stop ends a long pause and the search for a lost rig at once", "[run]") {
   const StopOnSignal guard;
   Campaign c(4);
