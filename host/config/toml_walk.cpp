@@ -30,6 +30,7 @@ struct ParserLost {};
 
 #include "host/config/file_reader.h"
 #include "host/config/nearest.h"
+#include "host/config/unknown_key.h"
 
 namespace powbench::host {
 namespace {
@@ -348,61 +349,11 @@ class TomlWalk {
           reader_.add(place.line, full + ": is a section: write [" + full + "] and its keys below");
         }
       } else if (node.is_table() || node.is_array_of_tables()) {
-        const std::string guess = nearest(full, sections());
-        reader_.add(place.line, "[" + full + "]: unknown section" +
-                                    (guess.empty() ? known(sections()) : "; did you mean '" + guess + "'?"));
+        reader_.add(place.line, "[" + full + "]: " + unknown_section(kind_, full));
       } else {
-        reader_.add(path, name, place, unknown(path, name), "");
+        reader_.add(path, name, place, unknown_key(kind_, path, name), "");
       }
     }
-  }
-
-  /// What to say of a key that this section does not have.
-  std::string unknown(const std::string& path, const std::string& name) const {
-    std::vector<std::string> here, everywhere;
-    for (const auto& field : kind_.fields()) (field.section == path ? here : everywhere).push_back(field.key);
-    if (const auto guess = nearest(name, here); !guess.empty()) return unknown_guess(guess);
-    for (const auto& field : kind_.fields())
-      if (field.key == name) return "unknown key here; did you mean '" + full_key(field.section, name) + "'?";
-    const auto guess = nearest(name, everywhere);
-    for (const auto& field : kind_.fields())
-      if (!guess.empty() && field.key == guess) return unknown_guess(full_key(field.section, guess));
-    if (const std::string inner = section_below(path, name); !inner.empty()) {
-      std::vector<std::string> keys;
-      for (const auto& field : kind_.fields())
-        if (field.section == inner) keys.push_back(field.key);
-      return "unknown key; write [" + inner + "] and its keys below" + known(keys);
-    }
-    return "unknown key" + known(here);
-  }
-
-  /// The section below `path` that a key is named after, as limits.t_ct1 for t_ct1_ms in [limits]; or empty.
-  std::string section_below(const std::string& path, const std::string& name) const {
-    std::string longest;
-    for (const std::string& section : sections()) {
-      if (!section.starts_with(path + ".")) continue;
-      const std::string last = section.substr(path.size() + 1);
-      if ((name == last || name.starts_with(last + "_")) && section.size() > longest.size())
-        longest = section;
-    }
-    return longest;
-  }
-
-  static std::string unknown_guess(const std::string& guess) {
-    return "unknown key; did you mean '" + guess + "'?";
-  }
-
-  static std::string known(const std::vector<std::string>& words) {
-    std::string text;
-    for (const auto& word : words) text += (text.empty() ? "; known: " : ", ") + word;
-    return text;
-  }
-
-  std::vector<std::string> sections() const {
-    std::vector<std::string> names;
-    for (const auto& section : kind_.sections())
-      if (!section.name.empty()) names.push_back(section.name);
-    return names;
   }
 
   FileReader& reader_;

@@ -1,0 +1,73 @@
+#include "host/config/unknown_key.h"
+
+#include <vector>
+
+#include "host/config/file_reader.h"
+#include "host/config/nearest.h"
+
+namespace powbench::host {
+namespace {
+
+using Words = std::vector<std::string>;
+
+std::string meant(const std::string& guess) {
+  return "; did you mean '" + guess + "'?";
+}
+
+std::string known(const Words& words) {
+  std::string text;
+  for (const std::string& word : words) text += (text.empty() ? "; known: " : ", ") + word;
+  return text;
+}
+
+Words sections_of(const FileKind& kind) {
+  Words names;
+  for (const Section& section : kind.sections())
+    if (!section.name.empty()) names.push_back(section.name);
+  return names;
+}
+
+Words keys_of(const FileKind& kind, const std::string& section) {
+  Words keys;
+  for (const Field& field : kind.fields())
+    if (field.section == section) keys.push_back(field.key);
+  return keys;
+}
+
+/// The section below `section` that a key is named after, as limits.t_ct1 for t_ct1_ms in [limits]; or empty.
+std::string section_below(const FileKind& kind, const std::string& section, const std::string& key) {
+  std::string longest;
+  for (const std::string& inner : sections_of(kind)) {
+    if (!inner.starts_with(section + ".")) continue;
+    const std::string last = inner.substr(section.size() + 1);
+    if ((key == last || key.starts_with(last + "_")) && inner.size() > longest.size()) longest = inner;
+  }
+  return longest;
+}
+
+}  // namespace
+
+std::string unknown_key(const FileKind& kind, const std::string& section, const std::string& key) {
+  const Words here = keys_of(kind, section);
+  if (const std::string guess = nearest(key, here); !guess.empty()) return "unknown key" + meant(guess);
+  Words elsewhere;
+  for (const Field& field : kind.fields()) {
+    if (field.key == key) return "unknown key here" + meant(full_key(field.section, key));
+    if (field.section != section) elsewhere.push_back(field.key);
+  }
+  const std::string guess = nearest(key, elsewhere);
+  for (const Field& field : kind.fields())
+    if (!guess.empty() && field.key == guess) return "unknown key" + meant(full_key(field.section, guess));
+  const std::string inner = section_below(kind, section, key);
+  if (!inner.empty())
+    return "unknown key; write [" + inner + "] and its keys below" + known(keys_of(kind, inner));
+  return "unknown key" + known(here);
+}
+
+std::string unknown_section(const FileKind& kind, const std::string& section) {
+  const Words all = sections_of(kind);
+  const std::string guess = nearest(section, all);
+  return "unknown section" + (guess.empty() ? known(all) : meant(guess));
+}
+
+}  // namespace powbench::host
