@@ -106,7 +106,7 @@ function showJob(s) {
   // between two looks at the rig a shot may begin and end: "ready" would be the word of before
   const busy = (!!job || s.aiming) && !!status && !status.live && !(job && job.doing === 'paused');
   $('state').textContent = !status ? 'no answer' : busy ? 'busy' : stateWord(status.state);
-  $('state').className = 'state' + (status ? (status.live || busy ? ' live' : '') : ' gone');
+  $('state').className = 'state' + (status ? (status.live || (busy && job && job.doing === 'firing') ? ' live' : '') : ' gone');
   $('job').textContent = !s.link.answers ? s.link.error : !job ? (s.aiming ? 'seeking the closing angle, then firing' : endedText(ended)) : job.kind === 'single' ? job.doing :
     job.name + ': ' + job.done + ' of ' + job.shots + ', ' + (job.ending ? 'last shot' : job.doing) +
     (known(job.seconds_left) ? ', ' + duration(job.seconds_left) + ' left' : '') +
