@@ -60,6 +60,7 @@ Json row_json(const ComparisonRow& r) {
           {"U_measured", json_of<Json>(r.coverage * r.measured.u)},
           {"k", json_of<Json>(r.coverage)},
           {"scatter", json_of<Json>(r.scatter)},
+          {"scatter_to_simulated", json_of<Json>(r.unexplained)},
           {"simulated", json_of<Json>(r.simulated)},
           {"published_measurement", json_of<Json>(r.published_measurement)},
           {"published_simulation", json_of<Json>(r.published_simulation)},
@@ -293,11 +294,11 @@ Exit compare_campaign(const ResultArgs& args) {
   Json list = Json::array();
   if (!args.json)
     fmt::print(
-        "{}, campaign {}, {}; U covers 95.45 % (k = 2 and more)\n{:<9} {:>7}  {:>3} {:>10} {:>8} {:>8} "
+        "{}, campaign {}, {}; U covers 95.45 % (k = 2 and more)\n{:<9} {:>7}  {:>3} {:>10} {:>8} {:>8} {:>8} "
         "{:>10} "
         "{:>7} {:<9} {:>4} {}\n",
         name(campaign.origin), campaign.id, campaign.name, "quantity", "deg", "n", "measured", "U", "scatter",
-        "simulated", "diff./U", "", "", "limits");
+        "to sim.", "simulated", "diff./U", "", "", "limits");
   for (const ComparisonRow& r : comparison.rows) {
     if (args.json) {
       list.push_back(row_json(r));
@@ -305,10 +306,10 @@ Exit compare_campaign(const ResultArgs& args) {
     }
     const double E = r.difference_over_U(), U = r.coverage * r.measured.u;
     const double U_simulated = std::isfinite(r.u_simulated) ? 2 * r.u_simulated : U;
-    fmt::print("{:<9} {:>7}  {:>3} {:>10} {:>8} {:>8} {:>10} {:>7} {:<9} {:>4} {}{}\n", r.quantity,
+    fmt::print("{:<9} {:>7}  {:>3} {:>10} {:>8} {:>8} {:>8} {:>10} {:>7} {:<9} {:>4} {}{}\n", r.quantity,
                degrees_text(r.closing_angle), r.repeats, shown(r.measured.value, r.unit, U),
-               shown(U, r.unit, U), shown(r.scatter, r.unit, U), shown(r.simulated, r.unit, U_simulated),
-               std::isfinite(E) ? fmt::format("{:.2f}", E) : "-",
+               shown(U, r.unit, U), shown(r.scatter, r.unit, U), shown(r.unexplained, r.unit, U),
+               shown(r.simulated, r.unit, U_simulated), std::isfinite(E) ? fmt::format("{:.2f}", E) : "-",
                std::isfinite(r.simulated) ? agreement(E) : "", shown_unit(r.unit), name(r.outcome),
                r.against_simulation == Outcome::fail ? ", FAIL against the simulation" : "");
   }

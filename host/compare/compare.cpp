@@ -55,6 +55,20 @@ Outcome simulation_outcome(const ComparisonRow& row, Decision rule, double most)
   return difference > most * std::fabs(row.measured.value) ? Outcome::fail : Outcome::pass;
 }
 
+/// Standard deviation of measured less simulated, the latter for each closing at its own conditions.
+double unexplained_scatter(const Quantity& q, const AngleGroup& group) {
+  if (group.moved.size() != group.measured.size()) return unknown;
+  std::vector<Measured> left;
+  for (std::size_t i = 0; i < group.measured.size(); ++i) {
+    const auto by = group.moved[i].find(std::string(q.symbol));
+    if (by == group.moved[i].end()) return unknown;
+    Measured m = q.of(group.measured[i]);
+    m.value -= by->second;
+    left.push_back(m);
+  }
+  return repeats_of(left).scatter;
+}
+
 ComparisonRow row_of(const Quantity& q, const AngleGroup& group, std::span<const PublishedRow> published,
                      const std::vector<Limit>& limits, Decision rule, double most_from_simulation) {
   const auto measured = values_of(q, group.measured);
@@ -72,6 +86,7 @@ ComparisonRow row_of(const Quantity& q, const AngleGroup& group, std::span<const
   row.highest = r.highest;
   row.two_modes = r.two_modes;
   row.simulated = repeats_of(values_of(q, group.simulated)).mean;
+  row.unexplained = unexplained_scatter(q, group);
   if (const auto u = group.u_simulated.find(row.quantity); u != group.u_simulated.end())
     row.u_simulated = u->second, row.u_simulated_unknown = !std::isfinite(u->second);
   if (row.measured.u > 0 && row.u_simulated > 0) {  // the inputs' share has infinite degrees of freedom

@@ -20,6 +20,8 @@ struct AngleGroup {
   std::vector<Events> simulated;  ///< same conditions, simulated; the mean counts, usually of one
   std::map<std::string, double>
       u_simulated{};  ///< of its quantities, from the inputs' uncertainties, SI; empty: nominal conditions
+  /// Of each of `measured`, in their order: what its own conditions add to the simulated quantities, SI, by symbol; empty: not known.
+  std::vector<std::map<std::string, double>> moved{};
 };
 
 /// Phase of the coil voltage asked for, polarity included: closing_angle, or closing_angle + pi. rad, [0, 2 pi); NaN when none is

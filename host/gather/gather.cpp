@@ -90,6 +90,14 @@ std::vector<Waveform> spread_of(const InputSpread& prediction) {
   return out;
 }
 
+/// What the simulations say of each closing at its own conditions, by the number of the shot.
+std::map<int, std::map<std::string, double>> moved_by_own(const Store& store, std::int64_t campaign) {
+  std::map<int, std::map<std::string, double>> all;
+  for (const StoredShot& s : store.shots(campaign, ShotKind::simulated))
+    all.merge(store.prediction(s.id).moved);
+  return all;
+}
+
 /// Stored text that cannot be read is damage, not bad input.
 template <class F>
 auto stored_text(const CampaignInfo& c, F&& read) {
@@ -122,12 +130,14 @@ RunOptions stored_options(const CampaignInfo& c, const Plan& plan) {
 
 std::vector<AngleGroup> gather_angles(const Store& store, std::int64_t campaign) {
   std::vector<AngleGroup> groups;
+  auto moved = moved_by_own(store, campaign);
   for (const StoredShot& s : store.shots(campaign)) {
     AngleGroup& group = group_at(groups, radians(s.angle_deg));
     const auto events = store.load_events(s.id);
     if (!events) continue;
     (s.kind == ShotKind::measured ? group.measured : group.simulated).push_back(*events);
     if (s.kind == ShotKind::simulated) group.u_simulated = store.prediction(s.id).u;
+    if (s.kind == ShotKind::measured) group.moved.push_back(moved[s.number]);
   }
   return groups;
 }
@@ -325,6 +335,7 @@ ReportInput gather_report(const Store& store, const CampaignInfo& c, const std::
   input.extraction_parameters = dsp::to_text(options.extract);
   VibrationFinder vibration(options.extract);
   std::vector<AngleGroup> groups;
+  auto moved = moved_by_own(store, c.id);
   const std::set<std::int64_t> drawn = shots_to_draw(shots);
   constexpr std::size_t most_to_zoom = 10;
   std::set<double> zoomed;  // one closing of an angle
@@ -332,6 +343,7 @@ ReportInput gather_report(const Store& store, const CampaignInfo& c, const std::
     const auto events = store.load_events(s.id);
     AngleGroup& group = group_at(groups, radians(s.angle_deg));
     if (events) (s.kind == ShotKind::measured ? group.measured : group.simulated).push_back(*events);
+    if (events && s.kind == ShotKind::measured) group.moved.push_back(moved[s.number]);
     std::vector<Waveform> waves, raw;
     if (!s.record_hash.empty() && drawn.contains(s.id)) {
       Record record = store.load_record(s.id);
@@ -357,6 +369,7 @@ ReportInput gather_report(const Store& store, const CampaignInfo& c, const std::
                            .outcome = judged.outcome,
                            .reason = judged.reason,
                            .events = events,
+                           .moved = moved[s.number],
                            .phase_u = phase_deviation(store, s),
                            .waveforms = std::move(waves),
                            .raw = std::move(raw),

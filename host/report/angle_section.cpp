@@ -35,6 +35,7 @@ void event_row(Markup& out, const ReportInput& input, const Quantity& quantity, 
               {{"class", "key"}});
   out.element("td", fmt::format("{}", row.repeats));
   out.element("td", fixed(row.scatter * unit.per_si, unit.decimals + 1));
+  out.element("td", fixed(row.unexplained * unit.per_si, unit.decimals + 1));
   const double E = row.difference_over_U();
   out.element("td", simulated_text(row), {{"class", "sim"}});
   out.element("td", signed_fixed((row.simulated - row.measured.value) * unit.per_si,
@@ -55,8 +56,8 @@ Markup event_table(const ReportInput& input, const AngleView& view) {
   out.open("table", {{"class", "events"}});
   out.open("thead").open("tr");
   out.element("th", "Quantity", {{"scope", "col"}, {"colspan", "3"}});
-  for (const std::string_view head :
-       {"measured \xC2\xB1 U", "n", "s", "simulated", "sim. \xE2\x88\x92 meas.", "/ U", "", "limits"})
+  for (const std::string_view head : {"measured \xC2\xB1 U", "n", "s", "s to sim.", "simulated",
+                                      "sim. \xE2\x88\x92 meas.", "/ U", "", "limits"})
     out.element("th", head, {{"scope", "col"}});
   if (!input.published.empty()) {
     out.element("th", "published meas.", {{"scope", "col"}});

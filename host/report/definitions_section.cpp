@@ -106,6 +106,9 @@ Markup definitions_section(const ReportInput& input) {
        "reached, "
        "supply voltage, frequency; its \xC2\xB1 is what their uncertainties and that of the coil's "
        "temperature move it by. "
+       "\xE2\x80\x9Cs to sim.\xE2\x80\x9D: standard deviation of the repeats, each less the simulation "
+       "at the angle, voltage and frequency that it reached itself; smaller than s where those explain the "
+       "scatter, larger where the simulation depends on them more than the device. "
        "Errors of the model are not in it. Without a \xC2\xB1 the simulation ran under the conditions asked "
        "for, and U is "
        "that of the measurement alone.");

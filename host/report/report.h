@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <map>
 #include <optional>
 #include <string>
 #include <utility>
@@ -36,6 +37,8 @@ struct ReportShot {
   Outcome outcome = Outcome::error;
   std::string reason;            ///< one line for anything but pass
   std::optional<Events> events;  ///< absent without a valid record
+  /// what the conditions it reached add to the simulation of its angle, SI, by symbol; empty: not known
+  std::map<std::string, double> moved = {};
   double phase_u = std::numeric_limits<
       double>::quiet_NaN();  ///< rad: of the mains at the edge, by the rig; NaN = not told
   std::vector<Waveform> waveforms;

@@ -27,6 +27,15 @@ std::string reached_text(const ReportShot& shot) {
   return with_uncertainty(m, 2, degrees(1), 2);
 }
 
+/// What the simulation of its angle says at the angle, voltage and frequency that this closing reached.
+std::string own_simulated(const ReportInput& input, const ReportShot& shot, std::string_view symbol) {
+  const auto by = shot.moved.find(std::string(symbol));
+  for (const SimulatedClosing& s : input.simulated)
+    if (by != shot.moved.end() && same_angle(s.closing_angle, effective_angle(shot.conditions)))
+      return fixed((find_quantity(symbol)->of(s.events).value + by->second) * 1e3, 3);
+  return std::string(no_value);
+}
+
 /// Everything that makes a shot doubtful: its reason in words, its flags as letters that are explained below the table.
 class Remarks {
  public:
@@ -70,9 +79,10 @@ Markup shot_section(const ReportInput& input) {
     return out.close();
   }
   out.open("table", {{"class", "shots"}}).open("thead").open("tr");
-  for (const std::string_view head : {"shot", "asked", "reached \xC2\xB1 U / \xC2\xB0", "U of rig / \xC2\xB0",
-                                      "outcome", "t_ct1 \xC2\xB1 U / ms", "t_ct_bon \xC2\xB1 U / ms",
-                                      "t_xt1 \xC2\xB1 U / ms", "re-openings", "seed", "record", "remarks"})
+  for (const std::string_view head :
+       {"shot", "asked", "reached \xC2\xB1 U / \xC2\xB0", "U of rig / \xC2\xB0", "outcome",
+        "t_ct1 \xC2\xB1 U / ms", "t_ct1 sim. / ms", "t_ct_bon \xC2\xB1 U / ms", "t_xt1 \xC2\xB1 U / ms",
+        "re-openings", "seed", "record", "remarks"})
     out.element("th", head, {{"scope", "col"}});
   out.close().close().open("tbody");
   std::size_t left_out = 0, listed = 0;
@@ -95,8 +105,10 @@ Markup shot_section(const ReportInput& input) {
     out.element("td", reached_text(shot), {{"class", "nowrap"}});
     out.element("td", fixed(degrees(2 * shot.phase_u), 3));
     out.open("td").element("span", name(shot.outcome), {{"class", badge_class(shot.outcome)}}).close();
-    for (const std::string_view symbol : {"t_ct1", "t_ct_bon", "t_xt1"})
+    for (const std::string_view symbol : {"t_ct1", "t_ct_bon", "t_xt1"}) {
       out.element("td", value_text(shot, symbol), {{"class", "nowrap"}});
+      if (symbol == "t_ct1") out.element("td", own_simulated(input, shot, symbol), {{"class", "sim"}});
+    }
     const bool train = shot.events && !timing_train(*shot.events).contacts.empty();
     out.element("td",
                 train ? fmt::format("{}", timing_train(*shot.events).bounce_count) : std::string(no_value));
@@ -117,7 +129,8 @@ Markup shot_section(const ReportInput& input) {
     out.element("p", legend + ".", {{"class", "fine"}});
   out.element(
       "p",
-      "Contact times are those of the channel named under Definitions. \xC2\xB1 is U (k = 2). U of rig: that "
+      "Contact times are those of the channel named under Definitions. \xC2\xB1 is U (k = 2). Simulated: at "
+      "the angle, voltage and frequency that this closing reached. U of rig: that "
       "of the phase of the mains at the closing angle, as the rig knew it when it fired. Seeds are "
       "hexadecimal.",
       {{"class", "fine"}});

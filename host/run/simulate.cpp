@@ -66,6 +66,17 @@ struct Twin {
   std::vector<std::vector<double>> curves;
 };
 
+/// `c` at the angle, voltage and frequency that a closing shows, as far as it does.
+Conditions reached_by(const Events& closing, Conditions c) {
+  const CoilEvents& coil = closing.coil;
+  if (std::isfinite(coil.closing_angle.value))
+    c.closing_angle =
+        wrap_turn(c.closing_angle + wrap_half_turn(coil.closing_angle.value - effective_angle(c)));
+  if (std::isfinite(coil.supply_volts.value)) c.supply_volts = coil.supply_volts.value;
+  if (std::isfinite(coil.mains_hertz.value)) c.mains_hertz = coil.mains_hertz.value;
+  return c;
+}
+
 /// What a simulation came from: in words, and the hash of all that went in.
 std::string basis(const ClosingInputs& in, std::size_t closings, const std::string& made_with) {
   const std::string text =
@@ -122,7 +133,8 @@ ClosingInputs inputs_as_asked(const Conditions& asked, std::span<const Events> m
 }
 
 InputSpread input_uncertainty(const ClosingInputs& in, const sim::Specimen& specimen,
-                              const rigs::SimRigConfig& rig, const RunOptions& options) {
+                              const rigs::SimRigConfig& rig, const RunOptions& options,
+                              std::span<const NumberedClosing> alone) {
   struct Input {
     double Conditions::*place;
     double u, least_step;  ///< a step below is lost in the samples
@@ -159,6 +171,11 @@ InputSpread input_uncertainty(const ClosingInputs& in, const sim::Specimen& spec
   }
   InputSpread out;
   for (const auto& [symbol, v] : variance) out.u[symbol] = std::sqrt(v);
+  for (const auto& [number, closing] : alone) {
+    const Twin own(reached_by(closing, in.conditions), specimen, rig, options);
+    for (const Quantity& q : quantity_table)
+      out.moved[number][std::string(q.symbol)] = q.of(own.events).value - q.of(middle.events).value;
+  }
   for (std::size_t c = 0; c < curve_variance.size(); ++c) {
     if (curve_variance[c].empty()) continue;
     out.curves.push_back({std::string(info(smooth_channels[c]).name), 0, spread_step, {}});
@@ -179,10 +196,15 @@ SimulatedCount simulate_campaign(Store& store, std::int64_t campaign, std::span<
   std::map<double, std::string> known;  // what the stored ones came from
   for (const StoredShot& s : store.shots(campaign, ShotKind::simulated)) known[s.angle_deg] = s.reason;
   std::map<double, std::vector<Events>> measured;
+  std::map<double, std::vector<NumberedClosing>> alone;
+  std::size_t closed = 0;
   if (!how.nominal)
     for (const StoredShot& s : store.shots(campaign, ShotKind::measured))
-      if (auto events = powbench::measured(s.outcome) ? store.load_events(s.id) : std::nullopt)
+      if (auto events = powbench::measured(s.outcome) ? store.load_events(s.id) : std::nullopt) {
+        if (++closed <= most_alone) alone[s.angle_deg].push_back({s.number, *events});
         measured[s.angle_deg].push_back(std::move(*events));
+      }
+  if (closed > most_alone) alone.clear();
   // one simulation for each angle: its closings differ by noise and by what a mean of their conditions holds
   std::map<double, StoredShot> angles;
   for (const PlannedShot& planned : plan) {
@@ -194,6 +216,7 @@ SimulatedCount simulate_campaign(Store& store, std::int64_t campaign, std::span<
   std::vector<ClosingInputs> inputs;
   for (auto& [angle, shot] : angles) {
     const std::vector<Events>& closings = measured[angle];
+    alone[angle];  // there for every angle before the threads look
     const ClosingInputs in =
         closings.empty() ? ClosingInputs{shot.conditions} : inputs_of(shot.conditions, closings, options);
     shot.conditions = in.conditions;
@@ -224,7 +247,8 @@ SimulatedCount simulate_campaign(Store& store, std::int64_t campaign, std::span<
       try {
         Simulated result;
         if (!measured.at(shots[i].angle_deg).empty())
-          result.prediction = input_uncertainty(inputs[i], specimen, rig, options);
+          result.prediction =
+              input_uncertainty(inputs[i], specimen, rig, options, alone.at(shots[i].angle_deg));
         result.closing = how.make(specimen, shots[i].conditions, rig);
         result.events = extract_checked(result.closing->record, options);
         const std::scoped_lock lock(mutex);

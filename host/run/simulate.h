@@ -36,12 +36,22 @@ ClosingInputs inputs_of(const Conditions& asked, std::span<const Events> measure
 ClosingInputs inputs_as_asked(const Conditions& asked, std::span<const Events> measured,
                               const RunOptions& options);
 
+/// A closing and the number of its shot in the plan's order.
+struct NumberedClosing {
+  int number = 0;
+  Events events;
+};
+
+/// Closings that are simulated each by itself, at the conditions that it reached; of a longer campaign none is.
+inline constexpr std::size_t most_alone = 500;
+
 /// Standard uncertainty (SI) of each quantity, by symbol, from those of the inputs: u^2 = sum ((q+ - q0)^2 + (q- - q0)^2) / 2
 /// over the inputs, each moved by its u (or by what a sample shows, scaled), of the plant through the rig's sensors: (dq/dx u_x)^2 where
 /// q is a straight line, and a bounce more or less close by counts. NaN: a quantity that does not exist at all three.
-/// Likewise each smooth curve (travel, coil current) as means over 0.1 ms up to 60 ms.
+/// Likewise each smooth curve (travel, coil current) as means over 0.1 ms up to 60 ms. `alone`: closings of which it is told too what
+/// their own conditions add; a simulation more for each.
 InputSpread input_uncertainty(const ClosingInputs&, const sim::Specimen&, const rigs::SimRigConfig&,
-                              const RunOptions&);
+                              const RunOptions&, std::span<const NumberedClosing> alone = {});
 
 /// Stores a simulated closing with its record and events; the number of its shot.
 std::int64_t keep_simulated(Store&, StoredShot, const rigs::SimulatedClosing&, const Events&,

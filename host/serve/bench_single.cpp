@@ -29,13 +29,15 @@ void Bench::Impl::predict_later(const Store& store, const Job& single) {
   const auto beside = simulated(store, powbench::host::stored(campaign, ShotKind::simulated, shot));
   const auto events = store.load_events(measured_shot);
   if (!beside || !events || !store.prediction(beside->id).empty()) return;
-  later.add([this, id = beside->id, asked = shot.conditions, events = *events,
+  later.add([this, id = beside->id, asked = shot.conditions,
+             closing = NumberedClosing{store.shot(measured_shot).number, *events},
              specimen = single.scene.specimen, options = run_options(single.scene.plan)] {
     try {
       Store own(database);
       if (!own.prediction(id).empty()) return;
-      const ClosingInputs inputs = inputs_as_asked(asked, std::span(&events, 1), options);
-      own.store_prediction(id, input_uncertainty(inputs, specimen, sensors.config, options));
+      const ClosingInputs inputs = inputs_as_asked(asked, std::span(&closing.events, 1), options);
+      own.store_prediction(
+          id, input_uncertainty(inputs, specimen, sensors.config, options, std::span(&closing, 1)));
       const std::scoped_lock lock(mutex);
       newest_prediction = id;
     } catch (const std::exception& e) {

@@ -58,13 +58,19 @@ class Shown {
   std::map<std::string, double> inputs_;
 };
 
-/// One closing against its simulation, by the rule of the report.
+/// One closing against the simulation of its angle, by the rule of the report; simulated values at the angle, voltage and frequency
+/// that this closing reached, where it was simulated under these.
 std::map<std::string, ComparisonRow> differences(const Store& store, const StoredShot& shot,
                                                  const Events& measured, const Events& simulated,
-                                                 std::int64_t simulated_id) {
-  AngleGroup group{radians(shot.angle_deg), {measured}, {simulated}, store.prediction(simulated_id).u};
+                                                 const StoredShot& simulation) {
+  const InputSpread spread = store.prediction(simulation.id);
+  AngleGroup group{radians(shot.angle_deg), {measured}, {simulated}, spread.u};
   std::map<std::string, ComparisonRow> rows;
-  for (ComparisonRow& r : compare({group}, {}, {}).rows) rows[r.quantity] = std::move(r);
+  for (ComparisonRow& r : compare({group}, {}, {}).rows) {
+    if (const auto moved = spread.moved.find(shot.number); moved != spread.moved.end())
+      if (const double by = moved->second.at(r.quantity); std::isfinite(by)) r.simulated += by;
+    rows[r.quantity] = std::move(r);
+  }
   return rows;
 }
 
@@ -84,8 +90,17 @@ CampaignFacts::Facts CampaignFacts::of(const CampaignInfo& c) {
   const auto known = known_.find(key);
   if (known != known_.end() && !key.empty()) return known->second;
   const Plan plan = stored_plan(c);
-  Facts facts{stored_specimen(c).name, plan.angles, plan.order != Order::by_hand};
+  Facts facts{stored_specimen(c).name, plan.angles, plan.order != Order::by_hand, plan.test};
   return known_[key] = facts;
+}
+
+/// What a person may remember of a campaign: the words of its test record, annotations included.
+std::string test_words(const Store& store, const CampaignInfo& c, const TestRecord& planned) {
+  std::string words;
+  for (const RecordField& f : record_fields) words += planned.*f.place + " ";
+  for (const std::string& instrument : planned.instruments) words += instrument + " ";
+  for (const Annotation& a : store.annotations(c.id)) words += a.text + " ";
+  return words;
 }
 
 std::string campaigns_document(const Store& store, CampaignFacts& facts) {
@@ -112,6 +127,7 @@ std::string campaigns_document(const Store& store, CampaignFacts& facts) {
                                    {"origin", name(c.origin)},
                                    {"rig", c.rig_identity},
                                    {"specimen", known.specimen},
+                                   {"test", test_words(store, c, known.test)},
                                    {"angles_deg", angles},
                                    {"shots", measured_shots},
                                    {"outcomes", outcomes},
@@ -178,27 +194,28 @@ std::string shot_document(const Store& store, const StoredShot& shot) {
   const auto simulated = beside(store, shot);
   const auto predicted = simulated ? store.load_events(simulated->id) : std::nullopt;
   std::map<std::string, ComparisonRow> compared;
-  if (events && predicted) compared = differences(store, shot, *events, *predicted, simulated->id);
+  if (events && predicted) compared = differences(store, shot, *events, *predicted, *simulated);
   const Shown shown(store, shot);
   Json rows = Json::array();
   for (const Quantity& q : quantity_table) {
-    const Measured m = shown.of(q), p = predicted ? q.of(*predicted) : Measured{};
+    const Measured m = shown.of(q);
     const ComparisonRow row =
         compared.contains(std::string(q.symbol)) ? compared.at(std::string(q.symbol)) : ComparisonRow{};
     // what is not known of the simulation is no zero: against a value without its U nothing is judged
     const bool judged = std::isfinite(row.u_simulated);
     const double over_U = judged ? row.difference_over_U() : unknown;
+    const double expected = !compared.empty() ? row.simulated : predicted ? q.of(*predicted).value : unknown;
     rows.push_back({{"symbol", q.symbol},
                     {"unit", q.unit},
                     {"meaning", q.meaning},
                     {"value", json_of<Json>(m.value)},
                     {"u", json_of<Json>(m.u)},
-                    {"simulated", json_of<Json>(p.value)},
+                    {"simulated", json_of<Json>(expected)},
                     {"simulated_u", json_of<Json>(row.u_simulated)},
                     {"over_U", json_of<Json>(over_U)},
-                    {"agreement", judged || !std::isfinite(p.value) ? agreement(over_U)
-                                  : row.u_simulated_unknown         ? "simulated U not known"
-                                                                    : "no simulated U yet"}});
+                    {"agreement", judged || !std::isfinite(expected) ? agreement(over_U)
+                                  : row.u_simulated_unknown          ? "simulated U not known"
+                                                                     : "no simulated U yet"}});
   }
   return text(
       {{"id", shot.id},

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "host/config/test_record.h"
 #include "host/store/store.h"
 
 /// What the store holds, as the live bench shows it: JSON with SI units in the keys, null for what is not known.
@@ -19,6 +20,7 @@ class CampaignFacts {
     std::string specimen;
     std::vector<double> angles;  ///< rad
     bool planned = false;        ///< not single closings, and no import
+    TestRecord test;             ///< as planned, without annotations
   };
   /// From any thread.
   Facts of(const CampaignInfo&);

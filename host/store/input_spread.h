@@ -17,7 +17,10 @@ struct CurveSpread {
 /// What the uncertainties of its inputs leave open in a simulated closing.
 struct InputSpread {
   std::map<std::string, double> u;  ///< standard uncertainty of each quantity, SI, by symbol; NaN: not known
-  std::vector<CurveSpread> curves;  ///< of the smooth channels
+  std::vector<CurveSpread> curves = {};  ///< of the smooth channels
+  /// What the conditions that a closing reached itself add to each quantity of the simulation of its angle, SI, by the number of
+  /// the closing, then symbol; NaN: the quantity does not exist in either. Empty: not simulated.
+  std::map<int, std::map<std::string, double>> moved = {};
   bool empty() const { return u.empty(); }
 };
 

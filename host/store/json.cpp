@@ -229,6 +229,9 @@ std::string to_json(const InputSpread& p) {
     for (const double u : c.u) values.push_back(json_of<Ordered>(four_digits(u)));
     j["curves"][c.channel] = {{"t0", c.t0}, {"dt", c.dt}, {"u", std::move(values)}};
   }
+  for (const auto& [number, quantities] : p.moved)
+    for (const auto& [symbol, by] : quantities)
+      j["moved"][std::to_string(number)][symbol] = json_of<Ordered>(four_digits(by));
   return j.dump();
 }
 
@@ -236,6 +239,12 @@ InputSpread spread_from_json(std::string_view text) {
   return parsed(text, [](const json& j) {
     InputSpread p;
     for (const auto& [key, value] : j.items()) {
+      if (key == "moved") {
+        for (const auto& [number, quantities] : value.items())
+          for (const auto& [symbol, by] : quantities.items())
+            p.moved[std::stoi(number)][symbol] = number_from(by);
+        continue;
+      }
       if (key != "curves") {
         p.u[key] = number_from(value);
         continue;

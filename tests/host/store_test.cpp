@@ -188,7 +188,8 @@ TEST_CASE("what is not known is stored as such, annotations stand beside what is
   CHECK(store.annotations(campaign)[1].text == "B");
   CHECK(store.prediction(id).empty());
   store.store_prediction(id, {{{"t_ct1", 2.5e-6}, {"v_core", std::nan("")}},
-                              {{"laser", 0, 1e-4, {1e-6F, std::nanf(""), 3.25e-5F}}}});
+                              {{"laser", 0, 1e-4, {1e-6F, std::nanf(""), 3.25e-5F}}},
+                              {{7, {{"t_ct1", -0.0005}, {"t_xt1", std::nan("")}}}}});
   const InputSpread back = store.prediction(id);
   CHECK(back.u.at("t_ct1") == 2.5e-6);
   CHECK(std::isnan(back.u.at("v_core")));
@@ -198,6 +199,8 @@ TEST_CASE("what is not known is stored as such, annotations stand beside what is
   REQUIRE(back.curves[0].u.size() == 3);
   CHECK(std::isnan(back.curves[0].u[1]));
   CHECK(back.curves[0].u[2] == 3.25e-5F);
+  CHECK(back.moved.at(7).at("t_ct1") == -0.0005);
+  CHECK(std::isnan(back.moved.at(7).at("t_xt1")));
   sql(folder.file(), "UPDATE annotation SET text = 'C'");
   CHECK_THROWS_AS(store.annotations(campaign), StoreError);
   sql(folder.file(), "UPDATE campaign SET origin = 'SIMULATED RIG'");
