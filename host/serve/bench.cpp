@@ -184,7 +184,10 @@ void Bench::Impl::stored(std::int64_t shot) {
     if (job && s.outcome == Outcome::fail) ++job->outside;
     newest_shot = shot;
     if (newest) frame = newest;
-    if (!s.reason.empty()) log_line(fmt::format("shot {}: {}: {}", shot, name(s.outcome), s.reason));
+    const std::string asked =
+        job && job->aim ? fmt::format(" to touch at {:.1f} deg", degrees(job->aim->wanted)) : std::string();
+    log_line(fmt::format("shot {}, coil on at {:.2f} deg{}: {}{}{}", shot, s.angle_deg, asked,
+                         name(s.outcome), s.reason.empty() ? "" : ": ", s.reason));
   }
   if (newest) recorded();
   changed();

@@ -128,7 +128,8 @@ std::string Bench::Impl::state() const {
                   {"seconds_left", job->single || paused || job->done == total ? Json(nullptr) : Json(eta)},
                   {"aim", nullptr}};
     if (job->aim)
-      out["job"]["aim"] = {{"closing_angle_deg", degrees(job->aim->closing_angle)},
+      out["job"]["aim"] = {{"touch_deg", degrees(job->aim->wanted)},
+                           {"closing_angle_deg", degrees(job->aim->closing_angle)},
                            {"touch_s", job->aim->touch_time},
                            {"gain", job->aim->gain}};
   }

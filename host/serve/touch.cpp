@@ -65,7 +65,7 @@ std::optional<TouchAim::Aim> TouchAim::at(double wanted) const {
       else
         b = middle, eb = e;
     }
-    if (std::isfinite(t)) best = Aim{wrap_turn(middle), t, gain};
+    if (std::isfinite(t)) best = Aim{wrap_turn(wanted), wrap_turn(middle), t, gain};
   }
   return best;
 }

@@ -17,6 +17,7 @@ namespace powbench::host {
 class TouchAim {
  public:
   struct Aim {
+    double wanted = 0;         ///< rad, [0, 2 pi): where the contacts are to touch
     double closing_angle = 0;  ///< rad, [0, 2 pi)
     double touch_time = 0;     ///< s after switch-on, predicted
     double gain = 0;           ///< d(angle of touch) / d(closing angle)

@@ -60,8 +60,12 @@ TEST_CASE("live page: an unfinished plan is gone on with from the list of campai
   tab.until(no_job);
   press(tab, "tab-documents");
   const std::string go_on =
-      "[...document.querySelectorAll('#campaigns button')].find(b=>b.textContent==='Fire the rest')";
+      "[...document.querySelectorAll('#campaigns button')].find(b=>b.textContent.startsWith('Fire the "
+      "rest'))";
   tab.until(go_on);
+  tab.value(go_on + ".click()");  // it asks first, and names the campaign
+  CHECK(tab.value("/of campaign \\d+ now/.test(" + go_on + ".textContent)") == true);
+  CHECK(tab.value("fetch('/api/bench').then(r=>r.json()).then(b=>b.job===null)") == true);
   tab.value(go_on + ".click()");
   tab.until("document.getElementById('test').hidden === false");
   tab.until("/ of 8/.test(document.getElementById('job').textContent)");
@@ -124,8 +128,12 @@ TEST_CASE("live page: what comes while another page is looked at has its size an
   const std::string shots = "document.querySelectorAll('#shots tr').length";
   tab.until(shots + " > 0 && " + shots + " < 6");
   const std::string go_on =
-      "[...document.querySelectorAll('#campaigns button')].find(b=>b.textContent==='Fire the rest')";
+      "[...document.querySelectorAll('#campaigns button')].find(b=>b.textContent.startsWith('Fire the "
+      "rest'))";
   tab.until(go_on);
+  tab.value(go_on + ".click()");  // it asks first, and names the campaign
+  CHECK(tab.value("/of campaign \\d+ now/.test(" + go_on + ".textContent)") == true);
+  CHECK(tab.value("fetch('/api/bench').then(r=>r.json()).then(b=>b.job===null)") == true);
   tab.value(go_on + ".click()");
   tab.until("/^half: all 6 done/.test(document.getElementById('job').textContent)");
   press(tab, "tab-documents");

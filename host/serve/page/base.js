@@ -7,7 +7,7 @@
 /** @typedef {{id: number, kind: string, angle_deg: number|null, reached_rad: Measured, outcome: string, reason: string, started: string,
  *   quantities: {[symbol: string]: Measured}}} ListedShot */
 /** @typedef {{id: number, campaign: number, origin: string, kind: string, angle_deg: number|null, reached_rad: Measured,
- *   touch_rad: Measured, started: string, outcome: string, reason: string, has_record: boolean, quantities: QuantityRow[]}} Shot */
+ *   touch_rad: Measured, supply_volts: number|null, mains_hertz: number|null, hold_time_s: number|null, started: string, outcome: string, reason: string, has_record: boolean, quantities: QuantityRow[]}} Shot */
 /** @typedef {{id: string, label: string, unit: string, per_count: number, counts: number|null}} ChannelLine */
 /** @typedef {{uri: string, model: string, serial: string, firmware: string, boot_id: string, origin: string, calibration: string,
  *   calibration_expires: string, sample_rate_hz: number, programmable_source: boolean, channels: ChannelLine[]}} Rig */
@@ -17,7 +17,7 @@
  *   phase_u_deg: number|null, phase_u_ahead_deg: number|null, phase_faults: string, angle_tolerance_deg: number|null}} Status */
 /** @typedef {{kind: string, name: string, campaign: number|null, doing: string, paused: boolean, ending: boolean, done: number,
  *   outside_limits: number, shots: number, seconds_left: number|null,
- *   aim: {closing_angle_deg: number, touch_s: number, gain: number}|null}} Job */
+ *   aim: {touch_deg: number, closing_angle_deg: number, touch_s: number, gain: number}|null}} Job */
 /** @typedef {{version: string, rig: Rig, link: Link, status: Status|null, job: Job|null, aiming: boolean, newest_shot: number|null, newest_prediction: number|null,
  *   newest_campaign: number|null, stop: {off: boolean, text: string, ms: number}|null, log: string[],
  *   ended: {name: string, campaign: number, done: number, shots: number}|null,

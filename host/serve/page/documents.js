@@ -4,7 +4,7 @@ import { $, anchor, button, call, cells, clear, field, known, list, measured, ne
 
 /** @typedef {import('./base.js').State} State */
 /** @typedef {import('./base.js').ListedShot} ListedShot */
-/** @typedef {{id: number, name: string, created: string, origin: string, rig: string, specimen: string, angles_deg: number[], shots: number,
+/** @typedef {{id: number, name: string, created: string, origin: string, rig: string, specimen: string, test: string, angles_deg: number[], shots: number,
  *   outcomes: {[outcome: string]: number}, outside_limits: number, finished: boolean, resumable: boolean}} Campaign */
 /** @typedef {{value: number|null, u: number|null, U: number|null}} Mean */
 /** @typedef {{quantity: string, unit: string, closing_angle_deg: number|null, n: number[], first: Mean, second: Mean,
@@ -41,7 +41,7 @@ function showCampaigns() {
   clear('campaigns');
   let n = 0;
   for (const c of campaigns) {
-    const all = [c.id, c.name, c.created, c.specimen, c.origin, c.rig].join(' ').toLowerCase();
+    const all = [c.id, c.name, c.created, c.specimen, c.origin, c.rig, c.test].join(' ').toLowerCase();
     if (!words.every((w) => all.includes(w)) || (outcome && !c.outcomes[outcome])) continue;
     if (angle !== null && !c.angles_deg.some((a) => near(a, angle))) continue;
     ++n;
@@ -50,17 +50,33 @@ function showCampaigns() {
       ' ', anchor('/api/campaigns/' + c.id + '/shots.csv', 'CSV'), ' ', anchor('/api/campaigns/' + c.id + '/junit.xml', 'JUnit'));
     const count = document.createElement('span');
     count.append(c.shots + (c.finished ? '' : ', unfinished'));
-    if (c.resumable) count.append(' ', button('Fire the rest', () => fireRest(c.id)));
+    if (c.resumable) count.append(' ', restButton(c));
     cells(newRow('campaigns'), [button(String(c.id), () => open(c.id)), c.name, c.created.slice(0, 16).replace('T', ' '), c.specimen, c.origin,
       [count, 'n'], [c.outside_limits, c.outside_limits ? 'n bad' : 'n'], links]);
   }
-  $('found').textContent = campaigns.length === 0 ? 'No campaign yet: fire one closing on the page Test.' : n + ' of ' + campaigns.length + ' campaigns';
+  $('found').textContent = Number.isNaN(angle) ? '"' + field('find-angle').value + '" is no angle, such as 90.5' : campaigns.length === 0 ? 'No campaign yet: fire one closing on the page Test.' : n + ' of ' + campaigns.length + ' campaigns';
 }
 
 /** @type {() => void} */
 let ran = () => {};
 /** @param {() => void} act */
 export const whenRun = (act) => { ran = act; };
+/** Asks in its own words before it fires; no dialog, which would take Esc from STOP. @param {Campaign} c */
+function restButton(c) {
+  const rest = button('Fire the rest', () => {
+    if (rest.dataset.asked) {
+      fireRest(c.id);
+      return;
+    }
+    rest.dataset.asked = 'yes';
+    rest.textContent = 'Fire the rest of campaign ' + c.id + ' now';
+    window.setTimeout(() => {
+      delete rest.dataset.asked;
+      rest.textContent = 'Fire the rest';
+    }, 6000);
+  });
+  return rest;
+}
 /** What a plan that was not fired to its end lacks. @param {number} id */
 async function fireRest(id) {
   clear('not-resumed');
@@ -74,6 +90,7 @@ async function fireRest(id) {
 /** @param {number} id */
 async function open(id) {
   const c = await call('GET', '/api/campaigns/' + id + '/shots');
+  if (id !== shownCampaign) clear('noted');
   shownCampaign = id;
   shots = c.shots;
   $('campaign').hidden = false;

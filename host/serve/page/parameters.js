@@ -23,13 +23,23 @@ async function load() {
   const of = kind;
   if (!texts[of]) {
     const file = await call('GET', '/api/files/' + of);
-    texts[of] = { text: file.text, saved: file.text, template: file.template, file: file.file };
+    const draft = sessionStorage.getItem(draftOf(of)), back = draft !== null && draft !== file.text;
+    texts[of] = { text: back ? draft : file.text, saved: file.text, template: file.template, file: file.file };
+    if (back) $('noted-file').textContent = 'Your text that was not saved is back; Discard my changes takes the file.';
   }
   if (of === kind) put(texts[of].text);
+}
+/** What is typed outlives a reload of the page: a dialog that asks would take Esc from STOP. @param {string} of */
+const draftOf = (of) => 'powbench-text-' + of;
+function keep() {
+  const t = texts[kind];
+  if (t.text === t.saved) sessionStorage.removeItem(draftOf(kind));
+  else sessionStorage.setItem(draftOf(kind), t.text);
 }
 /** @param {string} text */
 function put(text) {
   area.value = texts[kind].text = text;
+  keep();
   showFile();
   check();
 }
@@ -119,7 +129,9 @@ async function set(k, value) {
 }
 
 area.addEventListener('input', () => {
-  if (texts[kind]) texts[kind].text = area.value;
+  if (!texts[kind]) return;
+  texts[kind].text = area.value;
+  keep();
   showFile();
   window.clearTimeout(timer);
   timer = window.setTimeout(check, 250);
@@ -127,7 +139,12 @@ area.addEventListener('input', () => {
 for (const one of ['plan', 'specimen', 'rig'])
   $('file-' + one).addEventListener('change', () => { kind = one; keys = []; $('noted-file').textContent = ''; load(); });
 $('template').addEventListener('click', () => put(texts[kind].template));
-$('reload').addEventListener('click', () => { delete texts[kind]; load(); });
+$('reload').addEventListener('click', () => {
+  delete texts[kind];
+  sessionStorage.removeItem(draftOf(kind));
+  $('noted-file').textContent = '';
+  load();
+});
 $('check').addEventListener('click', check);
 $('key-search').addEventListener('input', showKeys);
 $('key-changed').addEventListener('change', showKeys);
@@ -148,6 +165,7 @@ async function send(path, done) {
 }
 $('save').addEventListener('click', () => send('/api/files/' + kind + '/save', (reply) => {
   texts[kind].saved = texts[kind].text;
+  keep();
   showFile();
   $('noted-file').textContent = reply.file + ' saved: ' + reply.note;
 }));

@@ -172,6 +172,7 @@ function listen() {
 for (const id of ['trigger', 'slope', 'level', 'span', 'persist', 'back']) $(id).addEventListener('input', redraw);
 $('trigger').addEventListener('change', () => {
   const c = frames.length ? frames[frames.length - 1].channels.find((one) => one.name === field('trigger').value) : null;
+  $('level-unit').textContent = c ? c.unit : '';
   if (!c) return;
   let low = Infinity, high = -Infinity;
   for (const v of c.counts) { low = Math.min(low, v); high = Math.max(high, v); }

@@ -64,6 +64,12 @@ function showQuantities(shot) {
   }
 }
 
+/** The touch asked for of closings that this page has seen fired. @type {Map<number, string>} */
+const aims = new Map();
+/** What a shot was asked to be: an older one had other volts than the line above says of the next. @param {Shot} shot */
+const askedOf = (shot) => (known(shot.supply_volts) && known(shot.mains_hertz) ? 'asked for ' + shot.supply_volts + ' V, ' + shot.mains_hertz + ' Hz' +
+  (known(shot.hold_time_s) ? ', coil on for ' + Math.round(1e4 * shot.hold_time_s) / 10 + ' ms' : '') + '; ' : '');
+
 /** Events in words first: where a person who has never seen a closing finds touch and bounce. @param {number} id */
 export async function showShot(id) {
   const waveforms = call('GET', '/api/shots/' + id + '/closing').catch(() => []);  // asked for at once: one way less to wait for
@@ -79,8 +85,8 @@ export async function showShot(id) {
   $('shot-title').textContent = 'Shot ' + shot.id + ' at ' + angle + ': touch ' + value('t_ct1', 1e3) + ' ms, bounce ' +
     value('t_ct_bon', 1e3) + ' ms';
   $('shot-reason').textContent = shot.origin + ', ' + shot.outcome + (shot.reason ? ': ' + shot.reason : '') + '; switched on at ' +
-    measured(shot.reached_rad, 180 / Math.PI) + '°, touched at ' + measured(shot.touch_rad, 180 / Math.PI) + '° of the mains; ' +
-    shot.started.replace('T', ' ').replace('Z', ' UTC');
+    measured(shot.reached_rad, 180 / Math.PI) + '°' + (aims.has(id) ? ' to touch at ' + aims.get(id) + '°' : '') + ', touched at ' + measured(shot.touch_rad, 180 / Math.PI) + '° of the mains; ' +
+    askedOf(shot) + shot.started.replace('T', ' ').replace('Z', ' UTC');
   $('shot-title').classList.toggle('bad', shot.outcome === 'FAIL');
   showQuantities(shot);
   const again = id === drawn, zoomed = again && panels ? panels.range() : null;
@@ -109,12 +115,14 @@ export function show(state, before) {
   field('fire').disabled = !!state.job || state.aiming || !state.status || !access.may_fire;
   field('fire').title = state.job ? 'the bench is busy' : state.aiming ? 'the closing angle is being sought' : !state.status ? 'the rig does not answer' : access.may_fire ? '' : 'the token may not fire';
   $('conditions').textContent = state.plan.supply_volts + ' V, ' + state.plan.mains_hertz + ' Hz, coil on for ' + state.plan.hold_time_ms +
-    ' ms, specimen ' + state.plan.specimen + ' (from the plan)';
+    ' ms, specimen ' + state.plan.specimen + ' (from the plan last run or saved)';
   const aim = state.job && state.job.aim;
   $('aimed').textContent = state.aiming ? 'The closing angle that makes the contacts touch there is being sought by simulation; it is fired at once when found. STOP cancels it.' : !aim ? '' : 'To touch there the coil is switched on at ' + aim.closing_angle_deg.toFixed(1) + '°; touch is predicted ' + (1e3 * aim.touch_s).toFixed(2) + ' ms later.';
   if (before && before.newest_prediction !== state.newest_prediction) stale = true;  // the simulation's U has come
   if (before && before.job && !state.job) stale = stale || !whole || !!drawing;  // the simulation is there now; what is being drawn may have been asked for before
   newest = state.newest_shot || 0;
+  const was = before && before.job && before.job.aim;
+  if (was && before.newest_shot !== state.newest_shot) aims.set(newest, was.touch_deg.toFixed(1));
   if (!before || before.job || !before.status || before.plan.name !== state.plan.name || before.plan.specimen !== state.plan.specimen) prepare(state);
   drawNewest();
 }
