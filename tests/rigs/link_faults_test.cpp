@@ -50,7 +50,13 @@ TEST_CASE("an owner that vanishes leaves the coil off, whoever watches", "[link]
   }
 }
 
-TEST_CASE("faults by the thousand", "[link][.slow]") {
+TEST_CASE("faults by the hundred", "[link][.slow]") {
+  check_rows(tcp_faults(240, 2));
+  check_rows(serial_faults(20, 2));
+  CHECK(interleavings(20, 2).foreign == 0);
+}
+
+TEST_CASE("faults by the thousand", "[link][.long]") {
   check_rows(tcp_faults(1200, 1));
   check_rows(serial_faults(100, 1));
   CHECK(interleavings(100, 1).foreign == 0);

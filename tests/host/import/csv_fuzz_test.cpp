@@ -138,11 +138,20 @@ TEST_CASE("wild records give honest events") {
   SUCCEED();
 }
 
-TEST_CASE("a hundred thousand mutants of waveform files", "[.slow]") {
+TEST_CASE("twenty thousand mutants of waveform files", "[.slow]") {
+  CHECK(taken(20'000, 23) > 2'000);
+}
+
+TEST_CASE("four thousand wild records", "[.slow]") {
+  wild_records(4'000, 24);
+  SUCCEED();
+}
+
+TEST_CASE("a hundred thousand mutants of waveform files", "[.long]") {
   CHECK(taken(100'000, 21) > 10'000);
 }
 
-TEST_CASE("twenty thousand wild records", "[.slow]") {
+TEST_CASE("twenty thousand wild records", "[.long]") {
   wild_records(20'000, 22);
   SUCCEED();
 }
