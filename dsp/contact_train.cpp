@@ -165,7 +165,8 @@ std::vector<Grazing> fill_train(ContactTrain& train, const Round& r, const Force
   for (Contact& c : train.contacts)
     hold_peak(c, f.signal);  // before an edge that follows a law takes the flag away
   const double left = a.ring.empty() ? f.noise : open_noise(a.stripped, r, a.ring, t_end, f.noise);
-  auto grazing = refine_contacts(train.contacts, {a.stripped, std::max(left, r.noise), f.noise, f.delay}, o);
+  auto grazing = refine_contacts(train.contacts,
+                                 {a.stripped, std::max(left, r.noise), f.noise, f.delay, 2 * f.wander}, o);
   for (Contact& c : train.contacts) {
     hold_peak(c, f.signal);
     train.flags |= c.flags & (flag_clipped | flag_gap);
@@ -197,6 +198,16 @@ void admit_grazing(ContactTrain& t, const std::vector<Grazing>& dips) {
   }
 }
 
+/// An opening whose zero has wandered up to the release level would not be seen: the levels rise above what wanders, and whether a dip
+/// between them is an opening is then for `look_at_dip` to say.
+ExtractOptions above_wander(const Force& f, ExtractOptions o) {
+  constexpr double sigmas = 6, most = 0.15, between = 1.5;
+  if (!(f.wander > 0 && f.settled > 0)) return o;
+  o.release_share = std::max(o.release_share, std::min(sigmas * f.wander / f.settled, most));
+  o.touch_share = std::max(o.touch_share, between * o.release_share);
+  return o;
+}
+
 }  // namespace
 
 void summarise(ContactTrain& t, double merge) {
@@ -226,7 +237,8 @@ void summarise(ContactTrain& t, double merge) {
 }
 
 ForceAnalysis analyse_force(const Force& f, double t_end, const Measured& core_seat,
-                            const ExtractOptions& o) {
+                            const ExtractOptions& given) {
+  const ExtractOptions o = above_wander(f, given);
   ForceAnalysis out;
   out.train.present = f.present;
   out.train.flags = f.flags;

@@ -44,7 +44,7 @@ double power(double w, double q) {
   return q == 1.25 ? w * root : q == 0.25 ? root : std::pow(w, q);
 }
 
-std::optional<Rows> rows_of(const Signal& s, double from, double to, double noise) {
+std::optional<Rows> rows_of(const Signal& s, double from, double to, double noise, double wander) {
   const std::size_t i1 = s.index_at(from), i2 = std::min(s.index_at(to) + 1, s.size());
   if (i2 < i1 + least_rows) return std::nullopt;
   const std::size_t per_row = std::max<std::size_t>(1, (i2 - i1) / most_rows);
@@ -64,7 +64,7 @@ std::optional<Rows> rows_of(const Signal& s, double from, double to, double nois
   if (!(std::min(r.y.front(), r.y.back()) > clear * r.noise)) return std::nullopt;
   for (double& v : r.y) v /= r.top;
   r.noise /= r.top;
-  r.zero = zero_error * noise * std::sqrt(std::min(1.0, s.dt / 20e-6)) / r.top;
+  r.zero = std::hypot(zero_error * noise * std::sqrt(std::min(1.0, s.dt / 20e-6)), wander) / r.top;
   return r;
 }
 
@@ -213,12 +213,13 @@ Dip dip_in(const Rows& r, std::array<Parameters, laws.size()>& at, bool warm) {
 
 }  // namespace
 
-Dip look_at_dip(const Signal& force, double release, double touch, double closed, double noise) {
+Dip look_at_dip(const Signal& force, double release, double touch, double closed, double noise,
+                double wander) {
   const double gap = std::max(touch - release, 0.0);
   Dip last, doubtful;
   int followed = 0;
   double beside = std::min(std::max(2 * gap, 150e-6), closed);
-  const auto rows_beside = [&] { return rows_of(force, release - beside, touch + beside, noise); };
+  const auto rows_beside = [&] { return rows_of(force, release - beside, touch + beside, noise, wander); };
   std::array<Parameters, laws.size()> at{};
   std::optional<Rows> before;
   while (beside < closed && !rows_beside()) beside = std::min(1.4 * beside, closed);

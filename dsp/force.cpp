@@ -177,7 +177,7 @@ Force restore_alone(const Record& record, Channel channel, const ExtractOptions&
   }
   undo_droop(s.value, c.corner_hertz, s.dt);
   remove_pickup(s, f.noise, record);
-  follow_zero(s, f.noise, mains_hertz.value_or(o.mains_hertz));
+  f.wander = follow_zero(s, f.noise, mains_hertz.value_or(o.mains_hertz)).wander;
 
   const double t_end = closing_end(record, s);
   f.settled = tail_median(s, t_end, o.settled_window);

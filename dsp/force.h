@@ -14,6 +14,7 @@ struct Force {
   bool present = false;     ///< the channel exists and is alive
   Signal signal;            ///< N, offset and hum removed, droop undone, contact force positive
   double noise = 0.0;       ///< N: standard deviation of one sample's noise
+  double wander = 0.0;      ///< N rms: how far its zero goes within a millisecond beyond what is taken out
   double settled = 0.0;     ///< N: median at the end of the hold time; 0 when not closed
   double delay = 0.0;       ///< s: of the channel, already taken out of the time axis; 0 = not known
   std::uint32_t flags = 0;  ///< flag_no_hum_fit, flag_polarity

@@ -75,7 +75,7 @@ bool one_trough(const CalmForce& quiet, const Signal& force, const Contact& befo
 /// probable it is that the contact opened; with less than 0.6 (0.1 in loud noise) it is not listed. Where none explains the force, a least
 /// force that stands clear of zero makes the two contacts one.
 std::vector<Grazing> close_dips(std::vector<Contact>& contacts, const CalmForce& quiet, const Signal& force,
-                                double noise, double vibration) {
+                                double noise, double vibration, double wander) {
   constexpr double longest_dip = 0.6e-3, beside = 40e-6;  // s
   constexpr double sure = 0.003, loud = 0.03;
   std::vector<Grazing> out;
@@ -85,13 +85,13 @@ std::vector<Grazing> close_dips(std::vector<Contact>& contacts, const CalmForce&
     if (!(gap < longest_dip)) continue;
     const double after = b.release.known() ? b.release.value - b.touch.value : longest_rise;
     const double closed = 0.7 * std::min(a.release.value - a.touch.value, after);
-    const Dip dip = look_at_dip(force, a.release.value, b.touch.value, closed, noise);
+    const Dip dip = look_at_dip(force, a.release.value, b.touch.value, closed, noise, wander);
     double opened = dip.opened;
     if (!dip.known) {
       const double margin = std::max(beside, 0.5 * gap);
       const Measured least =
           locate_extreme(force, a.release.value - margin, b.touch.value + margin, -1, noise);
-      opened = least.known() && least.value > least.u ? 0 : 1;
+      opened = least.known() && least.value > least.u + 2 * wander ? 0 : 1;
     }
     constexpr double unclear = 0.7;
     if (one_trough(quiet, force, a, b, vibration)) opened = std::clamp(opened, 1 - unclear, unclear);
@@ -220,7 +220,7 @@ std::vector<Grazing> refine_contacts(std::vector<Contact>& contacts, const EdgeF
   const CalmForce calm = calm_force(force, noise, o);
   const CalmForce quiet{calm.value, calm.noise * white / noise};  // swings stand out of this
   std::vector<Grazing> grazing =
-      close_dips(contacts, quiet, force, noise, noise > 2 * white ? 1.4 * noise : 0.0);
+      close_dips(contacts, quiet, force, noise, noise > 2 * white ? 1.4 * noise : 0.0, film.wander);
   std::vector<Beside> beside(contacts.size());
   Agreement agreement;
   for (std::size_t i = 0; i < contacts.size(); ++i) {

@@ -30,6 +30,7 @@ struct EdgeForce {
   double noise = 0;      ///< N, one sample, with the vibration that is left
   double white = 0;      ///< N, without
   double delay = 0;      ///< s, of the amplifier
+  double wander = 0;     ///< N: error of the zero in an opening
 };
 
 /// Touch, release and peak of each contact from the force next to them (`locate_edge`, `locate_peak`). The shape that found a contact

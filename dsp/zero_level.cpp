@@ -125,30 +125,49 @@ std::vector<Block> open_blocks(const std::vector<Block>& blocks, double noise, d
   return open;
 }
 
+/// Rms of what a millisecond adds to the zero beyond its model, without the share of the noise; 0 where it does not stand out of that.
+double wander_of(const std::vector<Block>& quiet, const std::function<double(double)>& expected,
+                 double sigma) {
+  constexpr double lag = 1e-3;  // s
+  constexpr std::size_t few = 30;
+  double squares = 0, n = 0;
+  for (std::size_t i = 0, k = 0; i < quiet.size(); ++i) {
+    while (k < quiet.size() && quiet[k].time < quiet[i].time + lag - 0.5 * block_time) ++k;
+    if (k == quiet.size()) break;
+    if (quiet[k].time > quiet[i].time + lag + 0.5 * block_time) continue;
+    const double step = quiet[k].mean - expected(quiet[k].time) - quiet[i].mean + expected(quiet[i].time);
+    squares += step * step, n += 1;
+  }
+  if (n < few) return 0;
+  const double beyond = squares / n - 2 * sigma * sigma;
+  return beyond > 4 * sigma * sigma ? std::sqrt(beyond) : 0;
+}
+
 }  // namespace
 
-double follow_zero(Signal& s, double noise, double mains_hertz) {
-  if (s.size() < 64 || !(noise > 0)) return 0;
+Zero follow_zero(Signal& s, double noise, double mains_hertz) {
+  if (s.size() < 64 || !(noise > 0)) return {};
   const auto blocks = blocks_of(s);
   const double sigma = noise / std::sqrt(std::max(8.0, std::floor(block_time / s.dt)));
   const Reach reach(s, noise);
   auto open = open_blocks(
       blocks, noise, sigma, reach, [](double) { return 0.0; }, true);
-  if (open.size() < together) return 0;
+  if (open.size() < together) return {};
+  const auto quiet = open;
   double largest = 0;  // mean of a millisecond
   for (std::size_t k = 0; k + together <= open.size(); ++k) {
     double sum = 0;
     for (std::size_t j = k; j < k + together; ++j) sum += open[j].mean;
     largest = std::max(largest, std::abs(sum) / together);
   }
-  if (largest < std::max(5 * sigma / std::sqrt(together), 0.5 * noise)) return 0;
+  if (largest < std::max(5 * sigma / std::sqrt(together), 0.5 * noise)) return {};
   std::function<double(double)> expected;
   for (int round = 0; round < 2; ++round) {
     const ZeroModel before(open, false, sigma, mains_hertz), after(open, true, sigma, mains_hertz);
     expected = [before, after](double t) { return t > 0 ? after(t) : before(t); };
     open = open_blocks(blocks, noise, sigma, reach, expected, false);
   }
-  if (open.size() < together) return 0;
+  if (open.size() < together) return {};
   std::vector<Block> left;  // of the model, neighbours averaged
   for (std::size_t k = 0; k < open.size(); ++k) {
     double mean = 0, time = 0, n = 0;
@@ -166,7 +185,7 @@ double follow_zero(Signal& s, double noise, double mains_hertz) {
       level += (t - left[k].time) / (left[k + 1].time - left[k].time) * (left[k + 1].mean - left[k].mean);
     s.value[i] -= level + expected(t);
   }
-  return largest;
+  return {largest, wander_of(quiet, expected, sigma)};
 }
 
 }  // namespace powbench::dsp

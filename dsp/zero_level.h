@@ -10,7 +10,12 @@ namespace powbench::dsp {
 /// switch-on goes a level, a slope and mains with its third harmonic each; what is left of it is followed from block to block in
 /// straight lines and stays after the last. Nothing changes where no millisecond of open
 /// time is off zero by five standard uncertainties and half the noise.
-/// `noise`: N, one sample. Returns the largest zero error found, N.
-double follow_zero(Signal&, double noise, double mains_hertz);
+/// `noise`: N, one sample.
+struct Zero {
+  double largest = 0;  ///< N: zero error found; 0 = none
+  double wander =
+      0;  ///< N rms: how far it went within a millisecond while nothing touched, beyond the model and the noise
+};
+Zero follow_zero(Signal&, double noise, double mains_hertz);
 
 }  // namespace powbench::dsp

@@ -10,6 +10,7 @@
 #include "bench/events/scenes.h"
 #include "dsp/event_stream.h"
 #include "dsp/extract.h"
+#include "tests/effort.h"
 
 // Events of a record that comes in piece by piece, against the same record at once.
 
@@ -85,15 +86,16 @@ TEST_CASE("a stream gives the same events to the last bit, however it is cut int
 }
 
 TEST_CASE("a stream agrees with the record at once, and keeps its latency") {
+  constexpr std::uint64_t seeds = effort::every > 1 ? 1 : 3;
   Agreement sum;
   for (const bench::SceneClass& c : bench::scene_classes()) {
     if (!c.touches || c.name == "all at once" || c.name.find("ring") != std::string::npos) continue;
-    for (std::uint64_t seed : {810001, 810002, 810003}) compare(c.make(seed).record, sum);
+    for (std::uint64_t seed = 810001; seed < 810001 + seeds; ++seed) compare(c.make(seed).record, sum);
   }
   for (const std::uint64_t seed : {61, 62})  // with core vibration
     compare(bench::synthesise_full(1e5, 50, 1.0, seed), sum);
   CAPTURE(sum.batch, sum.stream, sum.matched, sum.beyond, sum.late, sum.under_way);
-  REQUIRE(sum.batch > 200);
+  REQUIRE(sum.batch > 66 * static_cast<int>(seeds));
   CHECK(sum.matched >= 0.98 * sum.batch);
   CHECK(sum.stream <= 1.02 * sum.batch);
   CHECK(sum.beyond <= 0.01 * sum.matched);
