@@ -134,7 +134,11 @@ ClosingInputs inputs_as_asked(const Conditions& asked, std::span<const Events> m
 
 InputSpread input_uncertainty(const ClosingInputs& in, const sim::Specimen& specimen,
                               const rigs::SimRigConfig& rig, const RunOptions& options,
-                              std::span<const NumberedClosing> alone) {
+                              std::span<const NumberedClosing> alone, const std::function<bool()>& over) {
+  const auto twin = [&](const Conditions& c) {
+    if (over && over()) throw NotNeeded();
+    return Twin(c, specimen, rig, options);
+  };
   struct Input {
     double Conditions::*place;
     double u, least_step;  ///< a step below is lost in the samples
@@ -146,7 +150,7 @@ InputSpread input_uncertainty(const ClosingInputs& in, const sim::Specimen& spec
   std::map<std::string, double> variance;
   for (const Quantity& q : quantity_table) variance[std::string(q.symbol)] = 0;
   std::vector<std::vector<double>> curve_variance(std::size(smooth_channels));
-  const Twin middle(in.conditions, specimen, rig, options);
+  const Twin middle = twin(in.conditions);
   for (const Input& input : inputs) {
     if (!(input.u > 0.01 * input.least_step)) continue;  // moves nothing that a sample shows
     const double step = std::max(input.u, input.least_step);
@@ -155,7 +159,7 @@ InputSpread input_uncertainty(const ClosingInputs& in, const sim::Specimen& spec
     high.*input.place += step;
     low.closing_angle = wrap_turn(low.closing_angle);
     high.closing_angle = wrap_turn(high.closing_angle);
-    const Twin a(low, specimen, rig, options), b(high, specimen, rig, options);
+    const Twin a = twin(low), b = twin(high);
     const double scale = input.u / (2 * step);
     const auto square = [scale](double d) { return d * scale * d * scale; };
     for (const Quantity& q : quantity_table) {
@@ -172,7 +176,7 @@ InputSpread input_uncertainty(const ClosingInputs& in, const sim::Specimen& spec
   InputSpread out;
   for (const auto& [symbol, v] : variance) out.u[symbol] = std::sqrt(v);
   for (const auto& [number, closing] : alone) {
-    const Twin own(reached_by(closing, in.conditions), specimen, rig, options);
+    const Twin own = twin(reached_by(closing, in.conditions));
     for (const Quantity& q : quantity_table)
       out.moved[number][std::string(q.symbol)] = q.of(own.events).value - q.of(middle.events).value;
   }

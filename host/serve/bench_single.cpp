@@ -36,10 +36,12 @@ void Bench::Impl::predict_later(const Store& store, const Job& single) {
       Store own(database);
       if (!own.prediction(id).empty()) return;
       const ClosingInputs inputs = inputs_as_asked(asked, std::span(&closing.events, 1), options);
-      own.store_prediction(
-          id, input_uncertainty(inputs, specimen, sensors.config, options, std::span(&closing, 1)));
+      own.store_prediction(id, input_uncertainty(inputs, specimen, sensors.config, options,
+                                                 std::span(&closing, 1), [this] { return later.ending(); }));
       const std::scoped_lock lock(mutex);
       newest_prediction = id;
+    } catch (const NotNeeded&) {
+      return;
     } catch (const std::exception& e) {
       say(fmt::format("the uncertainty of simulated shot {} is not known: {}", id, e.what()));
       return;

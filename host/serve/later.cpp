@@ -11,7 +11,7 @@ Later::Later() : thread_([this] { work(); }) {}
 Later::~Later() {
   {
     const std::scoped_lock lock(mutex_);
-    ending_ = true;
+    ending_ = true;  // what runs looks at it: of the lowest priority it may take minutes beside other work
   }
   news_.notify_all();
   thread_.join();

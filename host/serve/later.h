@@ -1,5 +1,6 @@
 #pragma once
 
+#include <atomic>
 #include <condition_variable>
 #include <cstddef>
 #include <deque>
@@ -16,7 +17,7 @@ class Later {
   static constexpr std::size_t most_waiting = 50;
 
   Later();
-  /// Ends after the task that is on; those that wait are dropped.
+  /// Waits for the task that is on, which may look at `ending`; those that wait are dropped.
   ~Later();
   Later(const Later&) = delete;
   Later& operator=(const Later&) = delete;
@@ -24,13 +25,16 @@ class Later {
   /// Of more than `most_waiting` tasks the oldest are dropped. A task does not throw.
   void add(std::function<void()> task);
 
+  /// A long task looks at this between its steps and gives up.
+  bool ending() const { return ending_; }
+
  private:
   void work();
 
   std::mutex mutex_;
   std::condition_variable news_;
   std::deque<std::function<void()>> tasks_;
-  bool ending_ = false;
+  std::atomic<bool> ending_ = false;
   std::thread thread_;
 };
 

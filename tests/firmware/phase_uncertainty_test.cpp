@@ -2,6 +2,7 @@
 #include <cmath>
 
 #include "bench/phase_calibration.h"
+#include "tests/effort.h"
 
 /// What the tracker says of its own error, on mains it was not made for. Draws of the tuning seeds: the scoring seeds
 /// are kept for bench_phase_calibration.
@@ -10,7 +11,9 @@ using namespace powbench::bench;
 
 namespace {
 
+/// Under the sanitizers a quarter of the draws.
 FamilyScore score_of(std::string_view family, int draws) {
+  if (powbench::effort::every > 1) draws = (draws + 3) / 4;
   FamilyScore sum;
   for (int i = 0; i < draws; ++i) sum.add(judge_case(draw_case(family, Draws::tuning, 100 + i)));
   return sum;

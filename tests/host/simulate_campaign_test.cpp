@@ -189,6 +189,14 @@ TEST_CASE("a simulation whose inputs have changed is made anew, one that has the
   CHECK(store.shots(campaign, ShotKind::simulated).size() == 2);
 }
 
+TEST_CASE("an uncertainty that nobody needs any more is given up", "[simulate]") {
+  ClosingInputs in;
+  in.u_volts = 1;
+  int asked = 0;
+  CHECK_THROWS_AS(input_uncertainty(in, {}, {}, {}, {}, [&] { return ++asked == 2; }), NotNeeded);
+  CHECK(asked == 2);
+}
+
 TEST_CASE("each closing is simulated at the conditions that it reached, too", "[simulate]") {
   const double degree = GENERATE(0., 60., 165.);
   Folder folder;

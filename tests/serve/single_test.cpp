@@ -2,6 +2,7 @@
 #include <catch2/catch.hpp>
 #include <future>
 #include <stdexcept>
+#include <thread>
 
 #include "host/gather/scene.h"
 #include "host/serve/ahead.h"
@@ -153,6 +154,21 @@ TEST_CASE(
   CHECK(without.at("simulated_u").is_null());
   CHECK(without.at("over_U").is_null());
   CHECK(without.at("agreement") == "no simulated U yet");
+}
+
+TEST_CASE("live bench: a task for later gives up when the bench ends", "[serve]") {
+  bool gave_up = false;
+  {
+    host::Later later;
+    std::promise<void> begun;
+    later.add([&] {
+      begun.set_value();
+      while (!later.ending()) std::this_thread::yield();
+      gave_up = true;
+    });
+    begun.get_future().wait();
+  }
+  CHECK(gave_up);
 }
 
 TEST_CASE("live bench: of more tasks for later than are kept the oldest are dropped", "[serve]") {
