@@ -46,14 +46,16 @@ struct NumberedClosing {
 /// Closings that are simulated each by itself, at the conditions that it reached; of a longer campaign none is.
 inline constexpr std::size_t most_alone = 500;
 
+/// Ends a computation whose result nobody waits for any more.
+struct NotNeeded : std::runtime_error {
+  NotNeeded() : std::runtime_error("no longer needed") {}
+};
+
 /// Standard uncertainty (SI) of each quantity, by symbol, from those of the inputs: u^2 = sum ((q+ - q0)^2 + (q- - q0)^2) / 2
 /// over the inputs, each moved by its u (or by what a sample shows, scaled), of the plant through the rig's sensors: (dq/dx u_x)^2 where
 /// q is a straight line, and a bounce more or less close by counts. NaN: a quantity that does not exist at all three.
 /// Likewise each smooth curve (travel, coil current) as means over 0.1 ms up to 60 ms. `alone`: closings of which it is told too what
 /// their own conditions add; a simulation more for each. `over`: asked before each simulation; true ends it with NotNeeded.
-struct NotNeeded : std::runtime_error {
-  NotNeeded() : std::runtime_error("no longer needed") {}
-};
 InputSpread input_uncertainty(const ClosingInputs&, const sim::Specimen&, const rigs::SimRigConfig&,
                               const RunOptions&, std::span<const NumberedClosing> alone = {},
                               const std::function<bool()>& over = {});

@@ -68,7 +68,9 @@ std::map<std::string, ComparisonRow> differences(const Store& store, const Store
   std::map<std::string, ComparisonRow> rows;
   for (ComparisonRow& r : compare({group}, {}, {}).rows) {
     if (const auto moved = spread.moved.find(shot.number); moved != spread.moved.end())
-      if (const double by = moved->second.at(r.quantity); std::isfinite(by)) r.simulated += by;
+      if (const auto by = moved->second.find(r.quantity);
+          by != moved->second.end() && std::isfinite(by->second))
+        r.simulated += by->second;
     rows[r.quantity] = std::move(r);
   }
   return rows;

@@ -76,6 +76,32 @@ TEST_CASE("live page: an unfinished plan is gone on with from the list of campai
   CHECK(tab.errors() == std::vector<std::string>());
 }
 
+TEST_CASE("live page: what is typed and not saved outlives a reload, and says so", "[.slow]") {
+  const Folder folder;
+  const std::string text = "name = \"typed\"\nangles_deg = [0, 90]\nrepeats = 2\n",
+                    plan = folder.write("lab.plan.toml", text);
+  LiveBench bench(folder, "sim:", "0", {"--plan", plan});
+  Browser browser(folder);
+  Tab tab = browser.open(bench.url + "/#parameters");
+  const auto repeats = [](const char* n) {
+    return "/repeats = " + std::string(n) + "/.test(document.getElementById('text').value)";
+  };
+  tab.until(repeats("2"));
+  tab.value(
+      "(()=>{const t=document.getElementById('text');t.value=t.value.replace('repeats = 2','repeats = 3');"
+      "t.dispatchEvent(new Event('input'))})()");
+  tab.value("window.old = true");
+  tab.value("location.reload()");
+  tab.until("window.old === undefined && document.readyState === 'complete'");
+  press(tab, "tab-parameters");
+  tab.until(says("not saved is back"));
+  CHECK(tab.value(repeats("3")) == true);
+  CHECK(read_file(plan) == text);
+  press(tab, "reload");
+  tab.until(repeats("2"));
+  CHECK(tab.errors() == std::vector<std::string>());
+}
+
 TEST_CASE("live page: what comes while another page is looked at has its size and its place", "[.slow]") {
   const Folder folder;
   LiveBench bench(folder);
