@@ -13,7 +13,6 @@
 #include <chrono>
 #include <cstdlib>
 #include <cstring>
-#include <filesystem>
 #include <fstream>
 #include <thread>
 
@@ -204,27 +203,6 @@ void QemuProcess::share_core() const {
   CPU_SET(static_cast<unsigned>(core_ < 0 ? 0 : core_), &one);
   // speed only: a machine that does not let us is slower, not wrong
   if (core_ >= 0) (void)sched_setaffinity(0, sizeof one, &one);
-}
-
-std::string find_qemu_image() {
-  namespace fs = std::filesystem;
-  if (const char* chosen = std::getenv("POWBENCH_FIRMWARE"); chosen != nullptr && *chosen != '\0') {
-    if (!fs::exists(chosen))
-      throw RigError(std::string("POWBENCH_FIRMWARE names '") + chosen + "', which does not exist");
-    return chosen;
-  }
-  std::error_code ignored;
-  const fs::path folder = fs::read_symlink("/proc/self/exe", ignored).parent_path();
-  for (const char* place : {"powbench-qemu.elf", "../lib/powbench/powbench-qemu.elf"})
-    if (fs::exists(folder / place, ignored)) return (folder / place).lexically_normal().string();
-  const std::string built = POWBENCH_QEMU_IMAGE;
-  if (!built.empty() && fs::exists(built, ignored)) return built;
-  throw RigError(
-      "there is no image for the emulated board: install the package powbench-firmware or, where powbench "
-      "was built from its "
-      "sources, gcc-arm-none-eabi, libnewlib-arm-none-eabi and libstdc++-arm-none-eabi-newlib and build "
-      "again; or let "
-      "POWBENCH_FIRMWARE name one");
 }
 
 }  // namespace powbench::rigs

@@ -6,6 +6,7 @@
 #include <filesystem>
 
 #include "tests/architecture/tree.h"
+#include "tests/places.h"
 
 /// The closing line of `./dev test` must be what the test programs counted, also when one of them ends badly.
 
@@ -21,7 +22,7 @@ std::string block(int number, const std::string& name, const std::string& output
 }
 
 std::string dev(const std::string& verb, const std::string& log) {
-  const auto path = std::filesystem::path(POWBENCH_BINARY_DIR) / "count-tests.log";
+  const auto path = std::filesystem::path(powbench::test::build_dir()) / "count-tests.log";
   std::ofstream(path, std::ios::binary) << "Start testing\n---\n" << log << "End testing\n";
   const auto command =
       "bash '" + (project_root() / "dev").string() + "' " + verb + " '" + path.string() + "' 2>&1";

@@ -9,13 +9,14 @@
 #include <vector>
 
 #include "tests/architecture/source_rules.h"
+#include "tests/places.h"
 
 /// Reads the project's own files for the checks.
 
 namespace powbench::architecture {
 
 inline std::filesystem::path project_root() {
-  return POWBENCH_SOURCE_DIR;
+  return test::source_dir();
 }
 
 inline std::string read_text(const std::filesystem::path& path) {

@@ -7,6 +7,7 @@
 
 #include "core/random.h"
 #include "tests/fuzz/responder_case.h"
+#include "tests/places.h"
 
 using namespace powbench;
 
@@ -14,7 +15,7 @@ namespace {
 
 std::vector<std::vector<std::uint8_t>> corpus() {
   std::vector<std::filesystem::path> files;
-  for (const auto& entry : std::filesystem::directory_iterator(POWBENCH_SOURCE_DIR "/tests/fuzz/corpus"))
+  for (const auto& entry : std::filesystem::directory_iterator(test::source_dir() + "/tests/fuzz/corpus"))
     files.push_back(entry.path());
   std::sort(files.begin(), files.end());
   std::vector<std::vector<std::uint8_t>> inputs;

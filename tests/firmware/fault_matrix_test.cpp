@@ -3,6 +3,7 @@
 #include <sstream>
 
 #include "bench/fault_cases.h"
+#include "tests/places.h"
 
 using namespace powbench;
 using bench::FaultCases;
@@ -81,7 +82,7 @@ TEST_CASE("every fault is met within its limit in every state, at 360 phases", "
 }
 
 TEST_CASE("the page of the faults says what the table says", "[fault]") {
-  std::ifstream file(POWBENCH_SOURCE_DIR "/docs/reference/faults.md");
+  std::ifstream file(test::source_dir() + "/docs/reference/faults.md");
   std::stringstream text;
   text << file.rdbuf();
   for (const auto& row : firmware::fault_table) {

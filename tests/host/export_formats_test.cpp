@@ -14,6 +14,7 @@
 #include "host/export/waveforms.h"
 #include "host/import/comtrade.h"
 #include "tests/host/store_samples.h"
+#include "tests/places.h"
 
 using namespace powbench;
 using namespace powbench::host;
@@ -122,8 +123,8 @@ TEST_CASE("other people's libraries read the same numbers", "[export][python]") 
   }
   write_bytes(folder.file("columns.txt"), names);
   write_bytes(folder.file("expected.bin"), bytes);
-  const auto [status, printed] =
-      output_of("/usr/bin/python3 " POWBENCH_SOURCE_DIR "/tests/host/read_back.py " + folder.path().string());
+  const auto [status, printed] = output_of("/usr/bin/python3 " + test::source_dir() +
+                                           "/tests/host/read_back.py " + folder.path().string());
   INFO(printed);
   CHECK(status == 0);
   CHECK_THAT(printed, Contains("comtrade numpy equal"));
@@ -133,9 +134,9 @@ TEST_CASE("other people's libraries read the same numbers", "[export][python]") 
   // and it can fail: one bit of one number
   bytes[bytes.size() / 2 + 3] = static_cast<char>(bytes[bytes.size() / 2 + 3] ^ 1);
   write_bytes(folder.file("expected.bin"), bytes);
-  CHECK(
-      output_of("/usr/bin/python3 " POWBENCH_SOURCE_DIR "/tests/host/read_back.py " + folder.path().string())
-          .first != 0);
+  CHECK(output_of("/usr/bin/python3 " + test::source_dir() + "/tests/host/read_back.py " +
+                  folder.path().string())
+            .first != 0);
 }
 
 TEST_CASE("an Arrow file is read by apache-arrow, bit for bit", "[export][arrow]") {
@@ -147,8 +148,8 @@ TEST_CASE("an Arrow file is read by apache-arrow, bit for bit", "[export][arrow]
   CHECK(to_arrow(table, {{"campaign", "1, demo"}}) == bytes);
   write_bytes(folder.file("events.arrow"), bytes);
   const auto [status, printed] =
-      output_of("node " POWBENCH_SOURCE_DIR "/tests/host/read_back.mjs " + folder.file("events.arrow") +
-                " " POWBENCH_SOURCE_DIR "/build/npm");
+      output_of("node " + test::source_dir() + "/tests/host/read_back.mjs " + folder.file("events.arrow") +
+                " " + test::source_dir() + "/build/npm");
   if (status == 77 || status == 127) {
     WARN(
         "apache-arrow of npm is not in build/npm (./dev test --slow puts it there): nothing was read back by "

@@ -11,6 +11,7 @@
 #include "host/config/specimen_file.h"
 #include "host/paper/contact_pressure.h"
 #include "rigs/simulated_record.h"
+#include "tests/places.h"
 
 using namespace powbench;
 using namespace powbench::host;
@@ -18,7 +19,7 @@ using namespace powbench::host;
 namespace {
 
 std::string scene(const std::string& name) {
-  return std::string(POWBENCH_SOURCE_DIR) + "/scenes/" + name;
+  return test::source_dir() + "/scenes/" + name;
 }
 sim::Specimen level() {
   return read_specimen(scene("contact-pressure.specimen.toml"));

@@ -11,6 +11,7 @@
 #include "host/study/held_out.h"
 #include "host/study/problem.h"
 #include "sim/study/misfit.h"
+#include "tests/places.h"
 
 using namespace powbench;
 using namespace powbench::host;
@@ -18,13 +19,13 @@ using namespace powbench::host;
 namespace {
 
 const sim::Specimen& published_device() {
-  static const sim::Specimen s = read_specimen(POWBENCH_SOURCE_DIR "/scenes/published.specimen.toml");
+  static const sim::Specimen s = read_specimen(test::source_dir() + "/scenes/published.specimen.toml");
   return s;
 }
 
 const FitFile& published_fit() {
   static const FitFile f = [] {
-    std::ifstream in(POWBENCH_SOURCE_DIR "/scenes/published.fit.json");
+    std::ifstream in(test::source_dir() + "/scenes/published.fit.json");
     const std::string text{std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
     return parse_fit_file(text, "published.fit.json");
   }();

@@ -4,12 +4,13 @@
 
 #include "bench/firmware_cost.h"
 #include "tests/pil/emulated.h"
+#include "tests/places.h"
 
 using namespace powbench;
 
 TEST_CASE("the firmware costs at most 5 % more than its baseline", "[pil]") {
   if (!test::emulator_wanted()) return;
-  std::ifstream file(POWBENCH_SOURCE_DIR "/bench/firmware_cost.json");
+  std::ifstream file(test::source_dir() + "/bench/firmware_cost.json");
   const auto baseline = nlohmann::json::parse(file);
   const auto rows = bench::measure_firmware_cost();
   CHECK(rows.size() == baseline.size());

@@ -6,6 +6,7 @@
 #include "firmware/port/qemu/lockstep_board.h"
 #include "rigs/qemu_board.h"
 #include "tests/pil/emulated.h"
+#include "tests/places.h"
 
 /// The line between plant and board: what is not a frame in its turn is refused, and a board that ends is
 /// noticed.
@@ -174,7 +175,7 @@ TEST_CASE("an emulated board that cannot be had is one sentence", "[pil]") {
   auto config = small_config();
   config.record_length = lockstep::longest_record;
   CHECK_THROWS_WITH(QemuBoard(false, config, identity), Catch::Contains("longer than its memory"));
-  CHECK_THROWS_WITH(QemuBoard(false, small_config(), identity, POWBENCH_SOURCE_DIR "/no-such-image.elf"),
+  CHECK_THROWS_WITH(QemuBoard(false, small_config(), identity, test::source_dir() + "/no-such-image.elf"),
                     Catch::Contains("ended"));
 }
 

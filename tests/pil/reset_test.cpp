@@ -7,6 +7,7 @@
 #include <string>
 
 #include "tests/pil/emulated.h"
+#include "tests/places.h"
 
 using namespace powbench;
 
@@ -25,8 +26,9 @@ Run run_check_image(const std::string& mode, const std::string& input = {}, cons
   std::ofstream(in, std::ios::binary) << input;
   const std::string command =
       "timeout 60 qemu-system-arm -M mps2-an386 -display none -monitor none -serial stdio "
-      "-kernel " POWBENCH_QEMU_CHECK_IMAGE " -semihosting-config enable=on,target=native,arg=" +
-      mode + options + " <" + in + " 2>&1";
+      "-kernel " +
+      test::reset_image() + " -semihosting-config enable=on,target=native,arg=" + mode + options + " <" + in +
+      " 2>&1";
   Run run{-1, {}};
   FILE* pipe = popen(command.c_str(), "r");
   REQUIRE(pipe != nullptr);

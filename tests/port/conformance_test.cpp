@@ -4,6 +4,7 @@
 
 #include "firmware/faults.h"
 #include "tests/pil/emulated.h"
+#include "tests/places.h"
 #include "tests/port/board_driver.h"
 #include "tests/port/scenario.h"
 
@@ -16,7 +17,7 @@ namespace {
 
 std::set<std::filesystem::path> scenarios() {
   std::set<std::filesystem::path> found;
-  for (const auto& entry : std::filesystem::directory_iterator(POWBENCH_SOURCE_DIR "/tests/port/scenarios"))
+  for (const auto& entry : std::filesystem::directory_iterator(test::source_dir() + "/tests/port/scenarios"))
     found.insert(entry.path());
   return found;
 }
@@ -47,7 +48,7 @@ class Deaf final : public BoardDriver {
 
 std::string failure(const std::string& scenario, const char* input) {
   Deaf driver(input);
-  return play(read_scenario(POWBENCH_SOURCE_DIR "/tests/port/scenarios/" + scenario + ".scenario"), driver)
+  return play(read_scenario(test::source_dir() + "/tests/port/scenarios/" + scenario + ".scenario"), driver)
       .failure;
 }
 

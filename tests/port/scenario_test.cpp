@@ -2,6 +2,7 @@
 #include <filesystem>
 #include <fstream>
 
+#include "tests/places.h"
 #include "tests/port/scenario.h"
 
 using namespace powbench::test;
@@ -27,7 +28,7 @@ TEST_CASE("scenario files: what is no statement is refused with its line", "[por
 }
 
 TEST_CASE("scenario files: docs/how-to/porting.md lists each with its first line", "[port]") {
-  std::ifstream page(POWBENCH_SOURCE_DIR "/docs/how-to/porting.md");
+  std::ifstream page(powbench::test::source_dir() + "/docs/how-to/porting.md");
   std::string text;
   std::size_t rows = 0, files = 0;
   bool table = false;
@@ -35,7 +36,8 @@ TEST_CASE("scenario files: docs/how-to/porting.md lists each with its first line
     table = line == "| scenario | shows |" || (table && line.starts_with("|"));
     rows += table;
   }
-  for (const auto& entry : std::filesystem::directory_iterator(POWBENCH_SOURCE_DIR "/tests/port/scenarios")) {
+  for (const auto& entry :
+       std::filesystem::directory_iterator(powbench::test::source_dir() + "/tests/port/scenarios")) {
     std::ifstream file(entry.path());
     std::string first;
     std::getline(file, first);

@@ -3,6 +3,7 @@
 #include <regex>
 #include <set>
 
+#include "tests/places.h"
 #include "tests/serve/served.h"
 
 using namespace powbench;
@@ -73,7 +74,7 @@ TEST_CASE("live bench: the description has every address of code and page, and n
   std::set<std::string> described, in_code, in_page;
   for (const auto& [path, unused] : calls.items()) described.insert(path);
   namespace fs = std::filesystem;
-  const fs::path folder = fs::path(POWBENCH_SOURCE_DIR) / "host/serve";
+  const fs::path folder = fs::path(test::source_dir()) / "host/serve";
   // as a row of a table or a constant has it: the text begins with it and is nothing else
   const std::regex whole("\"(/api(?:/[A-Za-z0-9_.{}/-]+)?)\"");
   for (const auto& file : fs::directory_iterator(folder)) {

@@ -6,11 +6,12 @@
 #include <string>
 
 #include "sim/specimen_fields.h"
+#include "tests/places.h"
 
 using namespace powbench::sim;
 
 TEST_CASE("scenes/reference.specimen.toml holds every number of the reference specimen and no other key") {
-  const auto file = toml::parse_file(POWBENCH_SOURCE_DIR "/scenes/reference.specimen.toml");
+  const auto file = toml::parse_file(powbench::test::source_dir() + "/scenes/reference.specimen.toml");
   const Specimen defaults;
   CHECK(file["name"].value<std::string>() == defaults.name);
   std::set<std::string> known{"name"};

@@ -2,6 +2,7 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
+#include "tests/places.h"
 #include "tests/system/browser.h"
 #include "tests/system/program.h"
 
@@ -127,13 +128,15 @@ TEST_CASE("the report in a browser: desk, keyboard, phone, dark, paper", "[.slow
     if (const char* pictures = std::getenv("POWBENCH_PICTURES"))
       tab.picture(std::string(pictures) + "/" + name);
   };
+  tab.size(900, 1180);  // about a page of paper
+  picture("report-page.png");
   at_a_desk(tab);
   picture("report.png");
   by_keyboard(tab);
   on_a_phone(tab);
   picture("report-phone.png");
 
-  const std::string axe = read_file(std::string(POWBENCH_PAGE_TOOLS) + "/axe-core/axe.min.js");
+  const std::string axe = read_file(powbench::test::page_tools() + "/axe-core/axe.min.js");
   REQUIRE(axe.size() > 100'000);
   tab.size(1200, 900);
   tab.value("(()=>{" + axe + ";window.axe=window.axe||axe;})()");
@@ -142,7 +145,8 @@ TEST_CASE("the report in a browser: desk, keyboard, phone, dark, paper", "[.slow
     tab.dark(dark);
     const json paper = probe(tab, R"(
       const light=c=>c.match(/\d+/g).slice(0,3).reduce((a,v)=>a+ +v,0)/3;
-      return[light(getComputedStyle(document.documentElement).backgroundColor),light(getComputedStyle(document.body).color)])");
+      return[light(getComputedStyle(document.documentElement).backgroundColor),
+      light(getComputedStyle(document.body).color)])");
     CHECK((paper.at(0).get<double>() > 128) == !dark);
     CHECK((paper.at(1).get<double>() > 128) == dark);
     const auto found = tab.value(

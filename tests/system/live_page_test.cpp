@@ -1,5 +1,6 @@
 #include <catch2/catch.hpp>
 
+#include "tests/places.h"
 #include "tests/system/browser.h"
 #include "tests/system/live_bench.h"
 #include "tests/system/program.h"
@@ -265,7 +266,7 @@ TEST_CASE("live page: the raw channels with their trigger, the phase tracker, ev
 }
 
 TEST_CASE("live page: axe-core finds nothing serious on any page", "[.slow]") {
-  const std::string axe = read_file(std::string(POWBENCH_PAGE_TOOLS) + "/axe-core/axe.min.js");
+  const std::string axe = read_file(powbench::test::page_tools() + "/axe-core/axe.min.js");
   INFO("axe-core is missing: ./dev test --slow fetches it");
   REQUIRE(axe.size() > 100'000);
   const Folder folder;
@@ -296,11 +297,11 @@ TEST_CASE("live page: axe-core finds nothing serious on any page", "[.slow]") {
 
 TEST_CASE("live page: its scripts are checked by TypeScript's compiler", "[.slow]") {
   const Folder folder;
-  const std::string compiler = std::string(POWBENCH_PAGE_TOOLS) + "/typescript/lib/tsc.js";
+  const std::string compiler = powbench::test::page_tools() + "/typescript/lib/tsc.js";
   INFO("typescript is missing: ./dev test --slow fetches it");
   REQUIRE(!read_file(compiler).empty());
   const std::string command =
-      "node " + compiler + " -p " + POWBENCH_SOURCE + "/tests/page > " + folder.file("out");
+      "node " + compiler + " -p " + powbench::test::source_dir() + "/tests/page > " + folder.file("out");
   const int status = std::system(command.c_str());
   CHECK(read_file(folder.file("out")) == "");
   CHECK(status == 0);

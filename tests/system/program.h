@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "tests/folder.h"
+#include "tests/places.h"
 
 /// The command line as a user runs it: a process of its own, in a folder of its own.
 namespace powbench::test {
@@ -28,10 +29,11 @@ class Program {
     };
     redirect(out_, STDOUT_FILENO);
     redirect(err_, STDERR_FILENO);
-    std::vector<char*> argv{const_cast<char*>(POWBENCH_PROGRAM)};
+    std::string file = powbench::test::program();
+    std::vector<char*> argv{file.data()};
     for (const auto& a : arguments) argv.push_back(const_cast<char*>(a.c_str()));
     argv.push_back(nullptr);
-    execv(POWBENCH_PROGRAM, argv.data());
+    execv(file.c_str(), argv.data());
     _exit(127);
   }
   ~Program() {

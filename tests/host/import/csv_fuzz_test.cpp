@@ -9,6 +9,7 @@
 #include "core/random.h"
 #include "tests/effort.h"
 #include "tests/fuzz/csv_case.h"
+#include "tests/places.h"
 
 using namespace powbench;
 
@@ -16,7 +17,7 @@ namespace {
 
 std::vector<std::string> corpus() {
   std::vector<std::filesystem::path> files;
-  for (const auto& entry : std::filesystem::directory_iterator(POWBENCH_SOURCE_DIR "/tests/fuzz/csv_corpus"))
+  for (const auto& entry : std::filesystem::directory_iterator(test::source_dir() + "/tests/fuzz/csv_corpus"))
     files.push_back(entry.path());
   std::sort(files.begin(), files.end());
   std::vector<std::string> inputs;
