@@ -5,11 +5,13 @@
 
 #include <cstdio>
 #include <filesystem>
+#include <set>
 #include <sstream>
 #include <string>
 #include <vector>
 
 #include "tests/folder.h"
+#include "tests/places.h"
 
 namespace {
 
@@ -53,7 +55,7 @@ struct Ran {
 
 Ran shell(const Folder& folder, const std::string& commands) {
   const std::string script = folder.write("step.sh", commands);
-  const std::string program = POWBENCH_PROGRAM, bin = program.substr(0, program.rfind('/'));
+  const std::string program = powbench::test::program(), bin = program.substr(0, program.rfind('/'));
   const std::string line = "cd '" + folder.file("") + "' && PATH='" + bin +
                            "':\"$PATH\" bash -euo pipefail '" + script + "' 2>&1 </dev/null";
   Ran ran;
@@ -67,7 +69,7 @@ Ran shell(const Folder& folder, const std::string& commands) {
 
 void run_page(const std::string& name) {
   const Folder folder;
-  const auto steps = steps_of(read_file(std::string(POWBENCH_SOURCE_DIR) + "/docs/start/" + name));
+  const auto steps = steps_of(read_file(powbench::test::source_dir() + "/docs/start/" + name));
   REQUIRE(steps.size() >= 2);
   for (const Step& step : steps) {
     const Ran ran = shell(folder, step.commands);
@@ -94,12 +96,26 @@ TEST_CASE("tutorial steps: commands and what they must print", "[tutorial]") {
 }
 
 TEST_CASE("tutorials: every page of docs/start has a test", "[tutorial]") {
-  for (const auto& file : std::filesystem::directory_iterator(POWBENCH_SOURCE_DIR "/docs/start")) {
+  for (const auto& file : std::filesystem::directory_iterator(powbench::test::source_dir() + "/docs/start")) {
     const std::string name = file.path().filename().string();
-    CHECK(name == "first-campaign.md");
+    CHECK(
+        std::set<std::string>{"first-campaign.md", "oscilloscope-file.md", "own-specimen.md", "best-angle.md"}
+            .contains(name));
   }
 }
 
 TEST_CASE("tutorial: the first campaign", "[tutorial]") {
   run_page("first-campaign.md");
+}
+
+TEST_CASE("tutorial: a file of an oscilloscope", "[tutorial]") {
+  run_page("oscilloscope-file.md");
+}
+
+TEST_CASE("tutorial: a contactor from its data sheet", "[tutorial]") {
+  run_page("own-specimen.md");
+}
+
+TEST_CASE("tutorial: from records to the best closing angle", "[.slow]") {
+  run_page("best-angle.md");
 }
