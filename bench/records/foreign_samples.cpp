@@ -298,4 +298,24 @@ std::vector<Foreign> binary_files(const Waves& w) {
   return list;
 }
 
+std::vector<Foreign> logger_files(const Waves& w) {
+  std::string samples, wav = "RIFF";
+  for (std::size_t i = 0; i < w.ch1.size(); ++i)
+    put(samples, static_cast<float>(w.ch1[i])), put(samples, static_cast<float>(w.ch2[i]));
+  const auto hertz = static_cast<std::uint32_t>(std::lround(1 / w.step));
+  put(wav, static_cast<std::uint32_t>(36 + samples.size()));
+  wav += "WAVEfmt ";
+  put(wav, std::uint32_t{16}), put(wav, std::uint16_t{3}), put(wav, std::uint16_t{2});
+  put(wav, hertz), put(wav, 8 * hertz), put(wav, std::uint16_t{8}), put(wav, std::uint16_t{32});
+  wav += "data";
+  put(wav, static_cast<std::uint32_t>(samples.size()));
+  std::string lvm =
+      "LabVIEW Measurement\t\nSeparator\tTab\nX_Columns\tOne\n***End_of_Header***\t\nChannels\t2\n"
+      "Y_Unit_Label\tVolts\tVolts\n***End_of_Header***\nX_Value\tA\tB\tComment\n";
+  lvm +=
+      rows(w, [&](std::size_t i) { return fmt::format("{:.6f}\t{}\t{}\n", time(w, i), w.ch1[i], w.ch2[i]); });
+  return {{.name = "WAV, float", .file = "x.wav", .bytes = wav + samples, .header = ""},
+          {.name = "LVM", .file = "x.lvm", .bytes = lvm, .header = ""}};
+}
+
 }  // namespace powbench::host

@@ -25,7 +25,9 @@ struct Foreign {
 
 /// Every text dialect of an oscilloscope.
 std::vector<Foreign> scope_texts(const Waves&);
-/// TDMS, MAT 5, Yokogawa, in several variants each; also WAV and LVM.
+/// TDMS, MAT 5, Yokogawa, in several variants each.
 std::vector<Foreign> binary_files(const Waves&);
+/// WAV with floats (its clock begins at 0) and LVM.
+std::vector<Foreign> logger_files(const Waves&);
 
 }  // namespace powbench::host

@@ -118,7 +118,7 @@ int main(int argc, char** argv) {
   bench_store(rows, r, samples);
 
   const Waves w = waves(1, 200'000);
-  for (const auto& list : {scope_texts(w), binary_files(w)})
+  for (const auto& list : {scope_texts(w), binary_files(w), logger_files(w)})
     for (const Foreign& f : list) {
       const fs::path file = in(f.file.c_str());
       write_file(file, f.bytes);

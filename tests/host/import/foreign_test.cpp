@@ -63,6 +63,12 @@ TEST_CASE("TDMS, MAT 5 and Yokogawa in their variants hold the same numbers", "[
   for (const Foreign& f : binary_files(w)) check(f, w);
 }
 
+TEST_CASE("WAV with floats and LVM hold the same numbers", "[import][foreign]") {
+  Waves w = waves(3, 600);
+  w.start = 0;  // where a WAV begins
+  for (const Foreign& f : logger_files(w)) check(f, w);
+}
+
 TEST_CASE("a scope's file becomes a record by [columns] and gains", "[import][foreign]") {
   const Waves w = waves(3, 3000);
   for (const Foreign& f : scope_texts(w)) {
