@@ -56,8 +56,9 @@ A B-H sheet has one header line and one row a line, the commutation curve from z
   42, 0.21
   88, 0.66
 H in A/m, kA/m, A/cm or Oe; B in T, mT, G or kG; J (T) in the place of B is the polarisation B - mu0 H.
-Other columns are passed over, the order of rows does not matter. Noise is smoothed and its size printed; numbers that no
-steel has in these units are refused with the units that would fit.
+Other columns are passed over, the order of rows does not matter.
+Noise is smoothed and its size printed. Numbers that no steel has in these units are refused with the units
+that would fit.
 
 Use it:  [magnet] steel = "sheet.csv"     in the specimen file: every rung, circuit and fields, takes it
          powbench field SPECIMEN --steel sheet.csv

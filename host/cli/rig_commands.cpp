@@ -33,6 +33,13 @@ void add_rig_verbs(CLI::App& app) {
   show->add_option("rig", info->uri, "rig, such as ip:127.0.0.7 or sim:")->required();
   show->add_flag("--json", info->json, "JSON to stdout");
 
+  auto stopped = std::make_shared<InfoArgs>();
+  CLI::App* stop = verb(app, "stop", "Switch the coil of a rig off, whoever owns it", stopped, stop_rig);
+  stop->add_option("rig", stopped->uri, "rig, such as ip:127.0.0.7, usb: or serial:PORT,BAUD")->required();
+  stop->add_flag("--json", stopped->json, "JSON to stdout");
+  stop->footer(
+      "Ends with 0 only when the rig has confirmed that its coil is off. It needs neither lease nor secret.");
+
   auto args = std::make_shared<CalibrateArgs>();
   CLI::App* walk = verb(app, "calibrate", "Walk through the calibration of a rig's inputs and store it there",
                         args, calibrate);

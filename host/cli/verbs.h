@@ -19,6 +19,8 @@ struct InfoArgs {
   bool json = false;
 };
 Exit list_rigs(bool json);
+/// Coil off, whoever owns the rig; pass only when the rig has confirmed it, within 2 s.
+Exit stop_rig(const InfoArgs&);
 Exit show_rig(const InfoArgs&);
 
 struct CalibrateArgs {

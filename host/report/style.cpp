@@ -6,7 +6,8 @@ namespace {
 // No ampersands or angle brackets in here: the same bytes then mean the same to an HTML and an XML reader.
 constexpr std::string_view css = R"(
 :root { --ink: #1f2933; --soft: #5b6875; --line: #d7dde3; --faint: #f3f5f7; --measured: #0072B2; --simulated: #B34E00;
-  --cited: #00795A; --paper: #fff; --good: #1b6b3a; --bad: #a3261b; --doubt: #8a5a00; --alarm: #fbeeec; --well: #e6f2ea; }
+  --cited: #00795A; --paper: #fff; --good: #1b6b3a; --bad: #a3261b; --doubt: #8a5a00; --alarm: #fbeeec;
+  --well: #e6f2ea; }
 * { box-sizing: border-box; }
 html { background: #eceff2; }
 body { margin: 0; color: var(--ink); font: 15px/1.5 Inter, "Source Sans 3", "Segoe UI", Roboto, "Helvetica Neue", Arial,
@@ -21,7 +22,8 @@ h2 { margin: 0 0 14px; font-size: 21px; font-weight: 650; line-height: 1.3; }
 h3 { margin: 26px 0 8px; font-size: 15px; font-weight: 650; }
 .subtitle { margin: 6px 0 0; color: var(--soft); }
 .origin { margin: 8px 0 0; }
-.origin b { padding: 1px 8px; margin-right: 6px; border: 2px solid var(--ink); border-radius: 3px; letter-spacing: .04em; }
+.origin b { padding: 1px 8px; margin-right: 6px; border: 2px solid var(--ink); border-radius: 3px;
+  letter-spacing: .04em; }
 .aside { margin-left: 12px; font-size: 14px; font-weight: 400; color: var(--soft); }
 .verdict { flex: none; padding: 10px 26px; border-radius: 6px; font-size: 24px; font-weight: 700; letter-spacing: .06em;
   color: #fff; }
@@ -55,7 +57,8 @@ td.pub { color: var(--cited); }
 tr.bad td, tr.bad th { background: var(--alarm); }
 .warn { color: var(--bad); font-weight: 600; }
 .fine { margin: 8px 0 0; color: var(--soft); font-size: 13px; }
-.badge { display: inline-block; white-space: nowrap; min-width: 4.2em; padding: 0 7px; border-radius: 3px; text-align: center; font-size: 12px;
+.badge { display: inline-block; white-space: nowrap; min-width: 4.2em; padding: 0 7px; border-radius: 3px;
+  text-align: center; font-size: 12px;
   font-weight: 650; letter-spacing: .03em; }
 .badge.pass { color: var(--good); background: var(--well); }
 .badge.fail { color: #fff; background: var(--bad); }
@@ -73,9 +76,11 @@ figcaption { color: var(--soft); font-size: 13px; }
 #device-view { width: 100%; height: 340px; touch-action: none; }
 #device-time { width: 40%; min-width: 160px; }
 .closer-panel .dygraph-legend { width: auto; background: none; font-size: 12px; right: 8px; left: auto !important; }
-.closer-panel .dygraph-axis-label, .closer-panel .dygraph-label { color: var(--soft); font-size: 12px; font-weight: 400; }
+.closer-panel .dygraph-axis-label, .closer-panel .dygraph-label { color: var(--soft); font-size: 12px;
+  font-weight: 400; }
 .controls { display: flex; flex-wrap: wrap; gap: 6px 10px; align-items: center; font-size: 14px; }
-.controls button, .controls select { font: inherit; color: var(--ink); background: var(--faint); border: 1px solid var(--line);
+.controls button, .controls select { font: inherit; color: var(--ink); background: var(--faint);
+  border: 1px solid var(--line);
   border-radius: 4px; padding: 3px 10px; }
 svg.plot { display: block; width: 100%; height: auto; font-size: 13px; }
 svg.plot text { fill: var(--soft); }
@@ -111,7 +116,8 @@ footer { margin-top: 36px; color: var(--soft); font-size: 13px; }
 @media screen { section.angle { content-visibility: auto; contain-intrinsic-size: auto 1180px; } }
 @media screen and (prefers-color-scheme: dark) {
   :root { --ink: #e4e9ee; --soft: #9fadba; --line: #3a444e; --faint: #26303a; --measured: #56b4e9; --simulated: #f28e2b;
-    --cited: #4fc49d; --paper: #161c22; --good: #67c58f; --bad: #f0776b; --doubt: #dba63b; --alarm: #43211f; --well: #1d3528; }
+    --cited: #4fc49d; --paper: #161c22; --good: #67c58f; --bad: #f0776b; --doubt: #dba63b; --alarm: #43211f;
+    --well: #1d3528; }
   html { background: #0d1115; }
   .verdict, .badge.fail, .badge.error { color: #10151a; }
   .verdict.open { color: #fff; }

@@ -244,8 +244,10 @@ constexpr const char
     *check_reply = R"({"errors": [""], "keys": [{"section": "", "section_meaning": "", "key": "", "unit": "",
   "allowed": "", "meaning": "", "value": "", "default": "", "required": true}]})",
     *plan_reply = R"({"errors": [""], "keys": [{"section": "", "section_meaning": "", "key": "", "unit": "",
-  "allowed": "", "meaning": "", "value": "", "default": "", "required": true}], "fired": {"name": "", "seconds": 1, "coil_on_s": 1,
-  "coil_on_percent": 1, "shots": [{"number": 1, "repeat": 1, "at_s": 0, "angle_deg": 0, "supply_volts": 0, "mains_hertz": 0}]}})",
+  "allowed": "", "meaning": "", "value": "", "default": "", "required": true}], "fired": {"name": "",
+  "seconds": 1, "coil_on_s": 1, "coil_on_percent": 1, "shots": [{"number": 1, "repeat": 1, "at_s": 0,
+  "angle_deg": 0, "supply_volts": 0,
+  "mains_hertz": 0}]}})",
     *text_reply = R"({"text": ""})", *save_reply = R"({"file": "", "note": ""})";
 constexpr const char
     *getting =

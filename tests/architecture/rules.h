@@ -187,5 +187,6 @@ inline const std::vector<std::string_view>& unreached_functions() {
 }
 
 inline constexpr int longest_file = 500;  ///< lines
+inline constexpr int widest_line = 120;   ///< characters
 
 }  // namespace powbench::architecture

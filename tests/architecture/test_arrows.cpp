@@ -53,7 +53,7 @@ TEST_CASE("neither folders nor files include each other in a circle") {
   CHECK(wrong.empty());
 }
 
-TEST_CASE("files are short, finished and free of machine paths") {
+TEST_CASE("files are short and narrow, finished and free of machine paths") {
   const auto wrong = check_text(project());
   INFO(joined(wrong));
   CHECK(wrong.empty());
@@ -157,9 +157,11 @@ TEST_CASE("a test that sleeps or reads a clock is caught") {
             .empty());
 }
 
-TEST_CASE("long files, unfinished work and machine paths are caught") {
+TEST_CASE("long files, wide lines, unfinished work and machine paths are caught") {
   CHECK(mentions(check_text({{"dsp/a.cpp", std::string(501, '\n')}}), "longer than"));
   CHECK(check_text({{"dsp/a.cpp", std::string(500, '\n')}}).empty());
+  CHECK(mentions(check_text({{"dsp/a.cpp", "// " + std::string(118, 'x') + "\n"}}), "wider than 120"));
+  CHECK(check_text({{"dsp/a.cpp", "// " + std::string(115, 'x') + "\xc2\xb5m\n"}}).empty());
   CHECK(mentions(check_text({{"dsp/a.cpp", std::string("// To") + "Do: later\n"}}), "contains the word"));
   CHECK(check_text({{"dsp/a.cpp", "// today, dumbbells and method\n"}}).empty());
   CHECK(mentions(check_text({{"dsp/a.cpp", std::string("auto p = \"/ho") + "me/me/x\";\n"}}), "one machine"));
