@@ -1,16 +1,21 @@
 #include <fmt/format.h>
 
+#include <chrono>
 #include <filesystem>
 #include <nlohmann/json.hpp>
+#include <set>
 
 #include "core/counted.h"
 #include "host/cli/commands.h"
 #include "host/config/bad_input.h"
+#include "host/config/test_record.h"
+#include "host/gather/gather.h"
 #include "host/run/progress.h"
+#include "host/store/central/central.h"
 #include "host/store/maintain.h"
 #include "host/store/store.h"
 
-/// Whole stores: powbench db check, migrate, merge, split.
+/// Whole stores: powbench db check, migrate, merge, split, push, pull.
 
 namespace powbench::host {
 
@@ -22,10 +27,12 @@ struct DbArgs {
   std::string database = "powbench.db";
   bool json = false;
   std::string progress = "auto";
-  bool compact = false;              ///< migrate
-  std::string output;                ///< merge: store; split: folder
-  std::vector<std::string> sources;  ///< merge
-  std::int64_t campaign = 0;         ///< split; 0: all
+  bool compact = false;                       ///< migrate
+  std::string output;                         ///< merge: store; split: folder
+  std::vector<std::string> sources;           ///< merge
+  std::int64_t campaign = 0;                  ///< split; 0: all
+  std::string address;                        ///< push, pull: of the base
+  std::string customer, device, name, since;  ///< pull: only these campaigns; "" = any
 };
 
 Progress::Style style(const std::string& word) {
@@ -50,6 +57,27 @@ class Steps {
  private:
   std::string what_;
   Progress::Style style_;
+  std::unique_ptr<Progress> shown_;
+};
+
+/// A step that shows itself, with the time to go, once two seconds have passed.
+class LateSteps {
+ public:
+  LateSteps(std::string what, const std::string& progress)
+      : what_(std::move(what)), style_(style(progress)) {}
+  Step step() {
+    return [this](std::int64_t done, std::int64_t all) {
+      const auto at = static_cast<std::size_t>(done);
+      if (!shown_ && std::chrono::steady_clock::now() - start_ > std::chrono::seconds(2))
+        shown_ = std::make_unique<Progress>(what_, static_cast<std::size_t>(all), style_, at);
+      if (shown_) shown_->update(at);
+    };
+  }
+
+ private:
+  std::string what_;
+  Progress::Style style_;
+  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
   std::unique_ptr<Progress> shown_;
 };
 
@@ -124,6 +152,91 @@ Exit split(const DbArgs& args) {
   return Exit::pass;
 }
 
+/// What is refused by the server or lost on the way to it is said here; everything else as by the other verbs.
+template <class F>
+Exit with_server(F&& act) {
+  try {
+    act();
+    return Exit::pass;
+  } catch (const ServerError& e) {
+    fmt::print(stderr, "powbench: {}\n", e.what());
+    return Exit::rig_fault;
+  }
+}
+
+Exit push(const DbArgs& args) {
+  return with_server([&] {
+    LateSteps steps("push", args.progress);
+    const Pushed p = push_store(args.database, args.address, steps.step());
+    if (args.json)
+      fmt::print("{}\n", Json{{"campaigns", p.campaigns},
+                              {"shots", p.shots},
+                              {"events", p.events},
+                              {"annotations", p.annotations},
+                              {"sweep_blocks", p.sweep_blocks},
+                              {"bytes", p.bytes}}
+                             .dump(2));
+    else
+      fmt::print("{}: {}, {}, {}, {}, {} of sweeps added, {:.1f} MB\n", args.address,
+                 counted(p.campaigns, "campaign"), counted(p.shots, "shot"), counted(p.events, "extraction"),
+                 counted(p.annotations, "annotation"), counted(p.sweep_blocks, "block"),
+                 static_cast<double>(p.bytes) / 1e6);
+  });
+}
+
+/// What a campaign of the base must be to be fetched, and what there would have been.
+struct Wanted {
+  explicit Wanted(const DbArgs& a) : args(a) {}
+  bool operator()(const CampaignInfo& c, const std::vector<Annotation>& annotations) {
+    TestRecord record;
+    try {
+      record = stored_plan(c).test;
+    } catch (const StoreError&) {  // a plan of another version of the program: its annotations count
+    }
+    for (const Annotation& a : annotations)
+      if (a.key != course_key) complete(record, a.key, a.text);
+    customers.insert(record.customer), devices.insert(record.device), names.insert(c.name);
+    const auto is = [](const std::string& wanted, const std::string& found) {
+      return wanted.empty() || wanted == found;
+    };
+    return is(args.customer, record.customer) && is(args.device, record.device) && is(args.name, c.name) &&
+           c.created >= args.since;
+  }
+  /// What might have been meant.
+  std::string others() const {
+    const auto list = [](const std::set<std::string>& words) {
+      std::string text;
+      for (const std::string& w : words)
+        if (!w.empty()) text += (text.empty() ? "'" : ", '") + w + "'";
+      return text.empty() ? std::string("none") : text;
+    };
+    return "customers there: " + list(customers) + "; devices: " + list(devices) + "; names: " + list(names);
+  }
+
+  const DbArgs& args;
+  std::set<std::string> customers, devices, names;
+};
+
+Exit pull(const DbArgs& args) {
+  return with_server([&] {
+    LateSteps steps("pull", args.progress);
+    Wanted wanted(args);
+    Choice choice;
+    if (!(args.customer + args.device + args.name + args.since).empty()) choice = std::ref(wanted);
+    const Merged m = pull_store(
+        args.address, args.database, choice, [&] { return wanted.others(); }, steps.step());
+    if (args.json)
+      fmt::print("{}\n", Json{{"campaigns", m.campaigns},
+                              {"shots", m.shots},
+                              {"events", m.events},
+                              {"sweep_blocks", m.sweep_blocks}}
+                             .dump(2));
+    else
+      fmt::print("{}: {}, {}, {}, {} of sweeps added\n", args.database, counted(m.campaigns, "campaign"),
+                 counted(m.shots, "shot"), counted(m.events, "extraction"), counted(m.sweep_blocks, "block"));
+  });
+}
+
 void add_common(CLI::App* app, DbArgs& args) {
   app->add_option("--db", args.database, "store")->capture_default_str();
   app->add_flag("--json", args.json, "JSON to stdout");
@@ -163,6 +276,30 @@ void add_db_verbs(CLI::App& app) {
   apart->add_option("--db", parts->database, "store")->capture_default_str();
   apart->add_option("-o,--output", parts->output, "folder to write into; made if missing")->required();
   apart->add_option("--campaign", parts->campaign, "only this one")->check(CLI::Range(1, 1'000'000'000));
+  auto pushed = std::make_shared<DbArgs>();
+  CLI::App* up_to =
+      verb(*db, "push", "Add a store to a PostgreSQL base that many benches share", pushed, push);
+  up_to->add_option("base", pushed->address, "postgresql://USER@HOST:PORT/BASE")->required();
+  add_common(up_to, *pushed);
+  up_to->footer(
+      "What the base has is not sent again; one that was stopped goes on with the same command. Where store "
+      "and "
+      "base differ in\na shot, its extraction or a block of a sweep, this is said and nothing is pushed. The "
+      "password comes from PGPASSWORD,\n~/.pgpass or a service file (?service=NAME), never from the "
+      "address.");
+  auto pulled = std::make_shared<DbArgs>();
+  CLI::App* down = verb(*db, "pull", "Fetch campaigns from such a base into a store", pulled, pull);
+  down->add_option("base", pulled->address, "postgresql://USER@HOST:PORT/BASE")->required();
+  add_common(down, *pulled);
+  down->add_option("--customer", pulled->customer, "only campaigns whose test record names this customer");
+  down->add_option("--device", pulled->device, "only campaigns of this device");
+  down->add_option("--name", pulled->name, "only campaigns of this name");
+  down->add_option("--since", pulled->since,
+                   "only campaigns begun on this day or later, as 2030-12-31 (UTC)");
+  down->footer(
+      "Without one of these, all campaigns and all sweeps. A store that is there already gets what it lacks, "
+      "as by "
+      "`db merge`.");
 }
 
 }  // namespace powbench::host

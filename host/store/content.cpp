@@ -1,5 +1,8 @@
 #include "host/store/content.h"
 
+#include <algorithm>
+#include <tuple>
+
 #include "host/store/json.h"
 #include "host/store/seal.h"
 
@@ -55,6 +58,50 @@ std::vector<EventsRow> all_events(const Database& db, std::int64_t record, std::
   s.bind(record);
   while (s.step()) list.push_back(events_row(s, shot));
   return list;
+}
+
+std::string events_key(const EventsRow& e) {
+  return Seal()
+      .add(e.method)
+      .add(e.parameters_hash)
+      .add(e.parameters)
+      .add(e.program_version)
+      .add(e.events)
+      .hex();
+}
+
+std::string annotation_key(const Annotation& a) {
+  return Seal().add(a.created).add(a.key).add(a.text).hex();
+}
+
+namespace {
+
+bool before(const Annotation& a, const Annotation& b) {
+  return std::tie(a.created, a.key, a.text) < std::tie(b.created, b.key, b.text);
+}
+
+bool alike(const Annotation& a, const Annotation& b) {
+  return !before(a, b) && !before(b, a);
+}
+
+bool begins(const std::vector<Annotation>& a, const std::vector<Annotation>& b) {
+  return a.size() <= b.size() && std::equal(a.begin(), a.end(), b.begin(), alike);
+}
+
+}  // namespace
+
+bool same_annotations(const std::vector<Annotation>& a, const std::vector<Annotation>& b) {
+  return a.size() == b.size() && begins(a, b);
+}
+
+std::vector<Annotation> united(const std::vector<Annotation>& one, const std::vector<Annotation>& other) {
+  if (begins(one, other)) return other;
+  if (begins(other, one)) return one;
+  std::vector<Annotation> all = other;
+  all.insert(all.end(), one.begin(), one.end());
+  std::sort(all.begin(), all.end(), before);
+  all.erase(std::unique(all.begin(), all.end(), alike), all.end());
+  return all;
 }
 
 std::string campaign_hash(const Database& db, const CampaignInfo& c) {

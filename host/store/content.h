@@ -31,6 +31,15 @@ std::vector<StoredShot> all_attempts(const sqlite::Database&, std::int64_t campa
 /// All extractions of a record, oldest first.
 std::vector<EventsRow> all_events(const sqlite::Database&, std::int64_t record, std::int64_t shot);
 
+/// Of an extraction, without ids.
+std::string events_key(const EventsRow&);
+std::string annotation_key(const Annotation&);
+
+bool same_annotations(const std::vector<Annotation>&, const std::vector<Annotation>&);
+/// The annotations of one campaign from two stores: the longer list where it begins with the other, else all in the order in which they
+/// were written, each once.
+std::vector<Annotation> united(const std::vector<Annotation>&, const std::vector<Annotation>&);
+
 /// Of one campaign with all that belongs to it.
 std::string campaign_hash(const sqlite::Database&, const CampaignInfo&);
 std::string sweep_hash(const sqlite::Database&, const SweepInfo&);

@@ -34,11 +34,6 @@ void copy_rows(const Database& from, Database& to, const std::string& table, con
   }
 }
 
-bool same(const EventsRow& a, const EventsRow& b) {
-  return a.method == b.method && a.parameters_hash == b.parameters_hash && a.parameters == b.parameters &&
-         a.program_version == b.program_version && a.events == b.events;
-}
-
 class Merger {
  public:
   Merger(const Database& from, Database& to) : from_(from), to_(to) {}
@@ -116,7 +111,7 @@ class Merger {
     const std::int64_t to_record = record_name(to_, to).id;
     const std::vector<EventsRow> there = all_events(to_, to_record, to);
     for (std::size_t i = 0; i < std::min(list.size(), there.size()); ++i)
-      if (!same(list[i], there[i])) conflict(what + ": its extraction");
+      if (events_key(list[i]) != events_key(there[i])) conflict(what + ": its extraction");
     for (std::size_t i = there.size(); i < list.size(); ++i) {
       EventsRow row = list[i];
       row.record = to_record;
@@ -135,27 +130,12 @@ class Merger {
     insert_prediction(to_, to, text);
   }
 
-  /// Both lists in the order in which they were written.
   void add_annotations(std::int64_t from, std::int64_t to) {
-    const auto order = [](const Annotation& a, const Annotation& b) {
-      return std::tie(a.created, a.key, a.text) < std::tie(b.created, b.key, b.text);
-    };
-    const auto equal = [&](const Annotation& a, const Annotation& b) { return !order(a, b) && !order(b, a); };
-    const std::vector<Annotation> list = select_annotations(from_, from);
-    std::vector<Annotation> there = select_annotations(to_, to);
-    const auto begins = [&](const std::vector<Annotation>& a, const std::vector<Annotation>& b) {
-      return a.size() <= b.size() && std::equal(a.begin(), a.end(), b.begin(), equal);
-    };
-    if (begins(list, there)) return;
-    if (!begins(there, list)) {
-      there.insert(there.end(), list.begin(), list.end());
-      std::sort(there.begin(), there.end(), order);
-      there.erase(std::unique(there.begin(), there.end(), equal), there.end());
-    } else {
-      there = list;
-    }
+    const std::vector<Annotation> there = select_annotations(to_, to);
+    const std::vector<Annotation> both = united(select_annotations(from_, from), there);
+    if (same_annotations(both, there)) return;
     Statement(to_, "DELETE FROM annotation WHERE campaign_id = ?").bind(to).run();
-    for (const Annotation& a : there) insert_annotation(to_, to, a);
+    for (const Annotation& a : both) insert_annotation(to_, to, a);
   }
 
   void add(const SweepInfo& s) {

@@ -82,30 +82,14 @@ void migrate(Database& db) {
 
 /// A new store is made aside and renamed into place: a file under its final name is always whole.
 void create(const std::string& path) {
-  const fs::path folder = fs::path(path).has_parent_path() ? fs::path(path).parent_path() : fs::path(".");
-  if (!fs::is_directory(folder))
-    throw WrongStore(path + ": there is no folder " + folder.string() + "; make it first");
-  // what a creation that was killed left behind goes first
-  const std::string beginning = fs::path(path).filename().string() + ".new-";
-  for (const auto& entry : fs::directory_iterator(folder)) {
-    const std::string name = entry.path().filename().string();
-    if (!name.starts_with(beginning)) continue;
-    const pid_t owner = static_cast<pid_t>(std::atol(name.c_str() + beginning.size()));
-    if (owner <= 0 || (kill(owner, 0) != 0 && errno == ESRCH)) fs::remove(entry.path());
-  }
-  const std::string aside = path + ".new-" + std::to_string(getpid());
-  fs::remove(aside);
+  const std::string aside = aside_file(path, ".new-");
   {
     Database db(aside, SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE);
     db.run("PRAGMA application_id = " + std::to_string(Store::application_id));
     migrate(db);
     db.run("PRAGMA journal_mode = WAL");
   }
-  // a link is refused where somebody else was quicker; an empty file in the way is replaced
-  if (has_content(path) || link(aside.c_str(), path.c_str()) == 0 || (errno == EEXIST && has_content(path)))
-    fs::remove(aside);
-  else
-    fs::rename(aside, path);
+  put_in_place(aside, path);
 }
 
 /// Read-only. A log beside the file needs its index, which needs a folder that can be written; without a log the file
@@ -138,6 +122,33 @@ Database bring_up_to_date(const std::string& path, Database old) {
 }
 
 }  // namespace
+
+std::string aside_file(const std::string& path, const std::string& mark) {
+  const fs::path folder = fs::path(path).has_parent_path() ? fs::path(path).parent_path() : fs::path(".");
+  if (!fs::is_directory(folder))
+    throw WrongStore(path + ": there is no folder " + folder.string() + "; make it first");
+  const std::string beginning = fs::path(path).filename().string() + mark;
+  for (const auto& entry : fs::directory_iterator(folder)) {
+    const std::string name = entry.path().filename().string();
+    if (!name.starts_with(beginning)) continue;
+    const pid_t owner = static_cast<pid_t>(std::atol(name.c_str() + beginning.size()));
+    if (owner <= 0 || (kill(owner, 0) != 0 && errno == ESRCH)) fs::remove(entry.path());
+  }
+  const std::string aside = path + mark + std::to_string(getpid());
+  fs::remove(aside);
+  return aside;
+}
+
+bool put_in_place(const std::string& aside, const std::string& path) {
+  // a link is refused where somebody else was quicker; an empty file in the way is replaced
+  const bool linked = !has_content(path) && link(aside.c_str(), path.c_str()) == 0;
+  if (linked || has_content(path)) {
+    fs::remove(aside);
+    return linked;
+  }
+  fs::rename(aside, path);
+  return true;
+}
 
 void check_table(const Database& db, const std::string& table) {
   sqlite::Statement check(db, "PRAGMA integrity_check(" + table + ")");

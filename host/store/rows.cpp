@@ -23,12 +23,6 @@ std::string seal_of(const CampaignInfo& c) {
   return seal.hex();
 }
 
-Origin origin_from(const std::string& word) {
-  for (std::size_t i = 0; i < origin_names.size(); ++i)
-    if (origin_names[i] == word) return static_cast<Origin>(i);
-  return Origin::unknown;
-}
-
 /// Of a campaign from before its origin was kept: what its rig's name can only mean.
 Origin origin_of(const CampaignInfo& c) {
   if (c.origin != Origin::unknown) return c.origin;
@@ -114,6 +108,12 @@ std::string utc_now() {
   char text[32];
   std::strftime(text, sizeof text, "%Y-%m-%dT%H:%M:%SZ", &tm);
   return text;
+}
+
+Origin origin_from(const std::string& word) {
+  for (std::size_t i = 0; i < origin_names.size(); ++i)
+    if (origin_names[i] == word) return static_cast<Origin>(i);
+  return Origin::unknown;
 }
 
 Outcome outcome_from(const std::string& word) {
@@ -231,8 +231,12 @@ std::optional<std::int64_t> insert_events(Database& db, const EventsRow& e) {
   return db.last_id();
 }
 
+std::array<Measured, 4> digest_values(const Events& e) {
+  return {e.coil.closing_angle, quantity(e, "t_ct1"), quantity(e, "t_ct_bon"), quantity(e, "t_ct2")};
+}
+
 void write_digest(Database& db, std::int64_t shot, std::int64_t events_id, const Events& e) {
-  const Digest d{{e.coil.closing_angle, quantity(e, "t_ct1"), quantity(e, "t_ct_bon"), quantity(e, "t_ct2")}};
+  const Digest d{digest_values(e)};
   Statement s(db, "INSERT OR REPLACE INTO digest VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)");
   s.bind(shot).bind(events_id);
   for (const Measured& m : d.value) s.bind(m.value).bind(m.u);

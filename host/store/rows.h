@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <optional>
 #include <string>
 #include <utility>
@@ -13,7 +14,9 @@
 namespace powbench::host {
 
 Outcome outcome_from(const std::string& word);
-std::string utc_now();  ///< ISO 8601
+Origin origin_from(
+    const std::string& word);  ///< unknown for a word that is none, as in rows from before there were origins
+std::string utc_now();         ///< ISO 8601
 
 /// Stored JSON that cannot be read is damage, not bad input.
 template <class F>
@@ -57,6 +60,8 @@ EventsRow events_row(const sqlite::Statement&, std::int64_t shot);
 /// The new row's id; nothing where this extraction is there already.
 std::optional<std::int64_t> insert_events(sqlite::Database&, const EventsRow&);
 
+/// What a list shows of a shot: closing angle (rad), touch, bounce, settled (s).
+std::array<Measured, 4> digest_values(const Events&);
 /// What a list shows of a shot's newest events, kept beside them.
 void write_digest(sqlite::Database&, std::int64_t shot, std::int64_t events_id, const Events&);
 /// The id of the events that the shot's digest is from.

@@ -54,6 +54,7 @@ inline const std::vector<Allowance>& allowances() {
       {"boost/asio", "host/serve/http.cpp", true, "Boost.Asio"},
       {"boost/beast", "host/serve/http.cpp", true, "Boost.Beast"},
       {"sqlite3.h", "host/store/", false, "SQLite"},
+      {"libpq-fe.h", "host/store/central/", true, "libpq"},
       {"pugixml.hpp", "host/import/dcc.cpp", true, "pugixml"},
       {"zlib.h", "host/import/mat5.cpp", true, "zlib"},
       {"zlib.h", "host/export/xlsx.cpp", true, "zlib"},
@@ -88,7 +89,8 @@ inline const std::vector<std::string_view>& file_headers() {
 
 /// Headers that the build makes from other files; they are included like any other.
 inline const std::vector<std::string_view>& generated_headers() {
-  static const std::vector<std::string_view> table{"host/store/migrations.h", "host/cli/scenes.h",
+  static const std::vector<std::string_view> table{"host/store/migrations.h",
+                                                   "host/store/central/migrations.h", "host/cli/scenes.h",
                                                    "host/report/closer_assets.h", "host/serve/page_assets.h"};
   return table;
 }

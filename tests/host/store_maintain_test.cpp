@@ -7,7 +7,7 @@
 #include "core/quantities.h"
 #include "host/store/sweep_store.h"
 #include "tests/host/bare_records.h"
-#include "tests/host/store_samples.h"
+#include "tests/host/overlapping_stores.h"
 
 using namespace powbench;
 using namespace powbench::host;
@@ -15,28 +15,11 @@ using Catch::Matchers::Contains;
 
 namespace {
 
-const ExtractionInfo extraction{"cutoff = 1\n", "0.1.0"};
-
 void sql(const std::string& path, const std::string& statement) {
   sqlite3* db = nullptr;
   REQUIRE(sqlite3_open(path.c_str(), &db) == SQLITE_OK);
   CHECK(sqlite3_exec(db, statement.c_str(), nullptr, nullptr, nullptr) == SQLITE_OK);
   sqlite3_close(db);
-}
-
-void put(Store& store, std::int64_t campaign, int number, std::uint64_t seed,
-         Outcome outcome = Outcome::pass) {
-  StoredShot shot = sample_shot(campaign, number);
-  shot.outcome = outcome;
-  shot.started = "2026-05-04T10:00:00Z";
-  if (!measured(outcome)) {
-    store.store_shot(shot, nullptr, nullptr, extraction);
-    return;
-  }
-  const Record record = sample_record(seed);
-  const Events events = sample_events(seed);
-  const auto id = store.store_shot(shot, &record, &events, extraction);
-  store.store_prediction(id, {{{"t_ct1", 1e-6 * static_cast<double>(seed)}}, {}});
 }
 
 std::string hash(const std::string& file) {
@@ -46,39 +29,6 @@ std::string hash(const std::string& file) {
   CHECK(c.hash.size() == 64);
   return c.hash;
 }
-
-/// Three stores that overlap: copies of one campaign that went on apart, each with one of its own and a share of a sweep.
-struct Three {
-  Folder folder;
-  std::vector<std::string> files{folder.file("a.db"), folder.file("b.db"), folder.file("c.db")};
-
-  Three() {
-    {
-      Store store(files[0]);
-      const auto c = store.create_campaign(sample_campaign("common"));
-      put(store, c, 0, 10);
-      put(store, c, 1, 11, Outcome::error);
-    }
-    write_bytes(files[1], bytes_of(files[0]));
-    write_bytes(files[2], bytes_of(files[0]));
-    for (int i = 0; i < 3; ++i) {
-      Store store(files[static_cast<std::size_t>(i)]);
-      put(store, 1, 2 + i, static_cast<std::uint64_t>(20 + i));
-      store.annotate(1, "operator", std::string(1, static_cast<char>('A' + i)));
-      const auto own = store.create_campaign(sample_campaign("own" + std::to_string(i)));
-      put(store, own, 0, static_cast<std::uint64_t>(30 + i));
-      if (i == 1) store.set_finished(1, true);
-      SweepStore sweeps(files[static_cast<std::size_t>(i)]);
-      SweepInfo info;
-      info.design = "{}", info.design_hash = "h", info.points = 30, info.columns = "x",
-      info.program_version = "1";
-      const auto sweep = sweeps.open_sweep(info);
-      const std::vector<double> numbers(10, std::nan(""));
-      sweeps.put(sweep, 10 * i, 10, numbers);
-      if (i == 2) sweeps.put(sweep, 0, 10, numbers);  // once more
-    }
-  }
-};
 
 }  // namespace
 
@@ -149,19 +99,19 @@ TEST_CASE("conflicting content is refused and the target stays as it was", "[sto
   SECTION("a shot") {
     {
       Store store(f[1]);
-      put(store, 1, 2, 99);
+      put_shot(store, 1, 2, 99);
     }
     refused("shot number 2 is not the same");
   }
   SECTION("a shot that is valid at another attempt") {
     {
       Store store(f[1]);
-      put(store, 1, 1, 99);
+      put_shot(store, 1, 1, 99);
     }
     {
       Store store(f[0]);
-      put(store, 1, 1, 98, Outcome::error);
-      put(store, 1, 1, 98);
+      put_shot(store, 1, 1, 98, Outcome::error);
+      put_shot(store, 1, 1, 98);
     }
     CHECK_THROWS_WITH(merge_stores(at("fresh.db"), {f[0], f[1]}), Contains("is not the same"));
     CHECK_THROWS_WITH(merge_stores(at("fresh.db"), {f[1], f[0]}), Contains("is not the same"));
@@ -209,7 +159,7 @@ TEST_CASE("a check names what is damaged, row by row, and the rest is counted", 
   {
     Store store(folder.file("whole.db"));
     const auto c = store.create_campaign(sample_campaign());
-    for (int i = 0; i < 5; ++i) put(store, c, i, static_cast<std::uint64_t>(i));
+    for (int i = 0; i < 5; ++i) put_shot(store, c, i, static_cast<std::uint64_t>(i));
     store.annotate(c, "operator", "A");
   }
   const std::string whole = bytes_of(folder.file("whole.db"));
@@ -243,7 +193,7 @@ TEST_CASE("bare records of an older store are read, packed by migrate, and stay 
   {
     Store store(folder.file());
     const auto c = store.create_campaign(sample_campaign());
-    for (int i = 0; i < 5; ++i) put(store, c, i, static_cast<std::uint64_t>(i));
+    for (int i = 0; i < 5; ++i) put_shot(store, c, i, static_cast<std::uint64_t>(i));
   }
   const std::string one = hash(folder.file());
   unpack_records(folder.file());
