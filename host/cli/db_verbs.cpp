@@ -31,7 +31,7 @@ struct DbArgs {
   std::string output;                         ///< merge: store; split: folder
   std::vector<std::string> sources;           ///< merge
   std::int64_t campaign = 0;                  ///< split; 0: all
-  std::string address;                        ///< push, pull: of the base
+  std::string address;                        ///< push, pull: of the database
   std::string customer, device, name, since;  ///< pull: only these campaigns; "" = any
 };
 
@@ -184,7 +184,7 @@ Exit push(const DbArgs& args) {
   });
 }
 
-/// What a campaign of the base must be to be fetched, and what there would have been.
+/// What a campaign of the database must be to be fetched, and what there would have been.
 struct Wanted {
   explicit Wanted(const DbArgs& a) : args(a) {}
   bool operator()(const CampaignInfo& c, const std::vector<Annotation>& annotations) {
@@ -219,6 +219,8 @@ struct Wanted {
 
 Exit pull(const DbArgs& args) {
   return with_server([&] {
+    if (!args.since.empty() && !is_day(args.since))
+      throw BadInput({fmt::format("--since '{}': not a day; allowed as 2030-12-31", args.since)});
     LateSteps steps("pull", args.progress);
     Wanted wanted(args);
     Choice choice;
@@ -278,18 +280,19 @@ void add_db_verbs(CLI::App& app) {
   apart->add_option("--campaign", parts->campaign, "only this one")->check(CLI::Range(1, 1'000'000'000));
   auto pushed = std::make_shared<DbArgs>();
   CLI::App* up_to =
-      verb(*db, "push", "Add a store to a PostgreSQL base that many benches share", pushed, push);
-  up_to->add_option("base", pushed->address, "postgresql://USER@HOST:PORT/BASE")->required();
+      verb(*db, "push", "Add a store to a PostgreSQL database that many benches share", pushed, push);
+  up_to->add_option("database", pushed->address, "postgresql://USER@HOST:PORT/DATABASE")->required();
   add_common(up_to, *pushed);
   up_to->footer(
-      "What the base has is not sent again; one that was stopped goes on with the same command. Where store "
-      "and "
-      "base differ in\na shot, its extraction or a block of a sweep, this is said and nothing is pushed. The "
-      "password comes from PGPASSWORD,\n~/.pgpass or a service file (?service=NAME), never from the "
+      "What the database has is not sent again; one that was stopped goes on with the same command. Where "
+      "store\n"
+      "and database differ in a shot, its extraction or a block of a sweep, this is said and nothing is "
+      "pushed.\n"
+      "The password comes from PGPASSWORD, ~/.pgpass or a service file (?service=NAME), never from the "
       "address.");
   auto pulled = std::make_shared<DbArgs>();
-  CLI::App* down = verb(*db, "pull", "Fetch campaigns from such a base into a store", pulled, pull);
-  down->add_option("base", pulled->address, "postgresql://USER@HOST:PORT/BASE")->required();
+  CLI::App* down = verb(*db, "pull", "Fetch campaigns from such a database into a store", pulled, pull);
+  down->add_option("database", pulled->address, "postgresql://USER@HOST:PORT/DATABASE")->required();
   add_common(down, *pulled);
   down->add_option("--customer", pulled->customer, "only campaigns whose test record names this customer");
   down->add_option("--device", pulled->device, "only campaigns of this device");
@@ -298,7 +301,7 @@ void add_db_verbs(CLI::App& app) {
                    "only campaigns begun on this day or later, as 2030-12-31 (UTC)");
   down->footer(
       "Without one of these, all campaigns and all sweeps. A store that is there already gets what it lacks, "
-      "as by "
+      "as by\n"
       "`db merge`.");
 }
 

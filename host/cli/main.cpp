@@ -319,7 +319,8 @@ int main(int argc, char** argv) {
   app.require_subcommand(1);
   app.footer(
       "Exit codes: 0 pass or nothing to judge, 1 not passed: outside limits, or shots missing, 2 bad input,\n"
-      "            3 rig or database server unreachable or at fault, 4 time-out, 5 data damaged, 6 interlock, 7 accuracy not "
+      "            3 rig or database server unreachable or at fault, 4 time-out, 5 data damaged, 6 "
+      "interlock, 7 accuracy not "
       "known, 130 interrupted");
   add_rig_verbs(app);
   add_live_verb(app);

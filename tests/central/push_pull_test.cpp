@@ -15,7 +15,7 @@ std::int64_t count(pg::Connection& c, const std::string& table) {
   return c.run("SELECT count(*) FROM " + table).integer(0, 0);
 }
 
-/// What the base holds, as a store of its own.
+/// What the database holds, as a store of its own.
 std::string pulled(const host::Folder& folder, const std::string& base) {
   const std::string file = folder.file("pulled.db");
   std::filesystem::remove(file);
@@ -87,7 +87,7 @@ TEST_CASE("stores pushed in any order and repetition are one content, and pulled
   CHECK(one.damage.empty());
 }
 
-TEST_CASE("a base answers in SQL what its stores would", "[central][.slow]") {
+TEST_CASE("a database answers in SQL what its stores would", "[central][.slow]") {
   const host::Folder folder;
   {
     Store store(folder.file());
@@ -125,7 +125,7 @@ TEST_CASE("a base answers in SQL what its stores would", "[central][.slow]") {
   }
 }
 
-TEST_CASE("many benches push at once, into a base that is new", "[central][.slow]") {
+TEST_CASE("many benches push at once, into a database that is new", "[central][.slow]") {
   Three three;
   for (int i = 0; i < 3; ++i) {
     Store store(three.files[static_cast<std::size_t>(i)]);
@@ -195,7 +195,7 @@ TEST_CASE("a push that is killed again and again goes on where it stopped", "[ce
   CHECK(pulled(folder, base) == content(folder.file()));
 }
 
-TEST_CASE("content that conflicts with the base is refused, and the base stays as it was",
+TEST_CASE("content that conflicts with the database is refused, and the database stays as it was",
           "[central][.slow]") {
   const Three three;
   const auto& f = three.files;

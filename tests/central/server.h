@@ -50,7 +50,7 @@ class Server {
     return server;
   }
 
-  /// Address of a new base, over the server's own socket, where nobody needs a password.
+  /// Address of a new database, over the server's own socket, where nobody needs a password.
   std::string base(const std::string& name, const std::string& options = "") {
     admin_->script("CREATE DATABASE " + name + " " + options);
     return address(name);
@@ -114,7 +114,7 @@ class Server {
   std::unique_ptr<pg::Connection> admin_;
 };
 
-/// Everything that stands in a base, and which transaction wrote it.
+/// Everything that stands in a database, and which transaction wrote it.
 inline std::string state(const std::string& base) {
   pg::Connection c(base);
   std::string all;

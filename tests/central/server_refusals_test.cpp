@@ -1,7 +1,7 @@
 #include "tests/central/server.h"
 #include "tests/host/overlapping_stores.h"
 
-/// What a server, a base or an address does not allow: one sentence and the exit code of its kind.
+/// What a server, a database or an address does not allow: one sentence and the exit code of its kind.
 
 using namespace powbench;
 using namespace powbench::host;
@@ -41,7 +41,8 @@ TEST_CASE("addresses that are none, and servers that are not there", "[central]"
   for (const std::string verb : {"push", "pull"}) {
     for (const char* address : {"lab.db", "mysql://lab@host/base", "host=h password=secret dbname=b",
                                 "postgres:/lab:secret@host/base"})
-      refuses({verb, address, "--db", store}, 2, "not the address of a base; allowed postgresql://USER@HOST");
+      refuses({verb, address, "--db", store}, 2,
+              "not the address of a database; allowed postgresql://USER@HOST");
     refuses({verb, "postgresql://lab:sec%zzret@host/base", "--db", store}, 2,
             "cannot be read as the address");
     refuses({verb, "postgresql://lab@host/base?nonsense=1", "--db", store}, 2,
@@ -54,6 +55,8 @@ TEST_CASE("addresses that are none, and servers that are not there", "[central]"
     refuses({verb, "postgresql://lab@/base?host=" + folder.file("no"), "--db", store}, 3,
             "cannot be reached");
   }
+  refuses({"pull", nowhere, "--db", store, "--since", "yesterday"}, 2,
+          "--since 'yesterday': not a day; allowed");
   const std::string text = folder.file("text.db");
   write_bytes(text, "a = 1\n");
   refuses({"push", nowhere, "--db", folder.file("none.db")}, 2, "no such store");
@@ -88,14 +91,14 @@ TEST_CASE("the password comes from the environment or from files", "[central][.s
   unsetenv("PGSERVICEFILE");
 }
 
-TEST_CASE("bases that do not fit, and rights that are missing", "[central][.slow]") {
+TEST_CASE("databases that do not fit, and rights that are missing", "[central][.slow]") {
   Server& server = Server::get();
   const host::Folder folder;
   const std::string store = small_store(folder), back = folder.file("back.db");
   refuses({"push", server.address("missing"), "--db", store}, 2, "database \"missing\" does not exist");
   const std::string ascii = server.base("ascii", "TEMPLATE template0 ENCODING 'SQL_ASCII' LOCALE 'C'");
   refuses({"push", ascii, "--db", store}, 2, "keeps text as SQL_ASCII");
-  refuses({"pull", server.base("empty"), "--db", back}, 2, "no store was pushed to this base yet");
+  refuses({"pull", server.base("empty"), "--db", back}, 2, "no store was pushed to this database yet");
   pg::Connection(server.base("other_program"))
       .script("CREATE SCHEMA powbench; CREATE TABLE powbench.other (x int)");
   refuses({"push", server.address("other_program"), "--db", store}, 2,
@@ -140,11 +143,9 @@ TEST_CASE("bases that do not fit, and rights that are missing", "[central][.slow
   refuses({"pull", base, "--db", back}, 5, "of a newer powbench (99, this one knows 1)");
 }
 
-TEST_CASE("what is damaged is neither pushed nor pulled", "[central][.slow]") {
-  Server& server = Server::get();
+TEST_CASE("what is damaged is not pushed", "[central][.slow]") {
   const host::Folder folder;
-  const std::string store = small_store(folder), base = server.base("damage"), back = folder.file("back.db");
-  const std::string whole = bytes_of(store);
+  const std::string store = small_store(folder), base = Server::get().base("damage"), whole = bytes_of(store);
   for (const char* change :
        {"UPDATE record SET scans = x'00' WHERE id = 2", "UPDATE shot SET repeat = 9 WHERE id = 2",
         "UPDATE events SET events = '{}' WHERE id = 2", "UPDATE channel SET delay = 1"}) {
@@ -154,22 +155,57 @@ TEST_CASE("what is damaged is neither pushed nor pulled", "[central][.slow]") {
     refuses({"push", base, "--db", store}, 5, "damaged");
   }
   write_bytes(store, whole);
-  push_store(store, base);
-  pg::Connection c(base);
-  for (const char* change :
-       {"UPDATE record SET scans = '\\x00' WHERE shot_id = (SELECT max(shot_id) FROM record)",
-        "UPDATE shot SET reason = 'x'", "UPDATE events SET events = '{}'", "UPDATE channel SET delay = 1",
-        "UPDATE campaign SET name = 'x'", "UPDATE prediction SET uncertainty = '{}'", "DELETE FROM channel",
-        "DELETE FROM events; DELETE FROM channel; DELETE FROM record"}) {
-    INFO(change);
-    c.script("CREATE DATABASE damaged TEMPLATE damage STRATEGY wal_log");
-    {
-      pg::Connection(server.address("damaged")).script(change);
-      refuses({"pull", server.address("damaged"), "--db", back}, 5, "match");
-      CHECK(std::distance(std::filesystem::directory_iterator(folder.path()), {}) == 1);
+  Store(store).annotate(1, "customer", "M\xfcller");  // Latin-1
+  refuses({"push", base, "--db", store}, 2, "a text of the store is not UTF-8");
+}
+
+TEST_CASE("a row of the database that was changed there is not pulled", "[central][.slow]") {
+  // a campaign for each change; %: its id, @: of its last shot
+  const std::vector<std::string> changes{"",
+                                         "UPDATE record SET scans = '\\x00' WHERE shot_id = @",
+                                         "UPDATE shot SET reason = 'x' WHERE id = @",
+                                         "UPDATE events SET events = '{}' WHERE shot_id = @",
+                                         "UPDATE channel SET delay = 1 WHERE shot_id = @",
+                                         "UPDATE prediction SET uncertainty = '{}' WHERE shot_id = @",
+                                         "UPDATE annotation SET text = 'x' WHERE campaign_id = %",
+                                         "DELETE FROM channel WHERE shot_id = @",
+                                         "DELETE FROM events WHERE shot_id = @; DELETE FROM channel WHERE "
+                                         "shot_id = @; DELETE FROM record WHERE shot_id "
+                                         "= @",
+                                         "UPDATE campaign SET rig_uri = 'x' WHERE id = %"};
+  const host::Folder folder;
+  {
+    Store store(folder.file());
+    for (std::size_t i = 0; i < changes.size(); ++i) {
+      const auto c = store.create_campaign(sample_campaign(std::to_string(i)));
+      for (int k = 0; k < 2; ++k) put_shot(store, c, k, 10 * i + static_cast<std::uint64_t>(k));
+      store.annotate(c, "operator", "A");
     }
-    c.script("DROP DATABASE damaged WITH (FORCE)");
   }
+  const std::string base = Server::get().base("changed"), back = folder.file("back.db");
+  push_store(folder.file(), base);
+  pg::Connection c(base);
+  for (std::size_t i = 0; i < changes.size(); ++i) {
+    INFO(changes[i]);
+    const std::string id =
+        c.run("SELECT id::text FROM campaign WHERE name = $1", pg::Values().text(std::to_string(i)))
+            .text(0, 0);
+    std::string change = changes[i];
+    for (std::size_t at = 0; (at = change.find_first_of("%@")) != std::string::npos;)
+      change.replace(at, 1,
+                     change[at] == '%' ? id : "(SELECT max(id) FROM shot WHERE campaign_id = " + id + ")");
+    if (i > 0) c.script(change);
+    const Choice choice = [&](const CampaignInfo& x, const auto&) { return x.name == std::to_string(i); };
+    if (i == 0)
+      CHECK(pull_store(base, back, choice).shots == 2);
+    else
+      CHECK_THROWS_WITH(pull_store(base, back, choice), Contains("match"));
+    std::filesystem::remove(back);
+    CHECK(std::distance(std::filesystem::directory_iterator(folder.path()), {}) == 1);
+    if (changes[i].find("annotation") != std::string::npos)
+      c.script("DELETE FROM annotation WHERE campaign_id = " + id);
+  }
+  refuses({"pull", base, "--db", back}, 5, "does not match its hash: the database is damaged");
 }
 
 TEST_CASE("a connection that is lost is said, and the push goes on", "[central][.slow]") {

@@ -65,14 +65,14 @@ std::string harmless(const std::string& address) {
 
 /// Refuses what is no address, or has a password in it.
 void check_address(const std::string& address) {
-  const std::string form = "allowed postgresql://USER@HOST:PORT/BASE";
+  const std::string form = "allowed postgresql://USER@HOST:PORT/DATABASE";
   if (!address.starts_with("postgresql://") && !address.starts_with("postgres://"))
-    throw WrongStore(harmless(address) + ": not the address of a base; " + form);
+    throw WrongStore(harmless(address) + ": not the address of a database; " + form);
   char* message = nullptr;
   PQconninfoOption* options = PQconninfoParse(address.c_str(), &message);
   if (options == nullptr) {
     PQfreemem(message);  // it may repeat a password
-    throw WrongStore(harmless(address) + ": cannot be read as the address of a base; " + form);
+    throw WrongStore(harmless(address) + ": cannot be read as the address of a database; " + form);
   }
   bool secret = false;
   for (const PQconninfoOption* o = options; o->keyword != nullptr; ++o)
@@ -151,7 +151,9 @@ Connection::Connection(const std::string& address) : address_(address) {
     return PQstatus(line(connection_)) == CONNECTION_OK;
   };
   if (!connect()) {
-    const PGPing answer = PQpingParams(p.keys.data(), p.values.data(), 1);
+    Parameters short_wait(address_);
+    short_wait.values[0] = "3";
+    const PGPing answer = PQpingParams(short_wait.keys.data(), short_wait.values.data(), 1);
     // one that has just finished its start answers by now
     const bool refused = answer == PQPING_OK && !connect();
     const std::string why = sentence(PQerrorMessage(line(connection_)));
@@ -160,7 +162,7 @@ Connection::Connection(const std::string& address) : address_(address) {
       throw ServerError(address_ + ": the server takes no connections now: " + why);
     if (refused)
       throw WrongStore(address_ + ": the server refuses: " + why +
-                       "; check base, user and password (PGPASSWORD, ~/.pgpass or a service file)");
+                       "; check database, user and password (PGPASSWORD, ~/.pgpass or a service file)");
     if (answer != PQPING_OK) throw ServerError(address_ + ": the server cannot be reached: " + why);
   }
   PGconn* c = line(connection_);
@@ -168,7 +170,7 @@ Connection::Connection(const std::string& address) : address_(address) {
       c, [](void*, const char*) {}, nullptr);
   const char* encoding = PQparameterStatus(c, "server_encoding");
   if (encoding == nullptr || std::strcmp(encoding, "UTF8") != 0)
-    throw WrongStore(address_ + ": the base keeps text as " + (encoding != nullptr ? encoding : "?") +
+    throw WrongStore(address_ + ": the database keeps text as " + (encoding != nullptr ? encoding : "?") +
                      "; make one with ENCODING 'UTF8'");
   // a bench that died in a transaction loses it before those who wait for its lock give up
   script(
@@ -193,9 +195,9 @@ void Connection::fail(void* result) const {
   if (state == "42501")
     throw WrongStore(address_ + ": the user lacks a right: " + why +
                      "; grant it as docs/how-to/central.md says");
-  if (state == "25006") throw WrongStore(address_ + ": the base is read-only: " + why);
+  if (state == "25006") throw WrongStore(address_ + ": the database is read-only: " + why);
   if (state == "22021" || state == "22P05")
-    throw WrongStore(address_ + ": a text of the store is not UTF-8, which the base needs: " + why);
+    throw WrongStore(address_ + ": a text of the store is not UTF-8, which the database needs: " + why);
   if (state == "55P03")
     throw ServerError(address_ +
                       ": another program has kept the same campaign locked for two minutes; the same command "
@@ -279,8 +281,8 @@ void open_schema(Connection& c, bool write) {
     const auto [schema, relations, ours] = there();
     if (ours != 0) return c.run("SELECT version FROM powbench.schema_version").integer(0, 0);
     if (relations != 0)
-      throw WrongStore(c.address() + ": has a schema 'powbench' of another program; name another base");
-    if (!write) throw WrongStore(c.address() + ": no store was pushed to this base yet");
+      throw WrongStore(c.address() + ": has a schema 'powbench' of another program; name another database");
+    if (!write) throw WrongStore(c.address() + ": no store was pushed to this database yet");
     return 0;
   };
   constexpr auto known = static_cast<std::int64_t>(central_migrations.size());

@@ -60,7 +60,7 @@ class Puller {
   };
 
   [[noreturn]] void damaged(const std::string& what) const {
-    throw StoreError(from_.address() + ": " + what + " does not match its hash: the base is damaged");
+    throw StoreError(from_.address() + ": " + what + " does not match its hash: the database is damaged");
   }
 
   static CampaignInfo campaign(const Rows& rows, int i) {
@@ -223,7 +223,8 @@ Merged pull_store(const std::string& address, const std::string& path, const Cho
     {
       Database to = open_store(aside, Store::Mode::read_write);
       to.run("PRAGMA synchronous = NORMAL");  // flushed when it is closed; until then it has no name
-      postgres::Transaction t(from, "ISOLATION LEVEL REPEATABLE READ READ ONLY");  // one state of the base
+      postgres::Transaction t(from,
+                              "ISOLATION LEVEL REPEATABLE READ READ ONLY");  // one state of the database
       made = Puller(from, to, step).run(choice);
       t.commit();
       if (choice && made.campaigns == 0) throw WrongStore(address + ": no such campaign; " + others());

@@ -33,7 +33,7 @@ Place place(const StoredShot& s) {
   return {s.kind, s.number, s.attempt};
 }
 
-/// What the base knows of a shot.
+/// What the database knows of a shot.
 struct There {
   std::int64_t id = 0;
   std::string hash, prediction;
@@ -80,7 +80,7 @@ class Pusher {
   }
 
  private:
-  /// A campaign with those of its shots that the base lacks, wholly or in part.
+  /// A campaign with those of its shots that the database lacks, wholly or in part.
   struct Part {
     CampaignInfo campaign;
     std::string hash;
@@ -123,7 +123,7 @@ class Pusher {
     return list;
   }
 
-  /// Whether the base lacks something of the shot; refuses what cannot be the same shot.
+  /// Whether the database lacks something of the shot; refuses what cannot be the same shot.
   bool lacks(const CampaignInfo& c, const StoredShot& s, const std::string& campaign_hash,
              const std::map<Place, There>& list) const {
     const RecordName record = record_name(from_, s.id);

@@ -16,7 +16,7 @@ namespace {
 /// Blocks a transaction; one of 500 points takes 80 kB.
 constexpr std::size_t most_blocks = 64;
 
-/// Hash of a block in the base.
+/// Hash of a block in the database.
 std::string block_key(const SweepBlock& b) {
   Seal seal;
   seal.add(b.first).add(b.count);
@@ -170,7 +170,7 @@ std::int64_t pull_sweeps(postgres::Connection& from, sqlite::Database& to) {
         std::memcpy(b.numbers.data(), bytes.data(), 8 * b.numbers.size());
         if (block_key(b) != rows.text(k, 2))
           throw StoreError(from.address() + ": block " + std::to_string(b.first) + " of the sweep of " +
-                           s.created + " does not match its hash: the base is damaged");
+                           s.created + " does not match its hash: the database is damaged");
         insert_block(to, id, b.first, b.count, b.numbers);
         after = b.first;
         ++blocks;

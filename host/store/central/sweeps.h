@@ -8,18 +8,18 @@
 #include "host/store/central/postgres.h"
 #include "host/store/content.h"
 
-/// Sweeps of a store into the base and back, and the hashes by which rows are known there.
+/// Sweeps of a store into the database and back, and the hashes by which rows are known there.
 
 namespace powbench::host {
 
-/// Hash of a shot in the base: of its campaign, of all of its row and of its record.
+/// Hash of a shot in the database: of its campaign, of all of its row and of its record.
 std::string central_shot_key(const std::string& campaign_hash, const StoredShot&, const RecordName&);
 
 class SweepPusher {
  public:
   SweepPusher(const sqlite::Database& from, postgres::Connection& to) : from_(from), to_(to) {}
 
-  /// How many blocks the base lacks. Throws WrongStore where a sweep or a block is not the same.
+  /// How many blocks the database lacks. Throws WrongStore where a sweep or a block is not the same.
   std::int64_t compare();
   /// Sends them, some at a time in a transaction under the lock of their sweep; `sent` gets the bytes of each.
   void push(const std::function<void(std::int64_t bytes)>& sent);
@@ -27,9 +27,9 @@ class SweepPusher {
  private:
   struct Part {
     SweepInfo sweep;
-    std::vector<SweepBlock> blocks;  ///< not in the base
+    std::vector<SweepBlock> blocks;  ///< not in the database
   };
-  /// Whether the base has this sweep, begun no later.
+  /// Whether the database has this sweep, begun no later.
   bool known(const SweepInfo&) const;
   std::vector<SweepBlock> lacking(const SweepInfo&, std::vector<SweepBlock>) const;
   void lock(const SweepInfo&);
@@ -41,7 +41,7 @@ class SweepPusher {
   bool began_ = false;
 };
 
-/// All sweeps of the base into a store that has none; returns the number of blocks. Throws StoreError for a block that does not match its hash.
+/// All sweeps of the database into a store that has none; returns the number of blocks. Throws StoreError for a block that does not match its hash.
 std::int64_t pull_sweeps(postgres::Connection& from, sqlite::Database& to);
 
 }  // namespace powbench::host

@@ -1,4 +1,4 @@
--- Many benches in one base: the content of their stores, found by its hash. Rows are added and never changed, but for `finished`, the
+-- Many benches in one database: the content of their stores, found by its hash. Rows are added and never changed, but for `finished`, the
 -- earliest `created` of a sweep and the list of annotations. The search path is set to the schema `powbench`.
 -- `hash` is SHA-256 over the content of a row (host/store/content.h); times, conditions and events stand as in the store, byte for byte.
 
