@@ -5,6 +5,7 @@ option(POWBENCH_SITE "Build the documentation as a site, with mkdocs" OFF)
 set(POWBENCH_PYTHON_DIR lib/python3/dist-packages CACHE STRING "Where the Python package is installed")
 
 install(TARGETS powbench RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
+install(TARGETS powbench_contactor LIBRARY DESTINATION lib/powbench)  # found from bin/ (host/export/fmu.cpp)
 install(DIRECTORY ${PROJECT_BINARY_DIR}/manual/man/ DESTINATION ${CMAKE_INSTALL_MANDIR}/man1)
 install(FILES ${PROJECT_BINARY_DIR}/manual/completions/powbench
         DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion/completions)

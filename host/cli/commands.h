@@ -46,5 +46,6 @@ void add_sweep_verb(CLI::App&);
 /// specimen describe, convert.
 void add_specimen_verbs(CLI::App&);
 void add_ladder_verb(CLI::App&);
+void add_fmu_verb(CLI::App&);
 
 }  // namespace powbench::host

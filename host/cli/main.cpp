@@ -332,6 +332,7 @@ int main(int argc, char** argv) {
   add_fit_verb(app);
   add_sweep_verb(app);
   add_ladder_verb(app);
+  add_fmu_verb(app);
   add_manual_verbs(app);
   add_specimen_verbs(app);
 

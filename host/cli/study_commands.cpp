@@ -1,4 +1,5 @@
 #include "host/cli/commands.h"
+#include "host/cli/fmu_verb.h"
 #include "host/cli/specimen_verb.h"
 #include "host/cli/study.h"
 #include "host/cli/verbs.h"
@@ -168,6 +169,20 @@ void add_ladder_verb(CLI::App& app) {
   v->add_option("--table", args->table_file,
                 "field table of `powbench field`: also the rung table+rigid; with --accuracy only this one");
   v->add_option("-o,--output", args->folder, "folder for the picture; made if missing")
+      ->capture_default_str();
+  v->add_flag("--json", args->json, "JSON to stdout");
+}
+
+void add_fmu_verb(CLI::App& app) {
+  auto args = std::make_shared<FmuArgs>();
+  CLI::App* v = verb(app, "fmu", "The contactor as a functional mock-up unit (FMI) for a system simulator",
+                     args, make_fmu);
+  v->add_option("specimen", args->specimen_file, "specimen file (TOML); the reference contactor if left out");
+  v->add_option("-o,--output", args->output, "unit to write")->capture_default_str();
+  v->add_option("--fmi", args->fmi,
+                "2: FMI 2.0, model exchange and co-simulation; 3: FMI 3.0, co-simulation with event mode and "
+                "early return")
+      ->check(CLI::IsMember({2, 3}))
       ->capture_default_str();
   v->add_flag("--json", args->json, "JSON to stdout");
 }

@@ -1,5 +1,4 @@
 #include <fmt/format.h>
-#include <zlib.h>
 
 #include <cmath>
 #include <iterator>
@@ -7,66 +6,12 @@
 #include "host/config/bad_input.h"
 #include "host/export/event_table.h"
 #include "host/export/xml_text.h"
+#include "host/export/zip.h"
 
 namespace powbench::host {
 namespace {
 
 constexpr std::size_t most_rows = 1'048'576, most_columns = 16'384;
-
-void put(std::string& to, std::uint32_t value, int bytes) {
-  for (int i = 0; i < bytes; ++i) to += static_cast<char>(value >> (8 * i));
-}
-
-std::string deflated(const std::string& text) {
-  z_stream z{};
-  if (deflateInit2(&z, 6, Z_DEFLATED, -15, 8, Z_DEFAULT_STRATEGY) != Z_OK)
-    throw BadInput({"no memory to compress a sheet"});
-  std::string out(deflateBound(&z, text.size()), '\0');
-  z.next_in = reinterpret_cast<Bytef*>(const_cast<char*>(text.data()));
-  z.avail_in = static_cast<uInt>(text.size());
-  z.next_out = reinterpret_cast<Bytef*>(out.data());
-  z.avail_out = static_cast<uInt>(out.size());
-  deflate(&z, Z_FINISH);
-  out.resize(z.total_out);
-  deflateEnd(&z);
-  return out;
-}
-
-/// The container: deflated files, then their directory. No time is kept, so that equal content makes equal bytes.
-class Zip {
- public:
-  void add(const std::string& name, const std::string& text) {
-    const std::string packed = deflated(text);
-    std::string head;
-    put(head, 20, 2), put(head, 0, 2), put(head, 8, 2), put(head, 0, 2), put(head, 0x21, 2);  // 1980-01-01
-    put(head,
-        static_cast<std::uint32_t>(
-            crc32(0, reinterpret_cast<const Bytef*>(text.data()), static_cast<uInt>(text.size()))),
-        4);
-    put(head, static_cast<std::uint32_t>(packed.size()), 4),
-        put(head, static_cast<std::uint32_t>(text.size()), 4);
-    put(head, static_cast<std::uint32_t>(name.size()), 2), put(head, 0, 2);
-    put(directory_, 0x02014B50, 4), put(directory_, 20, 2);
-    directory_ += head;
-    put(directory_, 0, 2), put(directory_, 0, 2), put(directory_, 0, 2), put(directory_, 0, 4);
-    put(directory_, static_cast<std::uint32_t>(bytes_.size()), 4);
-    directory_ += name;
-    put(bytes_, 0x04034B50, 4);
-    bytes_ += head + name + packed;
-    ++files_;
-  }
-  std::string finish() {
-    std::string end;
-    put(end, 0x06054B50, 4), put(end, 0, 4), put(end, files_, 2), put(end, files_, 2);
-    put(end, static_cast<std::uint32_t>(directory_.size()), 4),
-        put(end, static_cast<std::uint32_t>(bytes_.size()), 4), put(end, 0, 2);
-    return bytes_ + directory_ + end;
-  }
-
- private:
-  std::string bytes_, directory_;
-  std::uint32_t files_ = 0;
-};
 
 std::string text_cell(const std::string& text) {
   return "<c t=\"inlineStr\"><is><t xml:space=\"preserve\">" + escaped(text) + "</t></is></c>";

@@ -162,7 +162,11 @@ R RigidContactor<R>::open_voltage(const Real* y) const {
 
 template <class R>
 CoilFeed<R> RigidContactor<R>::feed(Real t, const Real* y, Real current) const {
-  return supply_.feed(t, current, capacitor_ < 0 ? Real(0) : y[capacitor_]);
+  auto fed = supply_.feed(t, current, capacitor_ < 0 ? Real(0) : y[capacitor_]);
+  const auto stated = static_cast<Real>(stated_.at(static_cast<double>(t)));
+  fed.emf += stated;
+  fed.supplied += stated * current;
+  return fed;
 }
 
 template <class R>

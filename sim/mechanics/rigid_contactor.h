@@ -56,6 +56,16 @@ struct CoilDrive {
   bool pressed_gap = false;  ///< the potential is also defined for gap < 0, faces pressed together
 };
 
+/// A voltage at the coil that somebody else states, in series with the mains: u(t) = sum of c_k (t - time)^k.
+struct StatedVoltage {
+  double time = 0;               ///< s
+  std::array<double, 4> c = {};  ///< V, V/s, V/s2, V/s3
+  double at(double t) const {
+    const double s = t - time;
+    return c[0] + s * (c[1] + s * (c[2] + s * c[3]));
+  }
+};
+
 /// Where the energy is, J. Losses and supplies are integrals since t = 0.
 struct EnergyLedger {
   double kinetic = 0, springs = 0, contacts = 0;
@@ -115,6 +125,15 @@ class RigidContactor {
 
   /// Commands the coil's switch at time t.
   void set_coil(Real t, Real* y, bool on);
+
+  /// What feeds the coil besides the mains, from now on, and the resistance of coil and source, ohm. An integrator that has
+  /// stepped ahead starts anew.
+  void state_feed(const StatedVoltage& voltage, double resistance) {
+    stated_ = voltage;
+    drive_.resistance = resistance;
+  }
+  /// The coil has a path for its current.
+  bool conducts() const { return supply_.conducts(); }
 
   /// Lets the modes follow the depths, for integrators that know no modes.
   void follow_depths(bool on) { lanes_.automatic = on; }
@@ -182,6 +201,7 @@ class RigidContactor {
   std::array<int, most_bridges> number_{};  ///< of the bridge in each lane
   std::array<int, most_bridges> lane_{};    ///< of each bridge
   CoilDrive drive_;
+  StatedVoltage stated_;
   GivenPull given_;
   ContactLaw laws_[rigid_groups + 1];       ///< pad, pad, seat, seat, pole, stop
   Lanes<Real> sign_[rigid_groups]{};        ///< 1 pressing or detached, -1 open, 0 idle

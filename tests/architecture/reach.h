@@ -23,7 +23,7 @@ struct Unreached {
   std::string name, where;
 };
 
-/// Files that no program needs. A program is a source with `int main(`, and all of firmware/port and python. A file
+/// Files that no program needs. A program is a source with `int main(`, all of firmware/port and python, and the interfaces fmu/fmi2 and fmi3. A file
 /// needs what it includes; a header needs the sources of its folder that define what it declares.
 std::vector<Unreached> files_not_reached(const std::vector<Source>&);
 

@@ -1,5 +1,6 @@
 #include "tests/central/server.h"
 #include "tests/host/overlapping_stores.h"
+#include "tests/places.h"
 
 /// What a server, a database or an address does not allow: one sentence and the exit code of its kind.
 
@@ -113,7 +114,7 @@ TEST_CASE("databases that do not fit, and rights that are missing", "[central][.
   refuses({"push", server.address("rights", "bench"), "--db", store}, 2,
           "permission denied for schema powbench");
   // as docs/how-to/central.md says
-  const std::string page = read_file(std::string(POWBENCH_SOURCE_DIR) + "/docs/how-to/central.md");
+  const std::string page = read_file(test::source_dir() + "/docs/how-to/central.md");
   const auto grants = page.find("GRANT USAGE");
   REQUIRE(grants != std::string::npos);
   admin.script(page.substr(grants, page.find("```", grants) - grants));
