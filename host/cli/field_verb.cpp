@@ -11,6 +11,7 @@
 #include "host/cli/percent.h"
 #include "host/cli/verbs.h"
 #include "host/config/specimen_file.h"
+#include "host/export/actuator_table.h"
 #include "host/export/field_svg.h"
 #include "host/export/field_vtu.h"
 #include "host/export/write_file.h"
@@ -68,6 +69,44 @@ std::string content_of(const std::string& path) {
   if (in) text << in.rdbuf();
   if (!in) throw BadInput({path + ": cannot be read"});
   return text.str();
+}
+
+/// Refuses a file for other simulators before anything is computed.
+void check_tables(const FieldArgs& args) {
+  for (const auto& file : args.tables) {
+    const std::string ending = fs::path(file).extension().string();
+    if (ending != ".csv" && ending != ".mat" && ending != ".txt")
+      throw BadInput({"--out " + file + ": ending '" + ending + "', allowed .csv, .mat, .txt"});
+  }
+  if (args.tables.empty()) return;
+  if (args.ring)
+    throw BadInput(
+        {"--out and --ring: current and position determine the flux only with the ring at rest; allowed one "
+         "of them"});
+  if (!args.mesh_file.empty())
+    throw BadInput({"--out and --mesh: one state is no table; allowed one of them"});
+}
+
+/// Writes what was asked for; says how well the rows can be interpolated.
+void write_tables(const FieldArgs& args, const sim::TablePotential& table, double travel,
+                  const std::string& title) {
+  if (args.tables.empty()) return;
+  const double most = args.largest_current > 0 ? args.largest_current
+                                               : table.at({table.table().psi.back(), 0, travel}).current;
+  const ActuatorTable t = actuator_table(table, most, travel);
+  for (const auto& file : args.tables) {
+    const auto ending = fs::path(file).extension();
+    write_file(file, ending == ".csv"   ? actuator_csv(t)
+                     : ending == ".mat" ? actuator_mat(t)
+                                        : actuator_modelica(t, title));
+  }
+  fmt::print(
+      stderr,
+      "{} currents up to {:.3g} A, {} positions up to {:.3g} mm; linear interpolation errs by up to {:.2g} % "
+      "of the "
+      "largest flux linkage and {:.2g} % of the largest force; {:.2g} % of the states are extrapolated\n",
+      t.current.size(), most, t.position.size(), travel * 1e3, 100 * t.linear_error_linkage,
+      100 * t.linear_error_force, 100 * t.beyond);
 }
 
 std::string extrapolated_text(const sim::PotentialTable& t, const sim::ExtrapolatedShare& e) {
@@ -128,6 +167,7 @@ Exit show_mesh(const FieldArgs& args, const sim::MagnetDesign& design) {
 Exit show_field(const FieldArgs& args) {
   const sim::Specimen specimen =
       args.specimen_file.empty() ? sim::Specimen{} : read_specimen(args.specimen_file);
+  check_tables(args);
   const auto design = design_of(specimen, args.steel);
   if (!args.mesh_file.empty()) return show_mesh(args, design);
   if (!specimen.shaped)
@@ -154,6 +194,7 @@ Exit show_field(const FieldArgs& args) {
   auto files = pictures(folder, design, options, specimen.core.travel);
   files.push_back(folder / "field-table.svg");
   write_file(files.back(), table_svg(table, specimen.name + ": " + choice.table.description));
+  write_tables(args, table, specimen.core.travel, specimen.name + ": " + choice.table.description);
   if (args.json) {
     nlohmann::ordered_json list = nlohmann::ordered_json::array();
     for (const auto& f : files) list.push_back(f.string());
@@ -168,7 +209,8 @@ Exit show_field(const FieldArgs& args) {
                                               {"states_beyond_data", beyond.share},
                                               {"beyond_data_from_Wb", beyond.from_psi},
                                               {"least_stiffness_A_per_Wb", table.least_stiffness()},
-                                              {"pictures", list}}
+                                              {"pictures", list},
+                                              {"tables", args.tables}}
                            .dump(2));
     return Exit::pass;
   }
@@ -178,6 +220,7 @@ Exit show_field(const FieldArgs& args) {
       choice.table.mesh_error * 100, current_error * 100, pull_error * 100);
   fmt::print("  steel up to {:.3g} T; {}\n", beyond.largest_field, extrapolated_text(choice.table, beyond));
   for (const auto& f : files) fmt::print("{}\n", f.string());
+  for (const auto& f : args.tables) fmt::print("{}\n", f);
   return Exit::pass;
 }
 

@@ -280,6 +280,15 @@ void add_study_verbs(CLI::App& app) {
   field->add_option("--current", field_args->current, "A in the coil, with --mesh")->capture_default_str();
   field->add_flag("--symmetric", field_args->symmetric, "the mesh is one half of the device");
   field->add_flag("--ends", field_args->ends, "with the ends of stack and coil, from three dimensions");
+  field->add_option(
+      "--out", field_args->tables,
+      "table of flux linkage and force over current and position; FILE.csv, FILE.mat (Simscape and "
+      "Modelica) or FILE.txt (Modelica); may be repeated");
+  field
+      ->add_option("--largest-current", field_args->largest_current,
+                   "A, end of the tables of --out; 0: of the open core at the largest flux computed")
+      ->check(CLI::Range(0.0, 1e4))
+      ->capture_default_str();
   field->add_flag("--json", field_args->json, "JSON to stdout");
   auto steel_args = std::make_shared<SteelArgs>();
   CLI::App* steel =

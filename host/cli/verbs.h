@@ -180,9 +180,11 @@ struct FieldArgs {
   bool ring = false;      ///< the shading ring as a third variable
   std::string mesh_file;  ///< a plane mesh (MSH 4.1) in place of the specimen's shape; "" = none
   std::string mesh_unit = "mm";
-  double current = 0.3;    ///< A, with a mesh
-  bool symmetric = false;  ///< the mesh is one half of a symmetric device
-  bool ends = false;       ///< with what three dimensions add at the ends of stack and coil
+  double current = 0.3;             ///< A, with a mesh
+  bool symmetric = false;           ///< the mesh is one half of a symmetric device
+  bool ends = false;                ///< with what three dimensions add at the ends of stack and coil
+  std::vector<std::string> tables;  ///< files for other simulators; their endings say how
+  double largest_current = 0;       ///< A, of these; 0: from the table
   bool json = false;
 };
 Exit show_field(const FieldArgs&);

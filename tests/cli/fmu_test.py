@@ -47,3 +47,21 @@ class UnitTest(unittest.TestCase):
         self.assertIn("cannot be written", said)
         self.assertIn("--fmi", fixture.program("fmu", "--fmi", 1, code=2))
         self.assertIn("no.toml", fixture.program("fmu", "no.toml", code=2))
+
+    def test_tables_for_other_simulators(self):
+        files = [self.place / f"table.{ending}" for ending in ("csv", "mat", "txt")]
+        out = [word for f in files for word in ("--out", f)]
+        said = json.loads(fixture.program("field", "-o", self.place, "--accuracy", "5%", *out, "--json"))
+        self.assertEqual(said["tables"], [str(f) for f in files])
+        rows = files[0].read_text().splitlines()
+        self.assertEqual(len(rows), 1 + 81 * 61)
+        last = [float(v) for v in rows[-1].split(",")]
+        self.assertGreater(last[3], 0)
+        self.assertTrue(files[1].read_bytes().startswith(b"MATLAB 5.0"))
+        self.assertIn("double force(82,62)", files[2].read_text())
+        for words, key in (
+            (("--out", "x.xml"), "x.xml"),
+            (("--out", "x.csv", "--ring"), "--ring"),
+            (("--out", "x.csv", "--mesh", "y.msh"), "--mesh"),
+        ):
+            self.assertIn(key, fixture.program("field", "-o", self.place, *words, code=2))
