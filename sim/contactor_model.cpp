@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "sim/contact_damping.h"
+#include "sim/specimen_potential.h"
 
 namespace powbench::sim {
 
@@ -18,6 +19,7 @@ ContactorModel::ContactorModel(const Specimen& specimen, const Mains& mains, con
       inductance_(specimen.coil.leakage + mains.inductance),
       open_stop_depth_(specimen.core.return_preload / specimen.core.stop_stiffness),
       seat_depth_(specimen.bridges.preload / specimen.bridges.seat_stiffness) {
+  require_circuit(specimen_);
   const auto& base = specimen_.base;
   const double omega = 2 * pi * base.hertz;
   base_rate_ = base.mass * omega * omega;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -10,6 +11,8 @@
 /// `scenes/reference.specimen.toml`. Symbols are those of docs/reference/notation.md.
 
 namespace powbench::sim {
+
+struct DrawnMagnet;  // sim/fields/drawn_magnet.h
 
 /// Coil: u = R i + d psi/dt.
 struct Coil {
@@ -32,6 +35,8 @@ struct Magnet {
   double bh_exponent = 11.0;
   std::string steel;                     ///< a measured curve in place of that law, by its name; "": the law
   std::vector<double> steel_b, steel_h;  ///< T, A/m: its rows; empty: a built-in steel of that name
+  std::string drawing;                   ///< file of the magnet's drawing; "": none, see Specimen::drawn
+  std::string drawing_hash;              ///< of its content, 16 hexadecimal digits
   double coercive_field = 0;             ///< H_c, A/m; 0: the iron forgets
   double coercive_span = 0.1;            ///< B_c, T: change of B in which the coercive field turns over
   double remanence = 0;                  ///< -1 .. 1: left by the last switch-off, of the largest there is
@@ -101,6 +106,9 @@ struct Specimen {
   Base base;
   bool shaped = true;  ///< `shape` is this contactor's; else only the circuit describes its magnet
   MagnetShape shape;   ///< read by the field rungs alone; the lumped circuit has its own lengths in `magnet`
+  std::shared_ptr<const DrawnMagnet>
+      drawn;           ///< the content of `magnet.drawing`, in place of `shape`; null: none, or not here
+  bool lumped = true;  ///< false: a drawn magnet whose circuit is not stated; only its table describes it
 };
 
 }  // namespace powbench::sim

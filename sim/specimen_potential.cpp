@@ -2,11 +2,22 @@
 
 #include <algorithm>
 #include <cmath>
+#include <stdexcept>
 
 namespace powbench::sim {
 
+void require_circuit(const Specimen& s) {
+  if (!s.lumped)
+    throw std::invalid_argument(
+        "specimen '" + s.name +
+        "' is a drawing without a lumped circuit: fields = table is its magnet; for the circuit "
+        "[magnet] pole_area_mm2 and iron_length_mm have to be given");
+}
+
 SpecimenPotential::SpecimenPotential(const Specimen& s)
-    : circuit_(s.magnet, s.core.travel), turns_(s.coil.turns), leakage_(s.coil.leakage) {}
+    : circuit_(s.magnet, s.core.travel), turns_(s.coil.turns), leakage_(s.coil.leakage) {
+  require_circuit(s);
+}
 
 MagneticResponse SpecimenPotential::at(const MagneticState& s) const {
   const bool ring = circuit_.has_ring();

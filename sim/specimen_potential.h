@@ -9,6 +9,10 @@
 
 namespace powbench::sim {
 
+/// Throws std::invalid_argument for a drawn magnet whose circuit is not stated (Specimen::lumped).
+void require_circuit(const Specimen&);
+
+/// Throws as require_circuit.
 class SpecimenPotential : public MagneticPotential {
  public:
   explicit SpecimenPotential(const Specimen&);

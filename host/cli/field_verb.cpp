@@ -7,11 +7,13 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
+#include "host/cli/drawing_verb.h"
 #include "host/cli/named_steel.h"
 #include "host/cli/percent.h"
+#include "host/cli/table_files.h"
 #include "host/cli/verbs.h"
+#include "host/config/drawing_file.h"
 #include "host/config/specimen_file.h"
-#include "host/export/actuator_table.h"
 #include "host/export/field_svg.h"
 #include "host/export/field_vtu.h"
 #include "host/export/write_file.h"
@@ -71,52 +73,6 @@ std::string content_of(const std::string& path) {
   return text.str();
 }
 
-/// Refuses a file for other simulators before anything is computed.
-void check_tables(const FieldArgs& args) {
-  for (const auto& file : args.tables) {
-    const std::string ending = fs::path(file).extension().string();
-    if (ending != ".csv" && ending != ".mat" && ending != ".txt")
-      throw BadInput({"--out " + file + ": ending '" + ending + "', allowed .csv, .mat, .txt"});
-  }
-  if (args.tables.empty()) return;
-  if (args.ring)
-    throw BadInput(
-        {"--out and --ring: current and position determine the flux only with the ring at rest; allowed one "
-         "of them"});
-  if (!args.mesh_file.empty())
-    throw BadInput({"--out and --mesh: one state is no table; allowed one of them"});
-}
-
-/// Writes what was asked for; says how well the rows can be interpolated.
-void write_tables(const FieldArgs& args, const sim::TablePotential& table, double travel,
-                  const std::string& title) {
-  if (args.tables.empty()) return;
-  const double most = args.largest_current > 0 ? args.largest_current
-                                               : table.at({table.table().psi.back(), 0, travel}).current;
-  const ActuatorTable t = actuator_table(table, most, travel);
-  for (const auto& file : args.tables) {
-    const auto ending = fs::path(file).extension();
-    write_file(file, ending == ".csv"   ? actuator_csv(t)
-                     : ending == ".mat" ? actuator_mat(t)
-                                        : actuator_modelica(t, title));
-  }
-  fmt::print(
-      stderr,
-      "{} currents up to {:.3g} A, {} positions up to {:.3g} mm; linear interpolation errs by up to {:.2g} % "
-      "of the "
-      "largest flux linkage and {:.2g} % of the largest force; {:.2g} % of the states are extrapolated\n",
-      t.current.size(), most, t.position.size(), travel * 1e3, 100 * t.linear_error_linkage,
-      100 * t.linear_error_force, 100 * t.beyond);
-}
-
-std::string extrapolated_text(const sim::PotentialTable& t, const sim::ExtrapolatedShare& e) {
-  if (t.steel_field.empty()) return "what share is extrapolated is not known";
-  if (e.share == 0) return fmt::format("no state is above the B-H data, which end at {:.3g} T", t.data_end);
-  return fmt::format(
-      "somewhere above the B-H data, which end at {:.3g} T, in {:.3g} % of the states, from {:.3g} Wb on",
-      t.data_end, e.share * 100, e.from_psi);
-}
-
 /// One state on a mesh drawn elsewhere.
 Exit show_mesh(const FieldArgs& args, const sim::MagnetDesign& design) {
   if (!(std::fabs(args.current) <= 1e4))
@@ -164,10 +120,20 @@ Exit show_mesh(const FieldArgs& args, const sim::MagnetDesign& design) {
 
 }  // namespace
 
+std::string extrapolated_text(const sim::PotentialTable& t, const sim::ExtrapolatedShare& e) {
+  if (t.steel_field.empty()) return "what share is extrapolated is not known";
+  if (e.share == 0) return fmt::format("no state is above the B-H data, which end at {:.3g} T", t.data_end);
+  return fmt::format(
+      "somewhere above the B-H data, which end at {:.3g} T, in {:.3g} % of the states, from {:.3g} Wb on",
+      t.data_end, e.share * 100, e.from_psi);
+}
+
 Exit show_field(const FieldArgs& args) {
+  check_tables(args);
+  if (names_drawing(args.specimen_file)) return show_drawing(args, read_drawing(args.specimen_file));
   const sim::Specimen specimen =
       args.specimen_file.empty() ? sim::Specimen{} : read_specimen(args.specimen_file);
-  check_tables(args);
+  if (specimen.drawn) return show_drawing(args, specimen.drawn);
   const auto design = design_of(specimen, args.steel);
   if (!args.mesh_file.empty()) return show_mesh(args, design);
   if (!specimen.shaped)

@@ -265,7 +265,8 @@ void add_study_verbs(CLI::App& app) {
   field->add_option(
       "specimen", field_args->specimen_file,
       "specimen file (TOML); the reference contactor if left out. Its [shape] is an E-core, with legs = 2 "
-      "a U-core, with closed_leg = 1 too a C-core");
+      "a U-core, with closed_leg = 1 too a C-core. Or a drawing (x.magnet.toml): any magnet on a mesh of "
+      "gmsh");
   field->add_option("-o,--output", field_args->folder, "folder for table and pictures; made if missing")
       ->capture_default_str();
   field->add_option("--accuracy", field_args->accuracy, "relative error of current and pull")
@@ -273,8 +274,9 @@ void add_study_verbs(CLI::App& app) {
   field->add_option("--steel", field_args->steel,
                     "built-in steel or B-H sheet (CSV) in place of the specimen's");
   field->add_flag("--ring", field_args->ring, "the shading ring as a third variable");
-  field->add_option("--mesh", field_args->mesh_file,
-                    "plane mesh of gmsh (MSH 4.1) in place of the specimen's shape: one state at --current");
+  field->add_option(
+      "--mesh", field_args->mesh_file,
+      "plane mesh of gmsh (MSH 2.2 or 4.1) in place of the specimen's shape: one state at --current");
   field->add_option("--mesh-unit", field_args->mesh_unit, "of the mesh's coordinates: mm, m or in")
       ->capture_default_str();
   field->add_option("--current", field_args->current, "A in the coil, with --mesh")->capture_default_str();

@@ -48,7 +48,8 @@ Wish wish_of(const SimArgs& args, const Plan& plan) {
 sim::SceneAxes axes_of(const Wish& wish, const sim::Case& first, const FieldCache& cache) {
   sim::SceneAxes axes;
   if (wish.fields == "auto") {
-    axes.fields = {"circuit"};
+    if (first.specimen.lumped) axes.fields = {"circuit"};
+    if (first.specimen.drawn) axes.fields.emplace_back("table");
     if (first.specimen.shaped) axes.fields.insert(axes.fields.end(), {"table", "field3d"});
   } else
     axes.fields = {wish.fields.empty() ? "circuit" : wish.fields};
@@ -135,7 +136,7 @@ void print_choice(const sim::SceneChoice& c, const Wish& wish, const sim::Specim
   if (wish.accuracy) fmt::print(stderr, "wanted accuracy: {}\n", verdict_text(c));
   if (wish.accuracy && wish.fields.empty())
     fmt::print(stderr, "--fields auto compares the circuit with fields of the specimen's [shape]\n");
-  if (wish.fields == "auto" && !specimen.shaped)
+  if (wish.fields == "auto" && !specimen.shaped && !specimen.drawn)
     fmt::print(stderr, "specimen '{}' has no [shape]: only its circuit describes its magnet\n",
                specimen.name);
   fmt::print(stderr, "{:<9} {:>15} {:>15} {:>15}\n", "", "step error us", "model error us", "input error us");
@@ -278,6 +279,10 @@ Exit simulate_plan(const SimArgs& args) {
   if (!wish.any() && !sim::rigid_only(scene.specimen).empty()) {
     fmt::print(stderr, "specimen '{}' takes mechanics = rigid\n", scene.specimen.name);
     wish.mechanics = "rigid";
+  }
+  if (!scene.specimen.lumped && wish.fields.empty()) {
+    fmt::print(stderr, "specimen '{}' has a drawing and no circuit: fields = table\n", scene.specimen.name);
+    wish.fields = "table";
   }
   RigFile bench = args.rig_file.empty() ? RigFile{} : read_rig(args.rig_file);
   bench.config.sensors.channels = wanted_channels(scene.plan);

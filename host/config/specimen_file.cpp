@@ -1,7 +1,11 @@
 #include "host/config/specimen_file.h"
 
+#include <cinttypes>
+#include <cmath>
+#include <cstdio>
 #include <stdexcept>
 
+#include "host/config/drawing_file.h"
 #include "host/config/file_reader.h"
 #include "host/config/steel_file.h"
 #include "sim/specimen_fields.h"
@@ -25,25 +29,46 @@ std::string meaning_of(std::string_view section) {
   return std::string(section);
 }
 
+/// What a kind is made for: reading a file, writing the values of a specimen, or a template with every key.
+enum class Writes { nothing, values, all };
+
 bool is_law_key(std::string_view key) {
   return key.starts_with("bh_");
 }
 
+bool is_circuit_key(std::string_view section, std::string_view key) {
+  if (section == "coil") return key == "leakage_H";
+  return section == "magnet" && (is_law_key(key) || key == "pole_area_mm2" || key == "iron_length_mm" ||
+                                 key == "fringing" || key == "shaded_share");
+}
+
+/// The drawing of a magnet. A file names it, a stored specimen holds the hash of what was in it, too.
+void add_drawing(FileKind& kind, sim::Magnet& m, Writes writes) {
+  if (writes == Writes::values && m.drawing.empty()) return;
+  kind.text("drawing", m.drawing,
+            "a drawing file (x.magnet.toml, its place as seen from this file) in place of [shape]: its table "
+            "is the "
+            "magnet; turns, travel_mm, residual_gap_um and the ring's resistance are the drawing's");
+  if (writes == Writes::all) return;
+  kind.text("drawing_hash", m.drawing_hash, "of what was in the drawing; written into stored specimens");
+}
+
 /// The measured steel of a magnet. Its rows are written only where there are any: a file names a sheet, a stored specimen holds
 /// what was in it.
-void add_steel(FileKind& kind, sim::Magnet& m, bool reading) {
+void add_steel(FileKind& kind, sim::Magnet& m, Writes writes) {
   kind.text(
       "steel", m.steel,
       "a measured steel in place of the law H = a B + b B^n: a B-H sheet (CSV, its place as seen from this "
       "file) or a built-in one; `powbench steel` lists them");
-  if (!reading && m.steel_b.empty()) return;
+  if (writes != Writes::nothing && m.steel_b.empty()) return;
   kind.sweep("steel_B_T", m.steel_b, {0, 100}, "flux densities of the steel's rows, in place of a sheet",
              Need::defaulted);
   kind.sweep("steel_H_A_per_m", m.steel_h, {0, 1e8}, "field strengths of the steel's rows", Need::defaulted);
 }
 
 /// The simulator's own table of specimen fields, as a file. A shape that is not known is left out of what is written.
-FileKind kind_of(sim::Specimen& s, bool reading = false) {
+FileKind kind_of(sim::Specimen& s, Writes writes = Writes::values) {
+  const bool reading = writes == Writes::nothing;
   FileKind kind("specimen", "one contactor, as the simulator sees it");
   kind.text("name", s.name, "name of the contactor, stored with every shot");
   for (const auto& f : sim::specimen_fields()) {
@@ -51,8 +76,12 @@ FileKind kind_of(sim::Specimen& s, bool reading = false) {
     if (section == "shape" && !s.shaped && !reading) break;  // the last section
     if (kind.sections().back().name != section) {
       kind.section(section, meaning_of(section));
-      if (section == "magnet") add_steel(kind, s.magnet, reading);
+      if (section == "magnet") {
+        add_drawing(kind, s.magnet, writes);
+        add_steel(kind, s.magnet, writes);
+      }
     }
+    if (!s.lumped && !reading && is_circuit_key(section, f.key)) continue;
     if (is_law_key(f.key) && !s.magnet.steel.empty() && !reading) continue;
     const bool drawn = section == "shape";
     kind.number(std::string(f.key),
@@ -96,11 +125,56 @@ void load_steel(FileReader& reader, sim::Magnet& m, const std::filesystem::path&
   }
 }
 
+/// A number that the drawing gives, too: the file may leave it out, or state the same.
+void take_number(FileReader& reader, std::string_view section, std::string_view key, double& value,
+                 double drawn) {
+  if (reader.bad(section, key)) return;
+  if (reader.good(section, key) && std::fabs(value - drawn) > 1e-6 * std::fabs(drawn))
+    reader.fail(section, key, "the drawing has another value: leave one out");
+  value = drawn;
+}
+
+/// Reads the drawing that the magnet names; every mistake is one of `reader`.
+void load_drawing(FileReader& reader, sim::Specimen& s, const std::filesystem::path& folder) {
+  const auto stated = [&](std::string_view section, std::string_view key) {
+    return reader.good(section, key);
+  };
+  if (!stated("magnet", "drawing")) {
+    if (stated("magnet", "drawing_hash")) reader.fail("magnet", "drawing_hash", "belongs to a drawing");
+    return;
+  }
+  if (s.shaped) reader.fail("magnet", "drawing", "[shape] is another magnet: leave out one of both");
+  s.lumped = stated("magnet", "pole_area_mm2") && stated("magnet", "iron_length_mm");
+  if (!s.lumped)
+    for (const auto& f : sim::specimen_fields())
+      if (is_circuit_key(f.section, f.key) && stated(f.section, f.key))
+        reader.fail(f.section, f.key,
+                    "is of a lumped circuit, which a drawn magnet has only where pole_area_mm2 and "
+                    "iron_length_mm are "
+                    "given");
+  if (stated("magnet", "drawing_hash")) return;  // a stored specimen: its mesh is elsewhere
+  try {
+    s.drawn = read_drawing(folder / s.magnet.drawing);
+  } catch (const BadInput& error) {
+    for (const auto& line : error.errors()) reader.fail("magnet", "drawing", line);
+    return;
+  }
+  char hash[20];
+  std::snprintf(hash, sizeof hash, "%016" PRIx64, sim::drawing_hash(*s.drawn));
+  s.magnet.drawing_hash = hash;
+  take_number(reader, "coil", "turns", s.coil.turns, s.drawn->turns());
+  take_number(reader, "core", "travel_mm", s.core.travel, s.drawn->travel);
+  take_number(reader, "magnet", "residual_gap_um", s.magnet.residual_gap, s.drawn->residual_gap);
+  if (s.drawn->ring_resistance > 0)
+    take_number(reader, "magnet", "ring_resistance_ohm", s.magnet.ring_resistance, s.drawn->ring_resistance);
+}
+
 sim::Specimen read_with(FileReader reader, const std::filesystem::path& folder) {
   sim::Specimen s;
   s.shaped = false;
-  reader.read(kind_of(s, true));
+  reader.read(kind_of(s, Writes::nothing));
   load_steel(reader, s.magnet, folder);
+  load_drawing(reader, s, folder);
   bool lengths_known = !reader.bad("core", "travel_mm");
   for (const char* key : {"gap_mm", "tilt_gap_mm", "gap_spread_mm"})
     lengths_known = lengths_known && !reader.bad("bridges", key);
@@ -131,7 +205,7 @@ sim::Specimen parse_specimen(std::string text, std::string file) {
 
 std::string specimen_template() {
   sim::Specimen s;
-  return kind_of(s).template_text();
+  return kind_of(s, Writes::all).template_text();
 }
 
 std::vector<KeyLine> keys_of(const sim::Specimen& specimen) {

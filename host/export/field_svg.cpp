@@ -22,29 +22,30 @@ struct Point {
 
 /// The picture of the mesh, which may be one half of the core; y grows downwards in SVG.
 struct FieldPicture {
-  const sim::MagnetField& field;
+  const sim::FieldProblem& problem;
   const std::vector<double>& a;
-  double stretch;                                   ///< true over meshed height of the strip
-  bool half = true;                                 ///< x < 0 is the mirror image
-  double left = 0, right = 0, bottom = 0, top = 0;  ///< of the core, m
+  std::vector<int> shown;  ///< by region: what it is drawn as; below 0: air
+  double stretch = 1;      ///< true over meshed height of the strip
+  bool half = true;        ///< x < 0 is the mirror image
+  double left = 1e9, right = -1e9, bottom = 1e9, top = -1e9;  ///< of the core, m
   std::map<int, std::string> fills = {};
   std::string contours = {};
   double least_a = 0, largest_a = 0;
 
   double true_y(double y) const {
-    if (y <= 0) return y;
+    if (y <= 0 || stretch == 1) return y;
     return y < sim::strip_height ? y * stretch : y + (stretch - 1) * sim::strip_height;
   }
   Point screen(Point p) const { return {p.x * 1e3 * pixels_per_mm, -p.y * 1e3 * pixels_per_mm}; }
 
   std::size_t unknown(std::size_t t, int n) const {
-    return static_cast<std::size_t>(field.problem().space().unknowns(t)[n]);
+    return static_cast<std::size_t>(problem.space().unknowns(t)[n]);
   }
 
   void measure() {
-    const auto& m = field.problem().space().mesh;
+    const auto& m = problem.space().mesh;
     for (std::size_t t = 0; t < m.triangle.size(); ++t) {
-      if (m.region[t] == sim::CoreRegion::air || m.region[t] == sim::CoreRegion::strip) continue;
+      if (kind(m.region[t]) < 0) continue;
       for (const int v : m.triangle[t]) {
         left = std::min(left, m.x[static_cast<std::size_t>(v)]);
         right = std::max(right, m.x[static_cast<std::size_t>(v)]);
@@ -54,16 +55,20 @@ struct FieldPicture {
     }
     half = *std::min_element(m.x.begin(), m.x.end()) >= 0;
     if (half) left = -right;
-    for (const double value : a) {
+    const auto& space = problem.space();
+    for (std::size_t u = 0; u < space.node_x.size(); ++u) {
+      const double value = space.axisymmetric ? space.node_x[u] * a[u] : a[u];
       least_a = std::min(least_a, value);
       largest_a = std::max(largest_a, value);
     }
   }
 
+  int kind(int region) const { return shown[static_cast<std::size_t>(region)]; }
+
   /// Four triangles from the corners and the middles of the edges.
   void draw() {
     measure();
-    const auto& space = field.problem().space();
+    const auto& space = problem.space();
     const auto& m = space.mesh;
     const double reach = margin_mm * 1e-3;
     for (std::size_t t = 0; t < m.triangle.size(); ++t) {
@@ -78,7 +83,9 @@ struct FieldPicture {
       const auto [x0, x1] = std::minmax({p[0].x, p[1].x, p[2].x});
       const auto [y0, y1] = std::minmax({p[0].y, p[1].y, p[2].y});
       if (x1 < left - reach || x0 > right + reach || y1 < bottom - reach || y0 > top + reach) continue;
-      for (int n = 0; n < space.nodes; ++n) value[static_cast<std::size_t>(n)] = a[unknown(t, n)];
+      for (int n = 0; n < space.nodes; ++n)  // around an axis r A is even along a line of flux
+        value[static_cast<std::size_t>(n)] =
+            a[unknown(t, n)] * (space.axisymmetric ? p[static_cast<std::size_t>(n)].x : 1);
       if (space.order == 1)
         for (std::size_t n = 0; n < 3; ++n) value[n + 3] = 0.5 * (value[n] + value[(n + 1) % 3]);
       constexpr std::array<std::array<std::size_t, 3>, 4> parts{{{0, 3, 5}, {3, 1, 4}, {5, 4, 2}, {3, 4, 5}}};
@@ -87,7 +94,7 @@ struct FieldPicture {
                                                               {1. / 6, 1. / 6, 2. / 3},
                                                               {1. / 3, 1. / 3, 1. / 3}}};
       for (std::size_t k = 0; k < parts.size(); ++k) {
-        const auto [bx, by] = field.problem().field(t, middles[k], a.data());
+        const auto [bx, by] = problem.field(t, middles[k], a.data());
         fill(p, parts[k], std::hypot(bx, by));
         trace(p, value, parts[k]);
       }
@@ -120,19 +127,13 @@ struct FieldPicture {
     }
   }
 
-  /// The strip counts as what it continues.
-  static int shown(int region) {
-    if (region == sim::CoreRegion::strip) return sim::CoreRegion::air;
-    return region == sim::CoreRegion::strip_iron ? sim::CoreRegion::fixed_iron : region;
-  }
-
   /// Edges between different regions.
   std::string outlines() const {
-    const auto& m = field.problem().space().mesh;
+    const auto& m = problem.space().mesh;
     std::map<std::pair<int, int>, std::vector<int>> sides;
     for (std::size_t t = 0; t < m.triangle.size(); ++t)
       for (std::size_t k = 0; k < 3; ++k) {
-        sides[std::minmax(m.triangle[t][k], m.triangle[t][(k + 1) % 3])].push_back(shown(m.region[t]));
+        sides[std::minmax(m.triangle[t][k], m.triangle[t][(k + 1) % 3])].push_back(kind(m.region[t]));
       }
     std::string path;
     for (const auto& [ends, regions] : sides) {
@@ -158,10 +159,8 @@ std::string legend(double x, double y) {
   return out;
 }
 
-}  // namespace
-
-std::string field_svg(const sim::MagnetField& field, const sim::FieldPoint& point, const std::string& title) {
-  FieldPicture picture{field, point.a, field.problem().gap() / sim::strip_height};
+/// The picture with its title and scale.
+std::string framed(FieldPicture picture, const std::string& title) {
   picture.draw();
   const double x = (picture.left * 1e3 - margin_mm) * pixels_per_mm,
                right = (picture.right * 1e3 + margin_mm) * pixels_per_mm,
@@ -195,6 +194,26 @@ std::string field_svg(const sim::MagnetField& field, const sim::FieldPoint& poin
       fmt::format("<text x=\"{:.0f}\" y=\"{:.0f}\" font-weight=\"bold\">{}</text>\n", x + 8, -y - 12, title);
   svg += legend(right + 14, -y + 20);
   return svg + "</svg>\n";
+}
+
+}  // namespace
+
+std::string field_svg(const sim::MagnetField& field, const sim::FieldPoint& point, const std::string& title) {
+  using Region = sim::CoreRegion;
+  std::vector<int> shown(Region::count);
+  for (int r = 0; r < Region::count; ++r) shown[static_cast<std::size_t>(r)] = r;
+  shown[Region::air] = shown[Region::strip] = -1;
+  shown[Region::strip_iron] = Region::fixed_iron;  // the strip counts as what it continues
+  return framed({field.problem(), point.a, shown, field.problem().gap() / sim::strip_height}, title);
+}
+
+std::string field_svg(const sim::DrawnField& field, const sim::FieldPoint& point, const std::string& title) {
+  std::vector<int> shown;
+  for (const auto& part : field.drawing().parts)
+    shown.push_back(part.role == sim::DrawnRole::air || part.role == sim::DrawnRole::stretch
+                        ? -1
+                        : static_cast<int>(shown.size()));
+  return framed({field.problem(), point.a, shown}, title);
 }
 
 }  // namespace powbench::host

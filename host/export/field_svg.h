@@ -2,6 +2,7 @@
 
 #include <string>
 
+#include "sim/fields/drawn_magnet.h"
 #include "sim/fields/magnet_field.h"
 #include "sim/fields/potential_table.h"
 
@@ -12,6 +13,9 @@ namespace powbench::host {
 /// The whole core from the side: |B| as colour, 24 lines of equal flux, the outlines of iron, winding and ring. The gap is
 /// the one last set on the field. The picture shows the core and a margin around it.
 std::string field_svg(const sim::MagnetField&, const sim::FieldPoint&, const std::string& title);
+
+/// The same of a drawn magnet: mirrored where its mesh ends at x = 0; around an axis the lines are those of equal r A.
+std::string field_svg(const sim::DrawnField&, const sim::FieldPoint&, const std::string& title);
 
 /// Energy, coil current and pull over flux linkage and gap, three surfaces side by side. With a ring, its flux grows in step
 /// with the coil's.

@@ -6,7 +6,7 @@
 
 #include "sim/fields/field_problem.h"
 
-/// A plane mesh drawn elsewhere, with the materials named by its physical groups (gmsh, MSH 4.1):
+/// A plane mesh drawn elsewhere, with the materials named by its physical groups (gmsh, MSH 2.2 or 4.1):
 ///
 ///   surfaces  air, steel (the specimen's, stacked), armature (the same steel, whose pull is wanted), any built-in steel by its
 ///             name, coil+ and coil- (out of the plane, into it); the turns spread evenly over each

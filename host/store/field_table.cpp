@@ -158,6 +158,13 @@ FieldTableChoice obtain_field_table(const std::filesystem::path& folder, const s
                 [&](sim::TableReport* report) { return sim::build_table(design, options, team, report); });
 }
 
+FieldTableChoice obtain_field_table(const std::filesystem::path& folder,
+                                    const std::shared_ptr<const sim::DrawnMagnet>& drawing,
+                                    const sim::TableOptions& options, sim::Team& team) {
+  return obtain(folder, sim::table_hash(*drawing, options),
+                [&](sim::TableReport* report) { return sim::build_table(drawing, options, team, report); });
+}
+
 FieldTableChoice obtain_end_table(const std::filesystem::path& folder, const sim::MagnetDesign& design,
                                   const sim::TableOptions& options, const sim::EndTableOptions& ends,
                                   sim::Team& team) {

@@ -5,6 +5,7 @@
 #include <string_view>
 
 #include "sim/field3d/end_table.h"
+#include "sim/fields/drawn_magnet.h"
 #include "sim/fields/table_build.h"
 
 /// Tables of the magnetic potential on disk: a text header with version, units and sizes, the numbers as little-endian
@@ -33,6 +34,11 @@ struct FieldTableChoice {
 /// error, not rebuilt in silence.
 FieldTableChoice obtain_field_table(const std::filesystem::path& folder, const sim::MagnetDesign&,
                                     const sim::TableOptions&, sim::Team&);
+
+/// The same for a drawn magnet.
+FieldTableChoice obtain_field_table(const std::filesystem::path& folder,
+                                    const std::shared_ptr<const sim::DrawnMagnet>&, const sim::TableOptions&,
+                                    sim::Team&);
 
 /// The same for the table with the ends of three dimensions.
 FieldTableChoice obtain_end_table(const std::filesystem::path& folder, const sim::MagnetDesign&,

@@ -8,6 +8,8 @@
 #include "host/config/bad_input.h"
 #include "host/store/field_table.h"
 #include "sim/field3d/ladder3.h"
+#include "sim/fields/drawn_magnet.h"
+#include "sim/specimen_potential.h"
 
 namespace powbench::host {
 namespace {
@@ -28,8 +30,12 @@ void say(const FieldCache& cache, const std::string& text) {
 
 std::shared_ptr<const sim::TablePotential> plane_table(const sim::Specimen& s, const FieldCache& cache) {
   say(cache,
-      "field table of the shape, plane, with ring: from " + cache.folder.string() + ", or built there");
+      (s.drawn ? "field table of the drawing: from " : "field table of the shape, plane, with ring: from ") +
+          cache.folder.string() + ", or built there");
   sim::Team team(2);
+  if (s.drawn)
+    return std::make_shared<sim::TablePotential>(
+        obtain_field_table(cache.folder, s.drawn, options_of(s, cache), team).table);
   return std::make_shared<sim::TablePotential>(
       obtain_field_table(cache.folder, sim::magnet_design(s), options_of(s, cache), team).table);
 }
@@ -62,8 +68,18 @@ Potential solid_table(const sim::Specimen& s, const FieldCache& cache, bool ends
 
 sim::FieldRung obtain_field(std::string_view name, const sim::Specimen& s, const FieldCache& cache) {
   try {
-    if (name == "circuit") return sim::circuit_field();
-    if (!s.shaped && std::ranges::find(sim::field_names, name) != sim::field_names.end())
+    if (name == "circuit") {
+      sim::require_circuit(s);
+      return sim::circuit_field();
+    }
+    if (!s.drawn && !s.magnet.drawing.empty())
+      throw std::invalid_argument("the drawing '" + s.magnet.drawing + "' of the stored specimen '" + s.name +
+                                  "' is not at hand; name its specimen file");
+    if (s.drawn && name == "field2d") return sim::live_field(s.drawn, {});
+    if (s.drawn && name == "field3d")
+      throw std::invalid_argument("allowed table, field2d: the drawing of specimen '" + s.name +
+                                  "' is no magnet in three dimensions");
+    if (!s.shaped && !s.drawn && std::ranges::find(sim::field_names, name) != sim::field_names.end())
       throw std::invalid_argument("allowed circuit, for specimen '" + s.name +
                                   "' has no [shape]: whose magnet the fields are is not known");
     if (name == "table") {

@@ -1,6 +1,7 @@
 #include "sim/fields/msh.h"
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cstdint>
 #include <map>
@@ -36,6 +37,7 @@ struct Reader {
   std::map<std::pair<int, int>, std::vector<int>> groups_of;  ///< (dimension, entity) -> physical tags
   std::unordered_map<std::int64_t, int> index_of;             ///< node tag -> index
   bool has_entities = false;
+  bool version2 = false;
 
   void format();
   void names();
@@ -43,6 +45,10 @@ struct Reader {
   void nodes();
   void elements();
   void element_block(std::int64_t& left);
+  void nodes2();
+  void elements2();
+  const ElementKind& kind_of(int type) const;
+  void take_nodes(MshBlock& block, std::int64_t tag, bool wide);
   void add_group(int dimension, int tag, const std::string& name);
 };
 
@@ -59,8 +65,9 @@ void Reader::format() {
   if (scan.at_end()) scan.fail("the file is empty; $MeshFormat expected");
   scan.expect("$MeshFormat");
   const auto version = scan.word();
-  if (version != "4.1")
-    scan.fail("format version 4.1 expected, found '" + std::string(version.substr(0, 24)) +
+  version2 = version == "2.2";
+  if (version != "4.1" && !version2)
+    scan.fail("format version 2.2 or 4.1 expected, found '" + std::string(version.substr(0, 24)) +
               "' (gmsh writes it with -format msh41)");
   const int binary = scan.integer("the file type");
   if (binary != 0 && binary != 1)
@@ -151,15 +158,35 @@ void Reader::nodes() {
               " given");
 }
 
-void Reader::element_block(std::int64_t& left) {
-  const int dimension = scan.integer("the dimension of an entity");
-  const int entity = scan.integer("the tag of an entity");
-  const int type = scan.integer("an element type");
+const ElementKind& Reader::kind_of(int type) const {
   const auto* kind = std::find_if(std::begin(element_kinds), std::end(element_kinds),
                                   [&](const ElementKind& k) { return k.type == type; });
   if (kind == std::end(element_kinds))
     scan.fail("element type " + std::to_string(type) +
               "; read are points, lines, triangles, quadrangles, tetrahedra and hexahedra of order 1 and 2");
+  return *kind;
+}
+
+/// The nodes of one element; `wide`: tags of 8 bytes in binary data.
+void Reader::take_nodes(MshBlock& block, std::int64_t tag, bool wide) {
+  const auto first = block.nodes.end() - block.nodes.begin();
+  for (int k = 0; k < block.nodes_per_element; ++k) {
+    const std::int64_t node = wide ? scan.size("a node tag") : scan.integer("a node tag");
+    const auto found = index_of.find(node);
+    if (found == index_of.end())
+      scan.fail("element " + std::to_string(tag) + " names node " + std::to_string(node) +
+                ", which does not exist");
+    if (std::find(block.nodes.begin() + first, block.nodes.end(), found->second) != block.nodes.end())
+      scan.fail("element " + std::to_string(tag) + " names node " + std::to_string(node) + " twice");
+    block.nodes.push_back(found->second);
+  }
+}
+
+void Reader::element_block(std::int64_t& left) {
+  const int dimension = scan.integer("the dimension of an entity");
+  const int entity = scan.integer("the tag of an entity");
+  const int type = scan.integer("an element type");
+  const auto* kind = &kind_of(type);
   if (msh_dimension(kind->shape) != dimension)
     scan.fail("element type " + std::to_string(type) + " on an entity of dimension " +
               std::to_string(dimension));
@@ -177,17 +204,7 @@ void Reader::element_block(std::int64_t& left) {
   block.nodes.reserve(static_cast<std::size_t>(here * kind->nodes));
   for (std::int64_t e = 0; e < here; ++e) {
     const auto tag = scan.size("an element tag");
-    const auto first = block.nodes.end() - block.nodes.begin();
-    for (int k = 0; k < kind->nodes; ++k) {
-      const auto node = scan.size("a node tag");
-      const auto found = index_of.find(node);
-      if (found == index_of.end())
-        scan.fail("element " + std::to_string(tag) + " names node " + std::to_string(node) +
-                  ", which does not exist");
-      if (std::find(block.nodes.begin() + first, block.nodes.end(), found->second) != block.nodes.end())
-        scan.fail("element " + std::to_string(tag) + " names node " + std::to_string(node) + " twice");
-      block.nodes.push_back(found->second);
-    }
+    take_nodes(block, tag, true);
   }
   if (here > 0) mesh.blocks.push_back(std::move(block));
 }
@@ -201,6 +218,63 @@ void Reader::elements() {
   scan.size("the highest element tag");
   for (std::int64_t b = 0; b < blocks; ++b) element_block(left);
   if (left != 0) scan.fail(std::to_string(left) + " elements fewer than announced");
+}
+
+/// Version 2.2: the count is text in both forms, a node is its tag and three coordinates.
+void Reader::nodes2() {
+  const bool binary = scan.binary();
+  scan.set_binary(false);
+  if (!mesh.nodes.empty()) scan.fail("a second section $Nodes");
+  const auto announced = scan.count("the number of nodes", 7);
+  scan.set_binary(binary);
+  scan.begin_data();
+  mesh.nodes.reserve(static_cast<std::size_t>(announced));
+  for (std::int64_t k = 0; k < announced; ++k) {
+    const int tag = scan.integer("a node tag");
+    if (!index_of.emplace(tag, static_cast<int>(k)).second)
+      scan.fail("node " + std::to_string(tag) + " appears twice");
+    auto& node = mesh.nodes.emplace_back();
+    for (double& x : node) x = scan.real("a coordinate");
+  }
+}
+
+/// Version 2.2: an element names its physical group and its entity itself; in binary data runs of one type have a head.
+void Reader::elements2() {
+  const bool binary = scan.binary();
+  if (mesh.nodes.empty()) scan.fail("$Elements before $Nodes");
+  scan.set_binary(false);
+  auto left = scan.count("the number of elements", 5);
+  scan.set_binary(binary);
+  scan.begin_data();
+  std::map<std::array<int, 3>, std::size_t> block_of;  // type, entity, physical group
+  for (int type = 0, run = 0, tags = 0; left > 0; --left, --run) {
+    int element = 0;
+    if (binary && run == 0) {
+      type = scan.integer("an element type");
+      run = scan.integer("the number of elements of a type");
+      tags = scan.integer("the number of tags");
+      if (run < 1 || run > left) scan.fail("more elements than announced");
+    }
+    element = scan.integer("an element tag");
+    if (!binary) {
+      type = scan.integer("an element type");
+      tags = scan.integer("the number of tags");
+    }
+    const ElementKind& kind = kind_of(type);
+    if (tags < 2 || tags > 1000) scan.fail(std::to_string(tags) + " tags of an element, allowed from 2 on");
+    const int group = std::abs(scan.integer("a physical tag"));
+    const int entity = scan.integer("the tag of an entity");
+    for (int k = 2; k < tags; ++k) scan.integer("a tag");
+    const auto [at, added] = block_of.try_emplace({type, entity, group}, mesh.blocks.size());
+    if (added) {
+      mesh.blocks.push_back({kind.shape, kind.order, entity, {}, kind.nodes, {}});
+      if (group != 0) {
+        mesh.blocks.back().groups = {group};
+        add_group(msh_dimension(kind.shape), group, "");
+      }
+    }
+    take_nodes(mesh.blocks[at->second], element, false);
+  }
 }
 
 }  // namespace
@@ -234,9 +308,9 @@ MshMesh read_msh(std::string_view content) {
     else if (name == "$Entities")
       reader.entities();
     else if (name == "$Nodes")
-      reader.nodes();
+      reader.version2 ? reader.nodes2() : reader.nodes();
     else if (name == "$Elements")
-      reader.elements(), any_elements = true;
+      reader.version2 ? reader.elements2() : reader.elements(), any_elements = true;
     else {
       scan.set_binary(false);
       scan.skip_past(end);

@@ -27,21 +27,6 @@ int nodes_for(double accuracy) {
   return std::clamp(static_cast<int>(std::lround(24 * std::pow(accuracy / 0.005, -0.2))), 12, 48);
 }
 
-/// d3W/dpsi dring dgap at the nodes: slopes of the parabolas through three gaps.
-void fill_triple(PotentialTable& t) {
-  const std::size_t plane = t.psi.size() * t.ring.size();
-  const std::size_t last = t.gap.size() - 1;
-  const auto value = [&](std::size_t n, std::size_t g) { return t.nodes[(n + plane * g) * 8 + 3]; };
-  for (std::size_t n = 0; n < plane; ++n)
-    for (std::size_t g = 0; g <= last; ++g) {
-      const std::size_t m = std::clamp<std::size_t>(g, 1, last - 1);
-      const double a = t.gap[m] - t.gap[m - 1], b = t.gap[m + 1] - t.gap[m];
-      const double left = (value(n, m) - value(n, m - 1)) / a, right = (value(n, m + 1) - value(n, m)) / b;
-      const double bend = (right - left) / (a + b);
-      t.nodes[(n + plane * g) * 8 + 7] = left + bend * (2 * t.gap[g] - t.gap[m - 1] - t.gap[m]);
-    }
-}
-
 std::string describe(const MagnetDesign& d, const TablePlan& plan, int unknowns) {
   char text[200];
   std::snprintf(text, sizeof text, "%zu x %zu x %zu nodes, %d unknowns, %s, %g turns, residual gap %g um",
@@ -113,6 +98,20 @@ PotentialTable build_table(const MagnetDesign& d, const TableOptions& o, Team& t
   t.design_hash = table_hash(d, o);
   t.description = describe(d, plan, prototype.unknowns());
   return t;
+}
+
+void fill_triple(PotentialTable& t) {
+  const std::size_t plane = t.psi.size() * t.ring.size();
+  const std::size_t last = t.gap.size() - 1;
+  const auto value = [&](std::size_t n, std::size_t g) { return t.nodes[(n + plane * g) * 8 + 3]; };
+  for (std::size_t n = 0; n < plane; ++n)
+    for (std::size_t g = 0; g <= last; ++g) {
+      const std::size_t m = std::clamp<std::size_t>(g, 1, last - 1);
+      const double a = t.gap[m] - t.gap[m - 1], b = t.gap[m + 1] - t.gap[m];
+      const double left = (value(n, m) - value(n, m - 1)) / a, right = (value(n, m + 1) - value(n, m)) / b;
+      const double bend = (right - left) / (a + b);
+      t.nodes[(n + plane * g) * 8 + 7] = left + bend * (2 * t.gap[g] - t.gap[m - 1] - t.gap[m]);
+    }
 }
 
 std::uint64_t mixed_hash(std::uint64_t hash, double value) {

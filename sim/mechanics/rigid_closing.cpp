@@ -190,7 +190,7 @@ Trajectory run_closing(const MagneticPotential& potential, bool pressed_gap, con
   drive.potential = &potential;
   drive.resistance =
       coil.resistance * (1 + coil.temperature_coefficient * (conditions.ambient - 293.15)) + mains.resistance;
-  drive.ring_resistance = SpecimenPotential(specimen).ring_resistance();
+  drive.ring_resistance = specimen.magnet.ring_resistance;
   drive.supply = {mains, bench.coil_switch, bench.suppression};
   drive.remanence = remanence(specimen);
   drive.pressed_gap = pressed_gap;

@@ -8,6 +8,7 @@
 
 #include "core/units.h"
 #include "sim/contact_damping.h"
+#include "sim/fields/drawn_magnet.h"
 #include "sim/mechanics/rigid_closing.h"
 #include "sim/remanence.h"
 #include "sim/solid/modal_closing.h"
@@ -19,9 +20,11 @@ namespace powbench::sim {
 namespace {
 
 /// The field as a potential that remembers its last solution. Not for two threads.
+template <class Field>
 class LivePotential final : public MagneticPotential {
  public:
-  LivePotential(const MagnetDesign& design, const FieldOptions& options) : field_(design, options) {}
+  template <class Design, class Options>
+  LivePotential(const Design& design, const Options& options) : field_(design, options) {}
 
   bool has_ring() const override { return field_.has_ring(); }
   MagneticResponse at(const MagneticState& s) const override {
@@ -32,7 +35,7 @@ class LivePotential final : public MagneticPotential {
   }
 
  private:
-  mutable MagnetField field_;
+  mutable Field field_;
   mutable std::vector<double> last_;
 };
 
@@ -195,8 +198,18 @@ FieldRung pure_field(std::string name, std::string meaning,
 
 FieldRung live_field(const MagnetDesign& design, const FieldOptions& options) {
   return {"field2d", "plane finite elements solved at every step",
-          [design, options](const Case&) { return std::make_shared<LivePotential>(design, options); }, false,
-          true};
+          [design, options](const Case&) {
+            return std::make_shared<LivePotential<MagnetField>>(design, options);
+          },
+          false, true};
+}
+
+FieldRung live_field(const std::shared_ptr<const DrawnMagnet>& drawing, const NewtonOptions& options) {
+  return {"field2d", "finite elements of the drawing solved at every step",
+          [drawing, options](const Case&) {
+            return std::make_shared<LivePotential<DrawnField>>(drawing, options);
+          },
+          false, true};
 }
 
 std::shared_ptr<const MagneticPotential> corrected_potential(std::shared_ptr<const MagneticPotential> base,

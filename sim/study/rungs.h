@@ -31,6 +31,7 @@ FieldRung pure_field(std::string name, std::string meaning, std::shared_ptr<cons
 /// Plane finite elements solved anew at every look of the integrator, each from the solution before: no table between
 /// field and motion.
 FieldRung live_field(const MagnetDesign&, const FieldOptions&);
+FieldRung live_field(const std::shared_ptr<const DrawnMagnet>&, const NewtonOptions&);
 
 /// The magnet of a specimen: its shape, steel law, turns and residual gap.
 MagnetDesign magnet_design(const Specimen&);

@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "sim/magnetic_circuit.h"
+#include "sim/specimen_potential.h"
 
 namespace powbench::sim {
 namespace {
@@ -42,6 +43,7 @@ struct HeldCoil {
 };
 
 HeldCoil held_at(const Specimen& s, const Mains& mains, double separation) {
+  require_circuit(s);
   return {s.coil, MagneticCircuit(s.magnet, s.core.travel), separation, s.coil.resistance + mains.resistance,
           s.coil.leakage + mains.inductance};
 }

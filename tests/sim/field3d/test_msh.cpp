@@ -89,6 +89,39 @@ TEST_CASE("A mesh of gmsh is read from text and from binary data") {
   check_square(read_msh(replaced(square, "$Nodes", "$Periodic\n0\nanything\n$EndPeriodic\n$Nodes")));
 }
 
+TEST_CASE("A mesh of version 2.2 is read from text and from binary data") {
+  const std::string head = "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n" + names;
+  const std::string text =
+      head +
+      "$Nodes\n4\n10 0 0 0\n20 1 0 0\n30 1 1 0\n40 0 1e0 0\n$EndNodes\n$Elements\n3\n1 1 2 3 5 10 20\n"
+      "2 2 2 -7 1 10 20 30\n3 2 3 7 1 0 10 30 40\n$EndElements\n";
+  check_square(read_msh(text));
+  std::string binary = "$MeshFormat\n2.2 1 8\n";
+  const auto put = [&](auto value) {
+    char bytes[sizeof value];
+    std::memcpy(bytes, &value, sizeof value);
+    binary.append(bytes, sizeof value);
+  };
+  const auto ints = [&](std::initializer_list<int> list) {
+    for (const int v : list) put(v);
+  };
+  put(1);
+  binary += "\n$EndMeshFormat\n" + names + "$Nodes\n4\n";
+  const double at[4][2] = {{0, 0}, {1, 0}, {1, 1}, {0, 1}};
+  for (int k = 0; k < 4; ++k) put(10 * (k + 1)), put(at[k][0]), put(at[k][1]), put(0.0);
+  binary += "\n$EndNodes\n$Elements\n3\n";
+  ints({1, 1, 2, 1, 3, 5, 10, 20});
+  ints({2, 2, 2, 2, 7, 1, 10, 20, 30, 3, 7, 1, 10, 30, 40});
+  binary += "\n$EndElements\n";
+  check_square(read_msh(binary));
+  CHECK(refusal(replaced(text, "3 2 3 7 1 0 10 30 40", "3 2 3 7 1 0 10 30 50")) ==
+        "line 20: element 3 names node 50, which does not exist");
+  CHECK(refusal(replaced(text, "$Elements\n3", "$Elements\n9")).starts_with("line 21: an element tag"));
+  CHECK(refusal(replaced(text, "2 2 2 -7", "2 2 1 -7")) ==
+        "line 19: 1 tags of an element, allowed from 2 on");
+  CHECK(refusal(replaced(text, "20 1 0 0", "10 1 0 0")) == "line 12: node 10 appears twice");
+}
+
 TEST_CASE("Every kind of element is read with its number of nodes") {
   const auto [type, dimension, count] = GENERATE(table<int, int, int>({{15, 0, 1},
                                                                        {8, 1, 3},
@@ -122,8 +155,8 @@ TEST_CASE("What is not a mesh is refused with a sentence that names the line") {
   };
   check("", "line 1: the file is empty; $MeshFormat expected");
   check("solid cube\n", "line 1: $MeshFormat expected, found 'solid'");
-  check(replaced(square, "4.1", "2.2"),
-        "line 2: format version 4.1 expected, found '2.2' (gmsh writes it with -format msh41)");
+  check(replaced(square, "4.1", "3.0"),
+        "line 2: format version 2.2 or 4.1 expected, found '3.0' (gmsh writes it with -format msh41)");
   check(replaced(square, "4.1 0 8", "4.1 0 4"), "line 2: numbers of 4 bytes, allowed 8");
   check(replaced(square, "2 7 \"iron core\"", "2 7 iron"),
         "line 6: a name between quotation marks expected, found 'iron'");

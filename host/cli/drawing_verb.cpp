@@ -1,0 +1,137 @@
+#include "host/cli/drawing_verb.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+
+#include "core/units.h"
+#include "host/cli/percent.h"
+#include "host/cli/table_files.h"
+#include "host/config/bad_input.h"
+#include "host/export/field_svg.h"
+#include "host/export/field_vtu.h"
+#include "host/export/write_file.h"
+#include "host/store/field_table.h"
+
+namespace powbench::host {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json;
+using Drawing = std::shared_ptr<const sim::DrawnMagnet>;
+
+void refuse_options(const FieldArgs& args) {
+  const auto refuse = [](bool given, const char* option, const char* why) {
+    if (given) throw BadInput({fmt::format("{}: does not go with a drawing, {}", option, why)});
+  };
+  refuse(!args.steel.empty(), "--steel", "whose groups name their steels");
+  refuse(!args.mesh_file.empty(), "--mesh", "which has a mesh");
+  refuse(args.ends, "--ends", "which is plane or axisymmetric");
+}
+
+/// One shown state.
+struct ShownState {
+  std::string name;
+  double gap = 0;
+  sim::FieldPoint point;
+  std::vector<fs::path> files;
+};
+
+/// Open, half way and closed, at half of the table's largest flux.
+std::vector<ShownState> shown_states(const fs::path& folder, const Drawing& drawing, double psi) {
+  sim::DrawnField field(drawing, {});
+  std::vector<ShownState> out;
+  for (const auto& [name, share] : {std::pair{"open", 1.0}, {"half", 0.5}, {"closed", 0.0}}) {
+    ShownState s{name, share * drawing->travel, {}, {}};
+    field.set_gap(s.gap);
+    s.point = field.at_flux(psi, 0, {}, true);
+    const auto& r = s.point.response;
+    s.files.push_back(folder / fmt::format("{}-{}.svg", drawing->name, name));
+    write_file(s.files.back(), field_svg(field, s.point,
+                                         fmt::format("{}: gap {:.2f} mm, {:.3g} Wb, {:.3g} A, pull {:.3g} N",
+                                                     name, s.gap * 1e3, psi, r.current, r.pull)));
+    s.files.push_back(folder / fmt::format("{}-{}.vtu", drawing->name, name));
+    write_file(s.files.back(), to_vtu(field_grid(field.problem(), s.point.a)));
+    out.push_back(std::move(s));
+  }
+  return out;
+}
+
+double worst_of(const std::vector<double>& list) {
+  return *std::max_element(list.begin(), list.end());
+}
+
+}  // namespace
+
+Exit show_drawing(const FieldArgs& args, const Drawing& drawing) {
+  refuse_options(args);
+  const auto& d = *drawing;
+  if (args.ring && !d.has_ring()) throw BadInput({"--ring: no group of the drawing has the role ring"});
+  sim::TableOptions options;
+  options.accuracy = share_option("--accuracy", args.accuracy, 5e-4, 0.05, "0.05% .. 5%");
+  options.largest_gap = 1.5 * d.travel;
+  options.ring = args.ring;
+  const fs::path folder(args.folder);
+  sim::Team team(2);
+  const auto choice = [&] {
+    try {
+      return obtain_field_table(folder, drawing, options, team);
+    } catch (const std::invalid_argument& error) {
+      throw BadInput({args.specimen_file + ": " + error.what()});
+    }
+  }();
+  const auto& t = choice.table;
+  const sim::TablePotential table(t);
+  const auto states = shown_states(folder, drawing, t.psi.back() / 2);
+  const fs::path picture = folder / (d.name + "-table.svg");
+  write_file(picture, table_svg(table, t.description));
+  write_tables(args, table, d.travel, d.name + ": " + t.description);
+  const auto share = sim::extrapolated_share(t);
+  const double open = d.residual_gap + 1.5 * d.travel;
+  const auto angle = [&](double gap) { return sim::least_angle(d, gap) * 180 / pi; };
+  if (args.json) {
+    Json list = Json::array(), pictures = Json::array();
+    for (const auto& s : states) {
+      list.push_back({{"gap_m", s.gap},
+                      {"psi_Wb", t.psi.back() / 2},
+                      {"current_A", s.point.response.current},
+                      {"pull_N", s.point.response.pull},
+                      {"energy_J", s.point.response.energy},
+                      {"largest_field_T", s.point.largest_field}});
+      for (const auto& f : s.files) pictures.push_back(f.string());
+    }
+    pictures.push_back(picture.string());
+    fmt::print("{}\n", Json{{"table", choice.file.string()},
+                            {"reused", choice.reused},
+                            {"description", t.description},
+                            {"mesh_error", t.mesh_error},
+                            {"worst_current_error", worst_of(t.current_error)},
+                            {"worst_pull_error", worst_of(t.pull_error)},
+                            {"largest_field_T", share.largest_field},
+                            {"states_beyond_data", share.share},
+                            {"states", list},
+                            {"tables", args.tables},
+                            {"pictures", pictures}}
+                           .dump(2));
+    return Exit::pass;
+  }
+  fmt::print("{} ({})\n  {}\n", choice.file.string(), choice.reused ? "as stored" : "built", t.description);
+  fmt::print("  expected error: mesh {:.2g} %, table {:.2g} % in the current, {:.2g} % in the pull\n",
+             t.mesh_error * 100, worst_of(t.current_error) * 100, worst_of(t.pull_error) * 100);
+  fmt::print("  steel up to {:.3g} T; {}\n", share.largest_field, extrapolated_text(t, share));
+  fmt::print(
+      "  least angle of the air that stretches: {:.2g} deg as drawn, {:.2g} closed, {:.2g} at {:.3g} mm\n",
+      angle(d.drawn_gap), angle(d.residual_gap), angle(open), open * 1e3);
+  for (const auto& s : states)
+    fmt::print("  {:<7} gap {:>6.3f} mm, {:.4g} Wb: {:.4g} A, pull {:.4g} N, {:.3g} J\n", s.name, s.gap * 1e3,
+               t.psi.back() / 2, s.point.response.current, s.point.response.pull, s.point.response.energy);
+  for (const auto& s : states)
+    for (const auto& f : s.files) fmt::print("{}\n", f.string());
+  fmt::print("{}\n", picture.string());
+  for (const auto& f : args.tables) fmt::print("{}\n", f);
+  return Exit::pass;
+}
+
+}  // namespace powbench::host

@@ -1,0 +1,18 @@
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include "host/cli/verbs.h"
+#include "sim/fields/drawn_magnet.h"
+#include "sim/fields/potential_table.h"
+
+namespace powbench::host {
+
+/// Table and pictures of a drawn magnet: `powbench field x.magnet.toml`.
+Exit show_drawing(const FieldArgs&, const std::shared_ptr<const sim::DrawnMagnet>&);
+
+/// How much of a table rests on extrapolated steel, in a few words.
+std::string extrapolated_text(const sim::PotentialTable&, const sim::ExtrapolatedShare&);
+
+}  // namespace powbench::host

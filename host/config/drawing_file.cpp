@@ -1,0 +1,400 @@
+#include "host/config/drawing_file.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <map>
+#include <optional>
+#include <sstream>
+
+#include "host/config/file_reader.h"
+#include "host/config/steel_file.h"
+#include "sim/fields/import_mesh.h"
+
+namespace powbench::host {
+namespace {
+
+namespace fs = std::filesystem;
+
+enum class Length { mm, m, in };
+enum class DrawnKind { plane, axisymmetric };
+enum class Symmetry { whole, half, quarter };
+enum class Opening { up, down, right, left };
+enum class LineRole { none, zero };
+
+constexpr double metres[] = {1e-3, 1.0, 25.4e-3};
+const std::vector<std::string> length_words{"mm", "m", "in"};
+const std::vector<std::string> role_words{"air", "stretch", "fixed", "armature", "coil", "ring"};
+
+/// One physical group with what the file says about it.
+struct Group {
+  std::string name;
+  int dimension = 2, tag = 0;
+  bool filled = false;
+  sim::DrawnRole role = sim::DrawnRole::air;
+  LineRole line = LineRole::none;
+  std::string steel;
+  double turns = 0;
+  std::string section() const { return "group." + name; }
+};
+
+struct Draft {
+  std::string mesh;
+  Length unit = Length::mm;
+  DrawnKind kind = DrawnKind::plane;
+  Symmetry symmetry = Symmetry::whole;
+  Opening opening = Opening::up;
+  double depth = 1, stack_factor = 1, drawn_gap = 1e-3, residual_gap = 36e-6, travel = 4e-3,
+         ring_resistance = 0, largest_flux = 0;
+  std::vector<Group> groups;
+};
+
+FileKind first_keys(Draft& d) {
+  FileKind kind("drawing", "a magnet on a mesh");
+  kind.text("mesh", d.mesh, "mesh of gmsh, MSH 2.2 or 4.1").need = Need::required;
+  return kind;
+}
+
+FileKind all_keys(Draft& d) {
+  FileKind kind = first_keys(d);
+  kind.choice("unit", d.unit, length_words, "of the mesh's coordinates");
+  kind.choice("kind", d.kind, {"plane", "axisymmetric"}, "axisymmetric: x is the radius, y the axis");
+  kind.number("depth_mm", d.depth, {0.1, 1000}, "plane: depth of the stack");
+  kind.number("stack_factor", d.stack_factor, {0.5, 1}, "plane: share of iron in the stack");
+  kind.choice("symmetry", d.symmetry, {"whole", "half", "quarter"}, "how much of the device is drawn");
+  kind.choice("opening", d.opening, {"+y", "-y", "+x", "-x"}, "where the armature goes when it opens");
+  kind.number("drawn_gap_mm", d.drawn_gap, {1e-3, 100},
+              "between the faces of armature and fixed iron, as drawn", Need::required);
+  kind.number("residual_gap_um", d.residual_gap, {1, 1000}, "between the faces when closed", Need::required);
+  kind.number("travel_mm", d.travel, {0.1, 50},
+              "of the armature from open to closed; tables go to 1.5 times that", Need::required);
+  kind.number("ring_resistance_ohm", d.ring_resistance, {1e-9, 1}, "of the ring, one turn");
+  kind.number("largest_flux_Wb", d.largest_flux, {1e-6, 1e4},
+              "of the coil, where the table ends; left out: in saturation");
+  for (auto& g : d.groups) {
+    kind.section(g.section(), "a physical group of the mesh");
+    if (g.dimension == 1) {
+      kind.choice("role", g.line, {"none", "A=0"}, "A=0: no flux leaves through the line");
+      continue;
+    }
+    kind.choice("role", g.role, role_words, "what the surface is");
+    kind.text("steel", g.steel, "of fixed and armature: built-in name or B-H sheet");
+    kind.number("turns", g.turns, {-1e6, 1e6}, "of coil and ring; above 0: out of the plane");
+  }
+  return kind;
+}
+
+std::string content_of_mesh(const fs::path& path) {
+  std::ifstream in(path, std::ios::binary);
+  std::ostringstream text;
+  if (in) text << in.rdbuf();
+  if (!in) throw std::invalid_argument(path.string() + " cannot be read");
+  return text.str();
+}
+
+/// The named groups of surfaces and lines; those without a name go by their number.
+std::vector<Group> groups_of(const sim::MshMesh& msh) {
+  std::vector<Group> out;
+  for (const auto& g : msh.groups) {
+    if (g.dimension != 1 && g.dimension != 2) continue;
+    Group group;
+    group.name = g.name.empty() ? std::to_string(g.tag) : g.name;
+    group.dimension = g.dimension;
+    group.tag = g.tag;
+    for (const auto& b : msh.blocks)
+      if (sim::msh_dimension(b.shape) == g.dimension && std::ranges::find(b.groups, g.tag) != b.groups.end())
+        group.filled = true;
+    out.push_back(group);
+  }
+  return out;
+}
+
+/// Checks that go across keys, and the drawing that comes of them.
+class Assembly {
+ public:
+  Assembly(FileReader& reader, const Draft& draft, const fs::path& folder, const sim::MshMesh& msh)
+      : reader_(reader), d_(draft), folder_(folder), msh_(msh) {}
+
+  std::shared_ptr<const sim::DrawnMagnet> run(const std::string& name) {
+    out_->name = name;
+    out_->axisymmetric = d_.kind == DrawnKind::axisymmetric;
+    out_->depth = d_.depth;
+    out_->copies = d_.symmetry == Symmetry::whole ? 1 : d_.symmetry == Symmetry::half ? 2 : 4;
+    out_->drawn_gap = d_.drawn_gap;
+    out_->residual_gap = d_.residual_gap;
+    out_->travel = d_.travel;
+    out_->ring_resistance = d_.ring_resistance;
+    out_->largest_flux = d_.largest_flux;
+    check_kind();
+    for (const auto& g : d_.groups)
+      if (g.dimension == 2) add_part(g);
+    check_windings();
+    if (zero_.empty()) find_zero();
+    reader_.finish();
+    import();
+    check_size();
+    reader_.finish();
+    move();
+    reader_.finish();
+    return out_;
+  }
+
+ private:
+  void check_kind() {
+    if (out_->axisymmetric) {
+      for (const char* key : {"depth_mm", "stack_factor"})
+        if (reader_.good("", key)) reader_.fail("", key, "is of a stack: leave it out around an axis");
+      if (d_.symmetry != Symmetry::whole)
+        reader_.fail("", "symmetry", "around an axis all is drawn", "whole");
+      if (d_.opening != Opening::up && d_.opening != Opening::down)
+        reader_.fail("", "opening", "is across the axis", "+y, -y");
+    } else if (!reader_.good("", "depth_mm") && !reader_.bad("", "depth_mm")) {
+      reader_.fail("", "depth_mm", "is missing: a plane magnet has a depth", "0.1..1000 mm");
+    }
+  }
+
+  void add_part(const Group& g) {
+    using sim::DrawnRole;
+    const auto section = g.section();
+    if (!reader_.good(section, "role")) return;
+    if (!g.filled) reader_.fail(section, "role", "the group has no triangle in the mesh: it has no area");
+    sim::DrawnPart part{g.name, g.role, -1, 0};
+    const bool iron = g.role == DrawnRole::fixed || g.role == DrawnRole::armature;
+    const bool wound = g.role == DrawnRole::coil || g.role == DrawnRole::ring;
+    if (!iron && reader_.good(section, "steel"))
+      reader_.fail(section, "steel", "belongs to iron: role = \"fixed\" or \"armature\"");
+    if (!wound && reader_.good(section, "turns"))
+      reader_.fail(section, "turns", "belongs to role = \"coil\" or \"ring\"");
+    if (iron) part.steel = steel_index(g);
+    if (wound && !reader_.bad(section, "turns")) {
+      part.turns = g.turns;
+      if (g.turns == 0)
+        reader_.fail(section, "turns", reader_.good(section, "turns") ? "carry no current" : "is missing",
+                     g.role == DrawnRole::coil ? "1..1e6, below 0 into the plane" : "1 or -1");
+      else if (g.role == DrawnRole::ring && std::fabs(g.turns) != 1)
+        reader_.fail(section, "turns", "a ring is one turn", "1 or -1");
+    }
+    region_[g.tag] = static_cast<int>(out_->parts.size());
+    out_->parts.push_back(part);
+  }
+
+  int steel_index(const Group& g) {
+    if (reader_.bad(g.section(), "steel")) return -1;
+    if (g.steel.empty()) {
+      reader_.fail(g.section(), "steel", "is missing",
+                   "a built-in steel (`powbench steel` lists them) or a B-H sheet");
+      return -1;
+    }
+    if (const auto known = steels_.find(g.steel); known != steels_.end()) return known->second;
+    try {
+      sim::Steel steel = sim::Steel::linear(1);
+      if (names_steel_file(g.steel)) {
+        const auto sheet = read_steel(folder_ / g.steel);
+        steel = sim::Steel::table(sheet.name, sheet.fitted.rows);
+      } else {
+        steel = sim::builtin_steel(g.steel);
+      }
+      out_->steels.push_back(out_->axisymmetric || d_.stack_factor == 1 ? steel
+                                                                        : steel.stacked(d_.stack_factor));
+    } catch (const BadInput& error) {
+      for (const auto& line : error.errors()) reader_.fail(g.section(), "steel", line);
+      return -1;
+    } catch (const std::invalid_argument& error) {
+      reader_.fail(g.section(), "steel", error.what());
+      return -1;
+    }
+    return steels_[g.steel] = static_cast<int>(out_->steels.size()) - 1;
+  }
+
+  const sim::DrawnPart* first_of(sim::DrawnRole role) const {
+    const auto found = std::ranges::find(out_->parts, role, &sim::DrawnPart::role);
+    return found == out_->parts.end() ? nullptr : &*found;
+  }
+
+  void check_windings() {
+    if (first_of(sim::DrawnRole::coil) == nullptr) {
+      const bool open = std::ranges::any_of(
+          d_.groups, [&](const Group& g) { return g.dimension == 2 && !reader_.good(g.section(), "role"); });
+      if (!open) reader_.fail("", "mesh", "no group has the role coil: nothing drives the field");
+      return;
+    }
+    if (first_of(sim::DrawnRole::ring) == nullptr && reader_.good("", "ring_resistance_ohm"))
+      reader_.fail("", "ring_resistance_ohm", "no group has the role ring");
+    if (out_->axisymmetric || d_.symmetry != Symmetry::whole) return;
+    for (const auto role : {sim::DrawnRole::coil, sim::DrawnRole::ring}) {
+      double sum = 0, most = 0;
+      for (const auto& p : out_->parts) {
+        if (p.role != role) continue;
+        sum += p.turns;
+        most = std::max(most, std::fabs(p.turns));
+      }
+      if (most > 0 && std::fabs(sum) > 1e-9 * most)
+        reader_.fail(
+            "group." + first_of(role)->name, "turns",
+            fmt::format(
+                "the turns of all groups with this role leave {:g} over: what goes out of the plane has to "
+                "come back into it, or symmetry is half",
+                sum));
+    }
+  }
+
+  void find_zero() {
+    std::vector<std::string> lines;
+    for (const auto& g : d_.groups) {
+      if (g.dimension != 1) continue;
+      lines.push_back(g.name);
+      if (g.line == LineRole::zero && g.filled) zero_.push_back(g.tag);
+    }
+    if (zero_.empty())
+      reader_.fail("", "mesh",
+                   lines.empty()
+                       ? std::string("has no physical line: the outer edge needs one, with role = \"A=0\"")
+                       : fmt::format("no line has the role A=0, and the outer edge needs it; lines: {}",
+                                     fmt::join(lines, ", ")));
+  }
+
+  void import() {
+    try {
+      out_->mesh = sim::import_plane_mesh(msh_, metres[static_cast<int>(d_.unit)], region_, zero_);
+    } catch (const std::invalid_argument& error) {
+      reader_.fail("", "mesh", error.what());
+      reader_.finish();
+    }
+    turn();
+    if (!out_->axisymmetric) return;
+    auto& m = out_->mesh;
+    const double reach = *std::max_element(m.x.begin(), m.x.end());
+    for (std::size_t v = 0; v < m.x.size(); ++v) {
+      if (m.x[v] < -1e-9 * reach) {
+        reader_.fail("", "kind", fmt::format("a vertex has the radius {:g} mm", m.x[v] * 1e3),
+                     "x of 0 and above");
+        break;
+      }
+      if (m.x[v] <= 1e-9 * reach) m.x[v] = 0, m.zero[v] = 1;
+    }
+  }
+
+  /// The mesh turned, or around an axis mirrored, so that the armature opens towards +y.
+  void turn() {
+    auto& m = out_->mesh;
+    for (std::size_t v = 0; v < m.x.size(); ++v) {
+      const double x = m.x[v], y = m.y[v];
+      if (d_.opening == Opening::down) {
+        m.x[v] = out_->axisymmetric ? x : -x;
+        m.y[v] = -y;
+      } else if (d_.opening == Opening::right || d_.opening == Opening::left) {
+        const double sign = d_.opening == Opening::right ? 1 : -1;
+        m.x[v] = -sign * y;
+        m.y[v] = sign * x;
+      }
+    }
+    sim::check_mesh(m);
+  }
+
+  /// Another unit in which a length would be what it should.
+  std::string unit_for(double length, double low, double high) const {
+    for (std::size_t k = 0; k < length_words.size(); ++k) {
+      const double other = length / metres[static_cast<int>(d_.unit)] * metres[k];
+      if (other >= low && other <= high)
+        return fmt::format("; in {} it would be {:.4g} mm", length_words[k], other * 1e3);
+    }
+    return "";
+  }
+
+  void check_size() {
+    const auto& m = out_->mesh;
+    const auto [x0, x1] = std::minmax_element(m.x.begin(), m.x.end());
+    const auto [y0, y1] = std::minmax_element(m.y.begin(), m.y.end());
+    const double extent = std::max(*x1 - *x0, *y1 - *y0);
+    if (!(extent >= 10e-3 && extent <= 3)) {
+      reader_.fail(
+          "", "unit",
+          fmt::format("the mesh is {:.4g} mm wide or high{}", extent * 1e3, unit_for(extent, 10e-3, 3)),
+          "10..3000 mm");
+      return;
+    }
+    const double gap = sim::measured_gap(*out_);
+    if (std::isinf(gap)) {
+      reader_.fail("", "opening",
+                   "below the armature, against this direction, there is no fixed iron to close on; is the "
+                   "direction right, "
+                   "have groups the roles fixed and armature?");
+      return;
+    }
+    if (std::fabs(gap - d_.drawn_gap) <= 0.01 * d_.drawn_gap + 1e-6) return;
+    reader_.fail("", "drawn_gap_mm",
+                 fmt::format("the faces of the mesh are {:.4g} mm apart{}", gap * 1e3,
+                             unit_for(gap, 0.99 * d_.drawn_gap, 1.01 * d_.drawn_gap)));
+  }
+
+  void move() {
+    try {
+      out_->motion = sim::drawn_motion(*out_);
+    } catch (const std::invalid_argument& error) {
+      reader_.fail("", "mesh", error.what());
+      return;
+    }
+    const auto [from, to] = sim::usable_gaps(*out_);
+    if (d_.residual_gap <= from)
+      reader_.fail(
+          "", "residual_gap_um",
+          fmt::format(
+              "the mesh turns inside out on the way there: its air stretches down to a gap of {:.4g} um",
+              from * 1e6));
+    if (1.5 * d_.travel + d_.residual_gap >= to)
+      reader_.fail(
+          "", "travel_mm",
+          fmt::format(
+              "the mesh turns inside out: at 1.5 times this travel the faces are {:.4g} mm apart, its air "
+              "stretches to {:.4g} mm",
+              (1.5 * d_.travel + d_.residual_gap) * 1e3, to * 1e3));
+  }
+
+  FileReader& reader_;
+  const Draft& d_;
+  fs::path folder_;
+  const sim::MshMesh& msh_;
+  std::shared_ptr<sim::DrawnMagnet> out_ = std::make_shared<sim::DrawnMagnet>();
+  std::map<int, int> region_;
+  std::vector<int> zero_;
+  std::map<std::string, int> steels_;
+};
+
+}  // namespace
+
+bool names_drawing(const fs::path& path) {
+  return path.filename().string().ends_with(".magnet.toml");
+}
+
+std::shared_ptr<const sim::DrawnMagnet> read_drawing(const fs::path& path) {
+  FileReader reader = FileReader::open(path);
+  const fs::path folder = path.parent_path();
+  Draft draft;
+  FileReader first = reader;  // what else stands there can be judged only with the groups of the mesh
+  first.read(first_keys(draft));
+  sim::MshMesh msh;
+  if (first.good("", "mesh")) {
+    try {
+      msh = sim::read_msh(content_of_mesh(folder / draft.mesh));
+    } catch (const std::invalid_argument& error) {
+      FileReader alone = FileReader::open(path);
+      alone.fail("", "mesh", error.what());
+      alone.finish();
+    }
+    draft.groups = groups_of(msh);
+  }
+  reader.read(all_keys(draft));
+  if (!first.good("", "mesh")) reader.finish();
+  for (const auto& g : draft.groups)
+    if (g.dimension == 2 && !reader.good(g.section(), "role") && !reader.bad(g.section(), "role"))
+      reader.fail(g.section(), "role", "is missing: the mesh has this surface",
+                  fmt::format("{}", fmt::join(role_words, ", ")));
+  std::string name = path.filename().string();
+  if (names_drawing(path)) name = name.substr(0, name.size() - std::string_view(".magnet.toml").size());
+  return Assembly(reader, draft, folder, msh).run(name);
+}
+
+}  // namespace powbench::host

@@ -1,0 +1,238 @@
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+#include <stdexcept>
+
+#include "sim/fields/drawn_magnet.h"
+#include "sim/magnetic_circuit.h"
+
+namespace powbench::sim {
+namespace {
+
+std::size_t place(int i) {
+  return static_cast<std::size_t>(i);
+}
+
+FieldSetup drawn_setup(const DrawnMagnet& d) {
+  FieldSetup f;
+  f.axisymmetric = d.axisymmetric;
+  f.depth = d.copies * d.depth;
+  f.steels = d.steels;
+  // of an armature mirrored at the gap, each copy of a winding links its own flux: all in series, as `copies` counts them
+  Winding coil, ring;
+  for (std::size_t k = 0; k < d.parts.size(); ++k) {
+    const auto& p = d.parts[k];
+    f.steel_of_region.push_back(p.steel);
+    if (p.role == DrawnRole::coil) coil.parts.emplace_back(static_cast<int>(k), p.turns);
+    if (p.role == DrawnRole::ring) ring.parts.emplace_back(static_cast<int>(k), p.turns);
+  }
+  f.windings.push_back(coil);
+  if (!ring.parts.empty()) f.windings.push_back(ring);
+  return f;
+}
+
+/// The part that moves as one: 1, elsewhere 0.
+std::vector<double> whole_only(const std::vector<double>& motion) {
+  const double most = *std::max_element(motion.begin(), motion.end());
+  std::vector<double> out;
+  for (const double m : motion) out.push_back(m == most ? most : 0);
+  return out;
+}
+
+double linked_flux(const std::vector<double>& winding, const std::vector<double>& a) {
+  double sum = 0;
+  for (std::size_t k = 0; k < a.size(); ++k) sum += winding[k] * a[k];
+  return sum;
+}
+
+/// Maxwell's stress in the air where `weight` varies, F = a^T (values) a with the lower triangle by `space.pattern`: the
+/// force against y on what has the weight 1.
+std::vector<double> pull_form(const FieldSpace& space, const std::vector<double>& weight) {
+  const Mesh& m = space.mesh;
+  std::vector<double> values(space.pattern.row.size() + 1, 0);
+  for (std::size_t t = 0; t < m.triangle.size(); ++t) {
+    const auto& v = m.triangle[t];
+    const std::array<double, 3> w{weight[place(v[0])], weight[place(v[1])], weight[place(v[2])]};
+    if (w[0] == w[1] && w[1] == w[2]) continue;
+    double dx = 0, dy = 0;
+    for (std::size_t k = 0; k < 3; ++k) {
+      const auto p = place(v[(k + 1) % 3]), q = place(v[(k + 2) % 3]);
+      dx += w[k] * (m.y[p] - m.y[q]) / twice_area(m, v);
+      dy += w[k] * (m.x[q] - m.x[p]) / twice_area(m, v);
+    }
+    const auto to = element_positions(space, t);
+    for (const auto& p : shape_points(space, t, space.axisymmetric ? 4 : space.order)) {
+      const double scale = 0.5 * p.weight / mu0;
+      for (std::size_t i = 0, next = 0; i < place(space.nodes); ++i)
+        for (std::size_t j = 0; j <= i; ++j, ++next)
+          values[place(to[next])] += scale * ((p.curl_y[i] * p.curl_y[j] - p.curl_x[i] * p.curl_x[j]) * dy +
+                                              (p.curl_x[i] * p.curl_y[j] + p.curl_y[i] * p.curl_x[j]) * dx);
+    }
+  }
+  return values;
+}
+
+}  // namespace
+
+bool DrawnMagnet::has_ring() const {
+  return std::any_of(parts.begin(), parts.end(),
+                     [](const DrawnPart& p) { return p.role == DrawnRole::ring; });
+}
+
+double DrawnMagnet::turns() const {
+  double out = 0, in = 0;
+  for (const auto& p : parts)
+    if (p.role == DrawnRole::coil) (p.turns > 0 ? out : in) += std::fabs(p.turns);
+  return std::max(out, in) * (copies == 4 ? 2 : 1);
+}
+
+DrawnField::DrawnField(std::shared_ptr<const DrawnMagnet> drawing, const NewtonOptions& options)
+    : drawing_(std::move(drawing)),
+      options_(options),
+      problem_(drawing_->mesh, drawn_setup(*drawing_)),
+      newton_(problem_),
+      layer_(whole_only(drawing_->motion)) {}
+
+DrawnField::DrawnField(const DrawnField& other)
+    : drawing_(other.drawing_),
+      options_(other.options_),
+      problem_(other.problem_),
+      newton_(problem_),
+      layer_(other.layer_) {}
+
+void DrawnField::set_gap(double gap) {
+  if (!(gap >= 0))
+    throw std::invalid_argument("gap_mm = " + std::to_string(gap * 1e3) + ", allowed 0 and above");
+  const auto& d = *drawing_;
+  const double rise = gap + d.residual_gap - d.drawn_gap;
+  auto y = d.mesh.y;
+  for (std::size_t k = 0; k < y.size(); ++k) y[k] += rise * d.motion[k];
+  problem_.move_vertices(d.mesh.x, std::move(y));
+  pull_ = pull_form(problem_.space(), d.motion);
+  rough_ = pull_form(problem_.space(), layer_);
+}
+
+FieldPoint DrawnField::solve(const std::vector<Circuit>& circuits, std::vector<double> a) {
+  a.resize(place(unknowns()) + 1, 0);
+  FieldPoint p;
+  std::vector<double> current;
+  p.newton = newton_.solve(circuits, a, current, options_);
+  auto& r = p.response;
+  r.energy = newton_.energy();
+  r.current = current[0];
+  if (has_ring()) r.ring_current = current[1];
+  r.pull = quadratic(pull_, a, a);
+  p.stress_pull = quadratic(rough_, a, a);
+  p.largest_field = problem_.largest_field(a.data());
+  for (const auto& s : drawing_->steels) p.beyond_data = p.beyond_data || p.largest_field > s.data_end();
+  p.beyond_data = p.beyond_data && problem_.share_beyond_data(a.data()) > 0;
+  p.a = std::move(a);
+  return p;
+}
+
+/// a^T values b.
+double DrawnField::quadratic(const std::vector<double>& values, const std::vector<double>& a,
+                             const std::vector<double>& b) const {
+  std::vector<double> y(a.size(), 0);
+  multiply(problem_.space().pattern, values, a.data(), y.data());
+  y.back() = 0;
+  return linked_flux(y, b);
+}
+
+FieldPoint DrawnField::at_flux(double psi, double ring, std::vector<double> start, bool ring_open) {
+  std::vector<Circuit> circuits{{true, psi, 0}};
+  const bool bound = has_ring() && !ring_open;
+  if (has_ring()) circuits.push_back({bound, bound ? ring : 0, 0});
+  auto p = solve(circuits, std::move(start));
+  const auto d = newton_.derivatives(p.a);
+  auto& r = p.response;
+  r.current_psi = d.flux_flux[0];
+  r.current_gap = 2 * quadratic(pull_, p.a, tangent(0));
+  if (bound) {
+    r.current_ring = d.flux_flux[1];
+    r.ring_ring = d.flux_flux[3];
+    r.ring_gap = 2 * quadratic(pull_, p.a, tangent(1));
+  }
+  return p;
+}
+
+FieldPoint DrawnField::at_current(double current, double ring_current, std::vector<double> start) {
+  std::vector<Circuit> circuits{{false, current, 0}};
+  if (has_ring()) circuits.push_back({false, ring_current, 0});
+  return solve(circuits, std::move(start));
+}
+
+std::pair<double, double> DrawnField::fluxes(const FieldPoint& p) const {
+  return {linked_flux(problem_.winding(0), p.a), has_ring() ? linked_flux(problem_.winding(1), p.a) : 0};
+}
+
+DrawnMagnet refined(const DrawnMagnet& d) {
+  DrawnMagnet out = d;
+  const auto& m = d.mesh;
+  auto& fine = out.mesh;
+  struct Middle {
+    int vertex, triangles;
+  };
+  std::map<std::pair<int, int>, Middle> middles;
+  const auto middle = [&](int a, int b) {
+    auto [it, added] = middles.try_emplace(std::minmax(a, b), Middle{static_cast<int>(fine.x.size()), 0});
+    ++it->second.triangles;
+    if (added) {
+      fine.x.push_back(0.5 * (m.x[place(a)] + m.x[place(b)]));
+      fine.y.push_back(0.5 * (m.y[place(a)] + m.y[place(b)]));
+      fine.zero.push_back(0);
+      out.motion.push_back(0.5 * (d.motion[place(a)] + d.motion[place(b)]));
+    }
+    return it->second.vertex;
+  };
+  fine.triangle.clear();
+  fine.region.clear();
+  for (std::size_t t = 0; t < m.triangle.size(); ++t) {
+    const auto [a, b, c] = m.triangle[t];
+    const int ab = middle(a, b), bc = middle(b, c), ca = middle(c, a);
+    for (const auto& part :
+         {std::array{a, ab, ca}, std::array{ab, b, bc}, std::array{ca, bc, c}, std::array{ab, bc, ca}})
+      fine.triangle.push_back(part);
+    fine.region.insert(fine.region.end(), 4, m.region[t]);
+  }
+  for (const auto& [ends, mid] : middles)
+    if (mid.triangles == 1 && m.zero[place(ends.first)] != 0 && m.zero[place(ends.second)] != 0)
+      fine.zero[place(mid.vertex)] = 1;
+  return out;
+}
+
+double saturated_flux(const std::shared_ptr<const DrawnMagnet>& drawing) {
+  auto bare = std::make_shared<DrawnMagnet>(*drawing);
+  for (auto& s : bare->steels) s = Steel::linear(1);
+  DrawnField air(bare, {}), field(drawing, {});
+  air.set_gap(0);
+  field.set_gap(0);
+  const double wanted = air.at_flux(1e-3, 0, {}, true).response.current_psi / 1.25;
+  // 1 mT over the section of the drawing or thereabouts: far below saturation
+  const auto [x0, x1] = std::minmax_element(drawing->mesh.x.begin(), drawing->mesh.x.end());
+  double low = drawing->turns() * 1e-4 * (*x1 - *x0) * (drawing->axisymmetric ? *x1 : drawing->depth),
+         high = low;
+  std::vector<double> start;
+  const auto stiff = [&](double psi) {
+    const auto p = field.at_flux(psi, 0, start, true);
+    if (!p.newton.converged) throw std::runtime_error("field: no convergence on the way to saturation");
+    start = p.a;
+    return p.response.current_psi >= wanted;
+  };
+  constexpr double stride = 1.6;
+  for (int k = 0; !stiff(high); ++k) {
+    if (k == 40)
+      throw std::invalid_argument("the steel does not saturate up to " + std::to_string(high) +
+                                  " Wb: the end of the table, largest_flux_Wb, has to be given");
+    low = high;
+    high *= stride;
+  }
+  for (int k = 0; k < 4; ++k) {
+    const double mid = std::sqrt(low * high);
+    (stiff(mid) ? high : low) = mid;
+  }
+  return high;
+}
+
+}  // namespace powbench::sim
