@@ -96,15 +96,16 @@ Exit check(const DbArgs& args) {
                             {"records", c.records},
                             {"events", c.events},
                             {"sweeps", c.sweeps},
+                            {"points", c.points},
                             {"bare_records", c.bare},
                             {"undigested", c.undigested},
                             {"hash", c.hash},
                             {"damage", c.damage}}
                            .dump(2));
   } else {
-    fmt::print("{}: {}, {}, {}, {}, {}, {:.1f} MB\n", args.database, counted(c.campaigns, "campaign"),
+    fmt::print("{}: {}, {}, {}, {}, {}, {}, {:.1f} MB\n", args.database, counted(c.campaigns, "campaign"),
                counted(c.shots, "shot"), counted(c.records, "record"), counted(c.events, "extraction"),
-               counted(c.sweeps, "sweep"), megabytes(args.database));
+               counted(c.sweeps, "sweep"), counted(c.points, "point"), megabytes(args.database));
     for (const std::string& d : c.damage) fmt::print("damaged: {}\n", d);
     if (c.damage.empty()) fmt::print("whole; content {}\n", c.hash);
     if (c.bare + c.undigested > 0)
@@ -138,11 +139,13 @@ Exit merge(const DbArgs& args) {
     fmt::print("{}\n", Json{{"campaigns", m.campaigns},
                             {"shots", m.shots},
                             {"events", m.events},
-                            {"sweep_blocks", m.sweep_blocks}}
+                            {"sweep_blocks", m.sweep_blocks},
+                            {"points", m.points}}
                            .dump(2));
   else
-    fmt::print("{}: {}, {}, {}, {} of sweeps added\n", args.output, counted(m.campaigns, "campaign"),
-               counted(m.shots, "shot"), counted(m.events, "extraction"), counted(m.sweep_blocks, "block"));
+    fmt::print("{}: {}, {}, {}, {} of sweeps, {} added\n", args.output, counted(m.campaigns, "campaign"),
+               counted(m.shots, "shot"), counted(m.events, "extraction"), counted(m.sweep_blocks, "block"),
+               counted(m.points, "point"));
   return Exit::pass;
 }
 
@@ -268,9 +271,9 @@ void add_db_verbs(CLI::App& app) {
   together->add_option("-o,--output", merged->output, "store to add them to; made if missing")->required();
   together->add_flag("--json", merged->json, "JSON to stdout");
   together->footer(
-      "The same campaign is one, the same shot too. Where two stores differ in a shot, its extraction or a "
-      "block of a "
-      "sweep,\nthis is said and nothing is merged. `powbench db check` prints a hash of the content that "
+      "The same campaign is one, the same shot too. Where two stores differ in a shot, its extraction, a "
+      "block of a sweep\nor a point of a study, this is said and nothing is merged. `powbench db check` "
+      "prints a hash of the content that "
       "does not "
       "depend on the order.");
   auto parts = std::make_shared<DbArgs>();

@@ -6,6 +6,7 @@
 #include "host/store/content.h"
 #include "host/store/json.h"
 #include "host/store/open.h"
+#include "host/store/point_rows.h"
 #include "host/store/record_rows.h"
 #include "host/store/seal.h"
 
@@ -77,6 +78,12 @@ void check_rows(const Database& db, StoreContent& c, const Step& step) {
     ++c.sweeps;
     sound(c, [&] { hashes.push_back(sweep_hash(db, sweep)); });
   }
+  sound(c, [&] {
+    each_point(db, [&](const PointRow& p) {
+      hashes.push_back(point_hash(p));
+      ++c.points;
+    });
+  });
   std::sort(hashes.begin(), hashes.end());
   Seal seal;
   for (const std::string& h : hashes) seal.add(h);

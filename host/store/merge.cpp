@@ -8,6 +8,7 @@
 #include "host/store/json.h"
 #include "host/store/maintain.h"
 #include "host/store/open.h"
+#include "host/store/point_rows.h"
 
 namespace powbench::host {
 
@@ -40,8 +41,10 @@ class Merger {
   Merged run(std::int64_t only_campaign = 0, bool sweeps = true) {
     for (const CampaignInfo& c : all_campaigns(from_))
       if (only_campaign == 0 || c.id == only_campaign) add(c);
-    if (sweeps)
+    if (sweeps) {
       for (const SweepInfo& s : select_sweeps(from_)) add(s);
+      each_point(from_, [this](const PointRow& p) { add(p); });
+    }
     return made_;
   }
 
@@ -149,35 +152,32 @@ class Merger {
       if (target.design != s.design || target.points != s.points || target.columns != s.columns ||
           target.program_version != s.program_version)
         conflict(what);
-      if (s.created < target.created) rename_sweep(target.id, s);
+      if (s.created < target.created) set_sweep_created(to_, target, s.created);
     }
-    std::map<std::int64_t, SweepBlock> there;
-    for (SweepBlock& b : select_blocks(to_, target.id)) there[b.first] = std::move(b);
-    for (const SweepBlock& b : select_blocks(from_, s.id)) {
-      const auto [at, fresh] = there.try_emplace(b.first, b);
-      const SweepBlock& old = at->second;
-      const bool alike = old.count == b.count && old.numbers.size() == b.numbers.size() &&
-                         std::memcmp(old.numbers.data(), b.numbers.data(), 8 * b.numbers.size()) == 0;
-      if (!alike) conflict(what + ": its block " + std::to_string(b.first));
-      if (!fresh) continue;
-      insert_block(to_, target.id, b.first, b.count, b.numbers);
-      ++made_.sweep_blocks;
-    }
-    std::int64_t end = 0;
-    for (const auto& [first, b] : there) {
-      if (first < end) conflict(what + ": the cut into blocks at " + std::to_string(first));
-      end = first + b.count;
-    }
+    for (const SweepBlock& b : select_blocks(from_, s.id)) add(b, target.id, what);
   }
 
-  /// The earlier of two equal sweeps gives the time.
-  void rename_sweep(std::int64_t id, const SweepInfo& s) {
-    const std::vector<SweepBlock> blocks = select_blocks(to_, id);
-    Statement(to_, "DELETE FROM sweep_block WHERE sweep_id = ?").bind(id).run();
-    Statement(to_, "DELETE FROM sweep WHERE id = ?").bind(id).run();
-    const std::int64_t again = insert_sweep(to_, s);
-    Statement(to_, "UPDATE sweep SET id = ? WHERE id = ?").bind(id).bind(again).run();
-    for (const SweepBlock& b : blocks) insert_block(to_, id, b.first, b.count, b.numbers);
+  /// Looks at no other block of the target: the cost of many merges is that of all blocks once.
+  void add(const SweepBlock& b, std::int64_t sweep, const std::string& what) {
+    if (overlaps_block(to_, sweep, b.first, b.count))
+      conflict(what + ": the cut into blocks at " + std::to_string(b.first));
+    if (const auto there = select_block(to_, sweep, b.first)) {
+      const bool alike = there->count == b.count && there->numbers.size() == b.numbers.size() &&
+                         std::memcmp(there->numbers.data(), b.numbers.data(), 8 * b.numbers.size()) == 0;
+      if (!alike) conflict(what + ": its block " + std::to_string(b.first));
+      return;
+    }
+    insert_block(to_, sweep, b.first, b.count, b.numbers);
+    ++made_.sweep_blocks;
+  }
+
+  void add(const PointRow& p) {
+    if (const auto there = select_point(to_, p.id)) {
+      if (there->content != p.content) conflict("point " + p.id.substr(0, 12) + " of " + p.study);
+      return;
+    }
+    insert_point(to_, p);
+    ++made_.points;
   }
 
   const Database& from_;
@@ -208,7 +208,7 @@ Merged merge_stores(const std::string& target, const std::vector<std::string>& s
     for (const std::string& source : sources) {
       const Merged m = Merger(open_store(source, Store::Mode::read_only), to).run();
       all.campaigns += m.campaigns, all.shots += m.shots, all.events += m.events,
-          all.sweep_blocks += m.sweep_blocks;
+          all.sweep_blocks += m.sweep_blocks, all.points += m.points;
     }
     t.commit();
   } catch (...) {
@@ -227,7 +227,7 @@ std::vector<std::string> split_store(const std::string& path, const std::string&
     if (campaign == 0 || c.id == campaign)
       parts.emplace_back(c.id, (fs::path(folder) / ("campaign-" + std::to_string(c.id) + ".db")).string());
   if (campaign != 0 && parts.empty()) throw WrongStore(path + ": no campaign " + std::to_string(campaign));
-  if (campaign == 0 && !select_sweeps(from).empty())
+  if (campaign == 0 && (!select_sweeps(from).empty() || from.number("SELECT count(*) FROM point") > 0))
     parts.emplace_back(0, (fs::path(folder) / "sweeps.db").string());
   fs::create_directories(folder);
   for (const auto& [id, file] : parts)

@@ -1,5 +1,6 @@
 #include "host/store/open.h"
 
+#include <fcntl.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -80,15 +81,28 @@ void migrate(Database& db) {
   }
 }
 
+/// The bytes of a file are on the disk when this returns.
+void flush(const std::string& path) {
+  const int file = open(path.c_str(), O_RDONLY | O_CLOEXEC);
+  const bool flushed = file >= 0 && fsync(file) == 0;
+  const int trouble = errno;
+  if (file >= 0) close(file);
+  if (!flushed) sqlite::fail(SQLITE_IOERR, path, "flush", trouble);
+}
+
 /// A new store is made aside and renamed into place: a file under its final name is always whole.
 void create(const std::string& path) {
   const std::string aside = aside_file(path, ".new-");
   {
     Database db(aside, SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE);
+    // nobody knows the file yet: one flush at the end is enough
+    db.run("PRAGMA synchronous = OFF");
+    db.run("PRAGMA journal_mode = MEMORY");
     db.run("PRAGMA application_id = " + std::to_string(Store::application_id));
     migrate(db);
     db.run("PRAGMA journal_mode = WAL");
   }
+  flush(aside);
   put_in_place(aside, path);
 }
 

@@ -93,7 +93,7 @@ class Store {
  public:
   /// Marks the file as a powbench store ("PoWb").
   static constexpr std::uint32_t application_id = 0x506F5762;
-  static constexpr int schema_version = 6;
+  static constexpr int schema_version = 7;
 
   enum class Mode { read_only, read_write };
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -12,6 +13,13 @@ namespace powbench::host {
 
 std::vector<SweepInfo> select_sweeps(const sqlite::Database&);
 std::int64_t insert_sweep(sqlite::Database&, const SweepInfo&);
+
+/// The earlier of two equal sweeps gives the time.
+void set_sweep_created(sqlite::Database&, SweepInfo, const std::string& created);
+
+std::optional<SweepBlock> select_block(const sqlite::Database&, std::int64_t sweep, std::int64_t first);
+/// Is a point of first .. first + count - 1 in another block? Blocks with this very `first` are not looked at.
+bool overlaps_block(const sqlite::Database&, std::int64_t sweep, std::int64_t first, std::int64_t count);
 
 /// In ascending order.
 std::vector<SweepBlock> select_blocks(const sqlite::Database&, std::int64_t sweep);

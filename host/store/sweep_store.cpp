@@ -86,19 +86,52 @@ void insert_block(Database& db, std::int64_t sweep, std::int64_t first, std::int
       .run();
 }
 
+namespace {
+
+/// Columns first, count, seal, numbers.
+SweepBlock block_row(const Statement& s, std::int64_t sweep) {
+  SweepBlock b{s.integer(0), s.integer(1), {}};
+  const auto bytes = s.blob(3);
+  if (seal_of(sweep, b.first, b.count, bytes) != s.text(2))
+    damaged("block " + std::to_string(b.first) + " of sweep " + std::to_string(sweep));
+  b.numbers.resize(bytes.size() / sizeof(double));
+  std::memcpy(b.numbers.data(), bytes.data(), b.numbers.size() * sizeof(double));
+  return b;
+}
+
+}  // namespace
+
+void set_sweep_created(Database& db, SweepInfo sweep, const std::string& created) {
+  sweep.created = created;
+  Statement(db, "UPDATE sweep SET created = ?, seal = ? WHERE id = ?")
+      .bind(created)
+      .bind(seal_of(sweep))
+      .bind(sweep.id)
+      .run();
+}
+
+std::optional<SweepBlock> select_block(const Database& db, std::int64_t sweep, std::int64_t first) {
+  Statement s(db, "SELECT first, count, seal, numbers FROM sweep_block WHERE sweep_id = ? AND first = ?");
+  s.bind(sweep).bind(first);
+  if (!s.step()) return std::nullopt;
+  return block_row(s, sweep);
+}
+
+bool overlaps_block(const Database& db, std::int64_t sweep, std::int64_t first, std::int64_t count) {
+  Statement before(
+      db,
+      "SELECT first + count FROM sweep_block WHERE sweep_id = ? AND first < ? ORDER BY first DESC LIMIT 1");
+  if (before.bind(sweep).bind(first).step() && before.integer(0) > first) return true;
+  Statement behind(db,
+                   "SELECT first FROM sweep_block WHERE sweep_id = ? AND first > ? ORDER BY first LIMIT 1");
+  return behind.bind(sweep).bind(first).step() && behind.integer(0) < first + count;
+}
+
 std::vector<SweepBlock> select_blocks(const Database& db, std::int64_t sweep) {
   std::vector<SweepBlock> list;
   Statement s(db, "SELECT first, count, seal, numbers FROM sweep_block WHERE sweep_id = ? ORDER BY first");
   s.bind(sweep);
-  while (s.step()) {
-    SweepBlock b{s.integer(0), s.integer(1), {}};
-    const auto bytes = s.blob(3);
-    if (seal_of(sweep, b.first, b.count, bytes) != s.text(2))
-      damaged("block " + std::to_string(b.first) + " of sweep " + std::to_string(sweep));
-    b.numbers.resize(bytes.size() / sizeof(double));
-    std::memcpy(b.numbers.data(), bytes.data(), b.numbers.size() * sizeof(double));
-    list.push_back(std::move(b));
-  }
+  while (s.step()) list.push_back(block_row(s, sweep));
   return list;
 }
 
