@@ -153,6 +153,8 @@ SimulatedClosing simulate_record_with(const ClosingRun& run, const std::string& 
   out.truth = closing.truth;
   out.conversions = sensors.conversions();
   out.evaluations = closing.evaluations;
+  out.field_states = closing.field_states;
+  out.field_beyond = closing.field_beyond;
   return out;
 }
 

@@ -21,6 +21,8 @@ struct SimulatedClosing {
   std::vector<sim::PlantEvent> events;  ///< the same source, every event; s after switch-on
   std::int64_t evaluations = 0;         ///< of the right-hand side
   std::int64_t conversions = 0;         ///< values that the sensors made
+  std::int64_t field_states = 0;        ///< as sim::Trajectory tells them; 0: the plant's own circuit
+  std::int64_t field_beyond = 0;
 };
 
 SimulatedClosing simulate_record(const sim::Specimen&, const Conditions&, const SimRigConfig&);

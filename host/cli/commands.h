@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "core/outcome.h"
+#include "host/cli/shard.h"
 
 /// How words become a verb with its arguments.
 
@@ -33,6 +34,10 @@ inline void add_progress(CLI::App* app, std::string& progress) {
       ->check(CLI::IsMember({"auto", "bar", "lines", "none"}))
       ->capture_default_str();
 }
+
+/// --shard and --slurm of a verb whose points do not know of each other, and --points-db where it has no other store for them.
+/// `of`: what a point is, for the help.
+void add_shard_options(CLI::App*, ShardArgs&, const char* of, const char* store = "--points-db");
 
 /// info, rigs, calibrate, rig, bridge.
 void add_rig_verbs(CLI::App&);

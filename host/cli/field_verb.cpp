@@ -6,6 +6,7 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <sstream>
+#include <thread>
 
 #include "host/cli/drawing_verb.h"
 #include "host/cli/named_steel.h"
@@ -19,6 +20,7 @@
 #include "host/export/write_file.h"
 #include "host/import/field_mesh.h"
 #include "host/store/field_table.h"
+#include "host/store/point_bytes.h"
 #include "host/store/store.h"
 #include "sim/study/rungs.h"
 
@@ -118,6 +120,47 @@ Exit show_mesh(const FieldArgs& args, const sim::MagnetDesign& design) {
   return report.converged ? Exit::pass : Exit::outside_limits;
 }
 
+std::string bytes_of(const sim::TableSlice& s) {
+  ByteWriter out;
+  out.add(s.nodes).add(s.steel_field).add(s.air).add(s.largest_pull).add(s.stress_distance);
+  for (const int n : {s.report.solutions, s.report.iterations, s.report.most_iterations, s.report.unknowns,
+                      s.report.beyond_data})
+    out.add(static_cast<std::int64_t>(n));
+  return out.add(s.report.stress_error).bytes();
+}
+
+sim::TableSlice slice_of(const std::string& bytes) {
+  ByteReader in(bytes);
+  sim::TableSlice s;
+  for (auto* list : {&s.nodes, &s.steel_field, &s.air}) *list = in.numbers();
+  s.largest_pull = in.number();
+  s.stress_distance = in.number();
+  for (int* n : {&s.report.solutions, &s.report.iterations, &s.report.most_iterations, &s.report.unknowns,
+                 &s.report.beyond_data})
+    *n = static_cast<int>(in.integer());
+  s.report.stress_error = in.number();
+  return s;
+}
+
+/// Gaps of the table as points: of the magnet alone (shape, steel, turns), whatever else the specimen has.
+sim::SliceSource slices(Points& points, const sim::MagnetDesign& design, const sim::TableOptions& options) {
+  const std::string magnet = fmt::format("{:016x}", sim::table_hash(design, options));
+  return [&points, magnet](std::size_t gap, const std::function<sim::TableSlice()>& solve) {
+    const auto bytes = points.get(static_cast<std::int64_t>(gap), fmt::format("{} gap {}", magnet, gap),
+                                  [&] { return bytes_of(solve()); });
+    return bytes ? std::optional(slice_of(*bytes)) : std::nullopt;
+  };
+}
+
+void refuse_shards(const FieldArgs& args) {
+  const ShardArgs& s = args.shards;
+  if (s.database.empty() && s.shard.empty() && s.slurm == 0) return;
+  if (!args.mesh_file.empty())
+    throw BadInput({"--mesh solves one state: --points-db, --shard and --slurm are for tables"});
+  if (args.ends)
+    throw BadInput({"--ends: --points-db, --shard and --slurm are for plane tables, allowed without --ends"});
+}
+
 }  // namespace
 
 std::string extrapolated_text(const sim::PotentialTable& t, const sim::ExtrapolatedShare& e) {
@@ -135,6 +178,7 @@ Exit show_field(const FieldArgs& args) {
       args.specimen_file.empty() ? sim::Specimen{} : read_specimen(args.specimen_file);
   if (specimen.drawn) return show_drawing(args, specimen.drawn);
   const auto design = design_of(specimen, args.steel);
+  refuse_shards(args);
   if (!args.mesh_file.empty()) return show_mesh(args, design);
   if (!specimen.shaped)
     throw BadInput({args.specimen_file + ": [shape]: missing; the field is that of a drawn core, " +
@@ -144,13 +188,26 @@ Exit show_field(const FieldArgs& args) {
   options.largest_gap = std::max(1.5 * specimen.core.travel, 0.2e-3);
   options.ring = args.ring;
   const fs::path folder(args.folder);
-  sim::Team team(2);
+  if (args.shards.slurm > 0) {
+    fmt::print("{}", slurm_script(args.shards, args.shards.database));
+    return Exit::pass;
+  }
+  sim::Team team(args.threads > 0 ? args.threads
+                                  : static_cast<int>(std::max(1U, std::thread::hardware_concurrency())));
+  Points points = open_points(args.shards);
+  if (points.part()) {
+    sim::build_table(design, options, team, nullptr, slices(points, design, options));
+    say_points(points, args.shards);
+    return Exit::pass;
+  }
   if (args.ends && args.ring)
     throw BadInput({"--ends and --ring: the table with ends has no ring flux, allowed one of them"});
   if (args.ends && design.shape.closed_leg != 0)
     throw BadInput({"--ends: shape.closed_leg = 1, allowed 0 in three dimensions"});
-  const auto choice = args.ends ? obtain_end_table(folder, design, options, {}, team)
-                                : obtain_field_table(folder, design, options, team);
+  const auto choice =
+      args.ends ? obtain_end_table(folder, design, options, {}, team)
+                : obtain_field_table(folder, design, options, team, slices(points, design, options));
+  say_points(points, args.shards);
   const sim::TablePotential table(choice.table);
   const auto worst = [](const std::vector<double>& list) {
     return *std::max_element(list.begin(), list.end());

@@ -176,8 +176,16 @@ bool moves_default_magnet(const sim::FitProblem& problem) {
 }  // namespace
 
 Exit fit_specimen(const FitArgs& args) {
-  Source source = args.database.empty() ? published_source(args) : campaign_source(args);
+  if (!args.shards.database.empty() && !args.state_file.empty())
+    throw BadInput({"--state and --points-db: both keep what is done, allowed one of them"});
+  const bool published = args.database.empty();
+  Source source = published ? published_source(args) : campaign_source(args);
   take_options(args, source);
+  if (args.shards.slurm > 0) {
+    fmt::print("{}", slurm_script(args.shards, args.shards.database));
+    return Exit::pass;
+  }
+  Points points = open_points(args.shards);
   FitState state;
   if (!args.state_file.empty() && std::filesystem::exists(args.state_file))
     state = parse_fit_state(text_of_file(args.state_file), args.state_file);
@@ -205,20 +213,21 @@ Exit fit_specimen(const FitArgs& args) {
     }
     return !asked;
   };
-  FitReport report = run_fits(source.job, team, watch, state);
+  FitReport report = run_fits(source.job, team, watch, state, points);
   progress.finish();
+  say_points(points, args.shards);
   if (!args.state_file.empty()) replace_file(args.state_file, to_json(report.state));
   if (report.stopped) {
     fmt::print(stderr, "stopped{}\n",
                args.state_file.empty() ? "" : "; the same command goes on from " + args.state_file);
     return Exit::interrupted;
   }
+  if (report.part) return Exit::pass;
   const auto cells = fit_cells(report.file, source.closings);
   fmt::print("{}", args.json ? fit_json(source.job, report, cells) : fit_text(source.job, report, cells));
   if (!args.picture.empty())
-    write_picture(args.picture,
-                  fit_svg(cells, args.database.empty() ? "Published closings, fitted and held out"
-                                                       : "Measured closings, fitted and held out"));
+    write_picture(args.picture, fit_svg(cells, published ? "Published closings, fitted and held out"
+                                                         : "Measured closings, fitted and held out"));
   sim::Specimen best = specimens(report.file, report.file.folds.back()).front();
   best.shaped = best.shaped && !moves_default_magnet(source.job.problem);
   best.name = args.name.empty() ? best.name + "-fitted" : args.name;

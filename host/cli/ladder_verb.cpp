@@ -4,6 +4,7 @@
 #include <cmath>
 #include <filesystem>
 #include <fstream>
+#include <limits>
 #include <memory>
 #include <nlohmann/json.hpp>
 
@@ -16,6 +17,9 @@
 #include "host/gather/scene.h"
 #include "host/run/campaign.h"
 #include "host/store/field_table.h"
+#include "host/store/hash.h"
+#include "host/store/json.h"
+#include "host/store/point_bytes.h"
 #include "host/store/store.h"
 #include "host/study/bounce_text.h"
 #include "host/study/scene_fields.h"
@@ -56,10 +60,15 @@ std::string time_text(double seconds, double per_second) {
                            : fmt::format("{:.1e}", seconds * per_second);
 }
 
+/// Where points are kept no time is: it is not a function of the point.
+Json milliseconds(double seconds) {
+  return std::isnan(seconds) ? Json() : Json(seconds * 1e3);
+}
+
 Json row_json(const sim::LadderRow& r, const std::vector<sim::Rung>& rungs, bool with_error) {
   Json j{{"rung", rungs[r.run.rung].name()},
          {rungs[r.run.rung].setting, r.run.tolerance},
-         {"cpu_ms", r.run.cpu * 1e3},
+         {"cpu_ms", milliseconds(r.run.cpu)},
          {"rhs_evaluations", r.run.evaluations},
          {"openings", r.run.openings}};
   for (std::size_t q = 0; q < r.estimate.size(); ++q) {
@@ -82,8 +91,8 @@ void print_rows(const std::vector<sim::LadderRow>& rows, const std::vector<sim::
     fmt::print(" {:>11}{} {:>8}", fmt::format("{} ms", q), with_error ? "    err us" : "", "est us");
   fmt::print("\n");
   for (const auto& r : rows) {
-    fmt::print("{:<17} {:>15} {:>10.3f} {:>7}", rungs[r.run.rung].name(), setting(rungs, r.run),
-               r.run.cpu * 1e3, r.run.evaluations);
+    fmt::print("{:<17} {:>15} {:>10} {:>7}", rungs[r.run.rung].name(), setting(rungs, r.run),
+               std::isnan(r.run.cpu) ? "-" : fmt::format("{:.3f}", r.run.cpu * 1e3), r.run.evaluations);
     for (std::size_t q = 0; q < r.estimate.size(); ++q)
       fmt::print(" {:>11}{} {:>8}", time_text(r.run.times[q], 1e3),
                  with_error ? fmt::format(" {:>9}", time_text(r.error[q], 1e6)) : "",
@@ -227,10 +236,95 @@ std::vector<sim::Rung> rungs_of(const LadderArgs& args, const sim::Specimen& spe
   return rungs;
 }
 
+/// All that is computed for one ladder.
+struct LadderResult {
+  std::optional<sim::Ladder> ladder;
+  sim::LadderTimes input{};
+  std::string bounces, bounces_json;
+};
+
+constexpr double not_kept = std::numeric_limits<double>::quiet_NaN();
+
+std::string bytes_of(const sim::LadderRun& run) {
+  ByteWriter out;
+  for (const double t : run.times) out.add(t);
+  return out.add(static_cast<std::int64_t>(run.openings)).add(run.evaluations).bytes();
+}
+
+sim::LadderRun run_of(const std::string& bytes, std::size_t rung, double setting) {
+  ByteReader in(bytes);
+  sim::LadderRun run;
+  run.rung = rung;
+  run.tolerance = setting;
+  for (double& t : run.times) t = in.number();
+  run.openings = static_cast<std::size_t>(in.integer());
+  run.evaluations = in.integer();
+  run.cpu = not_kept;
+  return run;
+}
+
+/// Cells, the input error and the bounces, each a point of its own. `basis`: specimen, conditions and tables, as text.
+LadderResult result_of(Points& points, const std::vector<sim::Rung>& rungs, const sim::Case& c,
+                       const sim::LadderOptions& options, const sim::BounceStudyOptions& believed,
+                       const std::string& basis) {
+  LadderResult r;
+  std::int64_t number = 0;
+  const sim::CpuClock clock = points.stored() ? sim::CpuClock([] { return 0.0; }) : thread_cpu_seconds;
+  const auto cell = [&](std::size_t rung, double setting, int repeats) -> std::optional<sim::LadderRun> {
+    const auto run = [&](int times) {
+      return sim::run_rung(rungs, rung, c, options.duration, setting, clock, times);
+    };
+    if (!points.stored()) return run(repeats);
+    const std::string name = fmt::format("cell {} {} {} {}\n{}", rungs[rung].name(), rungs[rung].setting,
+                                         setting, options.duration, basis);
+    const auto bytes = points.get(number++, name, [&] { return bytes_of(run(1)); });
+    return bytes ? std::optional(run_of(*bytes, rung, setting)) : std::nullopt;
+  };
+  r.ladder = sim::run_ladder(rungs, options, cell);
+  const std::string all = fmt::format("{} {}\n{}", rungs.front().name(), options.duration, basis);
+  if (const auto bytes = points.get(number++, "input error " + all, [&] {
+        ByteWriter out;
+        for (const double e : input_error_of(rungs, c, options.duration)) out.add(e);
+        return out.bytes();
+      })) {
+    ByteReader in(*bytes);
+    for (double& e : r.input) e = in.number();
+  }
+  std::string names;
+  for (const auto& rung : rungs) names += rung.name() + " ";
+  if (const auto bytes = points.get(number++, "bounces " + names + all, [&] {
+        const auto rows = bounces_of(rungs, c, believed);
+        return ByteWriter().add(bounce_text(rows, believed)).add(bounce_json(rows)).bytes();
+      })) {
+    ByteReader in(*bytes);
+    r.bounces = in.text();
+    r.bounces_json = in.text();
+  }
+  return r;
+}
+
+/// What the points of a ladder depend on but for rung and setting.
+std::string basis_of(const LadderArgs& args, const sim::Case& c) {
+  std::string text = resolved_text(c.specimen) + "\n" + to_json(c.conditions);
+  if (!args.table_file.empty())
+    text += "\n" + sha256_hex(field_table_bytes(load_field_table(args.table_file)));
+  return text;
+}
+
 }  // namespace
 
 Exit show_ladder(const LadderArgs& args) {
+  const bool shared_out =
+      !args.shards.database.empty() || !args.shards.shard.empty() || args.shards.slurm > 0;
+  if (shared_out && !args.accuracy.empty())
+    throw BadInput(
+        {"--accuracy: each run decides on the next by its CPU time, so there are no points to share out; "
+         "--points-db, --shard and --slurm are for the whole ladder"});
   const sim::Case c = case_of(args);
+  if (args.shards.slurm > 0) {
+    fmt::print("{}", slurm_script(args.shards, args.shards.database));
+    return Exit::pass;
+  }
   std::vector<sim::Rung> rungs;
   try {
     rungs = rungs_of(args, c.specimen);
@@ -246,11 +340,14 @@ Exit show_ladder(const LadderArgs& args) {
   const sim::LadderOptions options;
   if (const double accuracy = share_of(args.accuracy); accuracy > 0)
     return choose(c, rungs, accuracy, options.duration, args.json);
-  const auto ladder = sim::run_ladder(rungs, c, options, thread_cpu_seconds);
-  const auto input = input_error_of(rungs, c, options.duration);
   sim::BounceStudyOptions believed;
   believed.end = options.duration;
-  const auto bounces = bounces_of(rungs, c, believed);
+  Points points = open_points(args.shards);
+  const LadderResult result = result_of(points, rungs, c, options, believed, basis_of(args, c));
+  say_points(points, args.shards);
+  if (points.part()) return Exit::pass;
+  const sim::Ladder& ladder = *result.ladder;
+  const sim::LadderTimes& input = result.input;
   const std::string title = fmt::format("{}, {:g} V, {:g} degrees: error against cost", c.specimen.name,
                                         c.conditions.supply_volts, c.conditions.closing_angle * 180 / pi);
   const fs::path picture = fs::path(args.folder) / "ladder.svg";
@@ -270,7 +367,7 @@ Exit show_ladder(const LadderArgs& args) {
     fmt::print("{}\n", Json{{"rows", rows},
                             {"models", models},
                             {"errors", errors},
-                            {"bounces", Json::parse(bounce_json(bounces))},
+                            {"bounces", Json::parse(result.bounces_json)},
                             {"picture", picture.string()}}
                            .dump(2));
     return Exit::pass;
@@ -283,7 +380,7 @@ Exit show_ladder(const LadderArgs& args) {
                rungs[m.other].name(), time_text(m.difference[0], 1e6), time_text(m.difference[1], 1e6),
                time_text(m.difference[2], 1e6));
   print_three(ladder, rungs, input);
-  fmt::print("\n{}{}\n", bounce_text(bounces, believed), picture.string());
+  fmt::print("\n{}{}\n", result.bounces, picture.string());
   return Exit::pass;
 }
 

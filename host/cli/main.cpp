@@ -121,6 +121,7 @@ void add_plan_verbs(CLI::App& app) {
       ->capture_default_str();
   simulate->add_flag("--nominal", sim->nominal,
                      "under the conditions the plan asks for; without it those the measured closings had");
+  add_shard_options(simulate, sim->shards, "closing of the plan");
   simulate->add_flag("--json", sim->json, "summary as JSON to stdout");
   add_progress(simulate, sim->progress);
 }
@@ -291,6 +292,10 @@ void add_study_verbs(CLI::App& app) {
                    "A, end of the tables of --out; 0: of the open core at the largest flux computed")
       ->check(CLI::Range(0.0, 1e4))
       ->capture_default_str();
+  field->add_option("-j,--threads", field_args->threads, "threads; 0 = all cores")
+      ->check(CLI::Range(0, 1024))
+      ->capture_default_str();
+  add_shard_options(field, field_args->shards, "gap of the table with all its fluxes");
   field->add_flag("--json", field_args->json, "JSON to stdout");
   auto steel_args = std::make_shared<SteelArgs>();
   CLI::App* steel =

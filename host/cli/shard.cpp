@@ -4,6 +4,7 @@
 
 #include <charconv>
 
+#include "core/counted.h"
 #include "host/config/bad_input.h"
 
 namespace powbench::host {
@@ -34,9 +35,31 @@ Shard read_shard(const std::string& text) {
   return s;
 }
 
-std::string slurm_script(const std::vector<std::string>& command, const std::string& database, int shards) {
+Points open_points(const ShardArgs& args) {
+  const Shard shard = read_shard(args.shard);
+  if (!args.database.empty()) return {args.database, args.verb, shard};
+  if (shard.of > 1)
+    throw BadInput({"--shard " + args.shard + ": name a store for its points with --points-db"});
+  return {};
+}
+
+void say_points(const Points& points, const ShardArgs& args) {
+  if (!points.stored()) return;
+  fmt::print(stderr, "{}: {} of {} computed, {} found in {}\n", args.verb, points.computed(),
+             counted(static_cast<std::size_t>(points.computed() + points.found()), "point"), points.found(),
+             args.database);
+  if (points.part())
+    fmt::print(stderr,
+               "shard {}: powbench db merge -o ALL.db PART.db... puts the shards together, this command with "
+               "--points-db ALL.db and without --shard prints the result\n",
+               args.shard);
+}
+
+std::string slurm_script(const ShardArgs& args, const std::string& database) {
+  if (database.empty()) throw BadInput({"--slurm: name a store for the points with --points-db"});
   std::string words = "powbench";
-  for (const std::string& word : command) words += " " + quoted(word);
+  for (const std::string& word : args.words) words += " " + quoted(word);
+  const char* threads = args.threads ? " -j \"${SLURM_CPUS_PER_TASK:-1}\"" : "";
   return fmt::format(R"(#!/bin/bash
 # {0} shards of one study, as job arrays no longer than this cluster allows, and a job that puts them together.
 # More for every job, such as a partition or a time limit: SBATCH_PARTITION, SBATCH_TIMELIMIT and their like.
@@ -53,7 +76,7 @@ for ((first = 1; first <= POWBENCH_SHARDS; first += most)); do
 #!/bin/bash
 set -euo pipefail
 shard=$((POWBENCH_FIRST + SLURM_ARRAY_TASK_ID))
-exec {2} --shard "$shard/$POWBENCH_SHARDS" --db "$POWBENCH_DB.shards/$shard.db" -j "${{SLURM_CPUS_PER_TASK:-1}}"
+exec {2} --shard "$shard/$POWBENCH_SHARDS" {3} "$POWBENCH_DB.shards/$shard.db"{4}
 JOB
 )
   jobs=$jobs:${{job%%;*}}
@@ -63,12 +86,12 @@ last=$(sbatch --parsable --requeue --export=ALL --dependency="afterok$jobs" --jo
 #!/bin/bash
 set -euo pipefail
 powbench db merge -o "$POWBENCH_DB" "$POWBENCH_DB.shards"/*.db
-exec {2} --db "$POWBENCH_DB" -j "${{SLURM_CPUS_PER_TASK:-1}}"
+exec {2} {3} "$POWBENCH_DB"{4}
 JOB
 )
 echo "job ${{last%%;*}} writes $folder/result.txt when all shards are done; squeue --me shows them"
 )",
-                     shards, quoted(database), words);
+                     args.slurm, quoted(database), words, args.store, threads);
 }
 
 }  // namespace powbench::host

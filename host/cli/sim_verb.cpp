@@ -1,8 +1,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <memory>
-#include <mutex>
+#include <filesystem>
 #include <nlohmann/json.hpp>
 #include <set>
 #include <thread>
@@ -67,6 +66,15 @@ sim::SceneAxes axes_of(const Wish& wish, const sim::Case& first, const FieldCach
   return axes;
 }
 
+/// Where points are kept no time is: it is not a function of the point.
+double no_clock() {
+  return 0;
+}
+
+Json milliseconds(double seconds) {
+  return seconds > 0 ? Json(seconds * 1e3) : Json();
+}
+
 std::string us(double seconds) {
   return std::isnan(seconds) ? "-" : std::isinf(seconds) ? "no" : fmt::format("{:.3g}", seconds * 1e6);
 }
@@ -118,8 +126,8 @@ void print_choice(const sim::SceneChoice& c, const Wish& wish, const sim::Specim
                "mech. us");
   fmt::print(stderr, " {:>9}\n", "of wanted");
   for (const auto& s : c.steps) {
-    fmt::print(stderr, "{:<17} {:>15} {:>8.2f}", s.name,
-               fmt::format("{} {:g}", s.setting_name, s.run.tolerance), s.run.cpu * 1e3);
+    fmt::print(stderr, "{:<17} {:>15} {:>8}", s.name, fmt::format("{} {:g}", s.setting_name, s.run.tolerance),
+               s.run.cpu > 0 ? fmt::format("{:.2f}", s.run.cpu * 1e3) : "-");
     for (std::size_t q = 0; q < s.step_error.size(); ++q)
       fmt::print(stderr, " {:>11} {:>9} {:>9} {:>9}",
                  std::isnan(s.run.times[q]) ? "-" : fmt::format("{:.4f}", s.run.times[q] * 1e3),
@@ -130,9 +138,12 @@ void print_choice(const sim::SceneChoice& c, const Wish& wish, const sim::Specim
              "step: by a finer run; fields and mech. (the model error): to the next rung; in brackets, at "
              "the top, from the one below; ? not known\n");
   const auto& last = c.steps.back();
-  fmt::print(stderr, "taken: {} at {} {:g} ({}); {:.1f} ms CPU a closing, {:.1f} ms with choosing\n",
-             last.name, last.setting_name, last.run.tolerance, c.rung.meaning, last.run.cpu * 1e3,
-             c.spent * 1e3);
+  fmt::print(stderr, "taken: {} at {} {:g} ({})", last.name, last.setting_name, last.run.tolerance,
+             c.rung.meaning);
+  if (c.spent > 0)
+    fmt::print(stderr, "; {:.1f} ms CPU a closing, {:.1f} ms with choosing", last.run.cpu * 1e3,
+               c.spent * 1e3);
+  fmt::print(stderr, "\n");
   if (wish.accuracy) fmt::print(stderr, "wanted accuracy: {}\n", verdict_text(c));
   if (wish.accuracy && wish.fields.empty())
     fmt::print(stderr, "--fields auto compares the circuit with fields of the specimen's [shape]\n");
@@ -160,7 +171,7 @@ Json choice_json(const sim::SceneChoice& c, bool wanted) {
                      {"model_error_s", s.model_error},
                      {"known_share_of_wanted", s.share},
                      {"unknown", s.unknown},
-                     {"cpu_ms", s.run.cpu * 1e3}});
+                     {"cpu_ms", milliseconds(s.run.cpu)}});
   Json inputs = Json::object();
   for (const auto& i : c.inputs) inputs[i.name] = i.u;
   return {{"rung", c.rung.name()},
@@ -171,7 +182,7 @@ Json choice_json(const sim::SceneChoice& c, bool wanted) {
           {"input_error_s", c.input_error},
           {"inputs", inputs},
           {"input_not_known", numbers_not_known},
-          {"cpu_ms_with_choosing", c.spent * 1e3},
+          {"cpu_ms_with_choosing", milliseconds(c.spent)},
           {"looked_at", steps}};
 }
 
@@ -181,7 +192,7 @@ CampaignInfo only_simulated(CampaignInfo info) {
 }
 
 /// Beside the newest measurement of this plan, else in the campaign of simulations alone by the same model.
-std::int64_t campaign_for(Store& store, const Scene& scene, const std::string& model) {
+std::optional<std::int64_t> find_campaign(const Store& store, const Scene& scene, const std::string& model) {
   std::optional<std::int64_t> measured, alone;
   for (const CampaignInfo& c : store.campaigns()) {
     if (c.plan_hash != scene.plan_hash || c.specimen_hash != scene.specimen_hash) continue;
@@ -190,58 +201,46 @@ std::int64_t campaign_for(Store& store, const Scene& scene, const std::string& m
     else if (c.rig_identity == model)
       alone = c.id;
   }
-  if (measured) return *measured;
-  return alone ? *alone : store.create_campaign(only_simulated(campaign_info(scene, "", model)));
+  return measured ? measured : alone;
 }
 
-/// How much of the closings lay outside of what their fields were made from. Filled by many threads.
-class BeyondFields {
- public:
-  void add(const sim::Trajectory& t) {
-    const std::scoped_lock lock(mutex_);
-    states_ += t.field_states, beyond_ += t.field_beyond;
-    ++runs_, touched_ += t.field_beyond > 0 ? 1 : 0;
-  }
-  bool counted_any() const { return states_ > 0; }
-  double share() const {
-    return states_ > 0 ? static_cast<double>(beyond_) / static_cast<double>(states_) : 0;
-  }
-  std::string text() const {
-    return fmt::format(
-        "fields: {:.2g} % of the states of the magnet, in {} of {}, lie outside of what the fields were made "
-        "from "
-        "(largest gap or flux); there they are continued by the saturation law: take their times with care, "
-        "or make "
-        "the table larger\n",
-        100 * share(), touched_, counted(runs_, "run"));
-  }
+std::int64_t campaign_for(Store& store, const Scene& scene, const std::string& model) {
+  const auto there = find_campaign(store, scene, model);
+  return there ? *there : store.create_campaign(only_simulated(campaign_info(scene, "", model)));
+}
 
- private:
-  std::mutex mutex_;
-  std::int64_t states_ = 0, beyond_ = 0;
-  std::size_t runs_ = 0, touched_ = 0;
-};
+/// How much of the closings lay outside of what their fields were made from.
+double share_beyond(const SimulatedCount& n) {
+  return n.field_states > 0 ? static_cast<double>(n.field_beyond) / static_cast<double>(n.field_states) : 0;
+}
 
-RecordMaker maker_of(const sim::SceneChoice& choice, const std::string& name,
-                     const std::shared_ptr<BeyondFields>& beyond) {
-  return [choice, name, beyond](const sim::Specimen& s, const Conditions& c, const rigs::SimRigConfig& rig) {
+std::string beyond_text(const SimulatedCount& n) {
+  return fmt::format(
+      "fields: {:.2g} % of the states of the magnet, in {} of {}, lie outside of what the fields were made "
+      "from "
+      "(largest gap or flux); there they are continued by the saturation law: take their times with care, "
+      "or make "
+      "the table larger\n",
+      100 * share_beyond(n), n.beyond_fields, counted(n.stored, "run"));
+}
+
+RecordMaker maker_of(const sim::SceneChoice& choice, const std::string& name) {
+  return [choice, name](const sim::Specimen& s, const Conditions& c, const rigs::SimRigConfig& rig) {
     const auto run = [&](const sim::Specimen& specimen, const Conditions& conditions, double duration,
                          double dt) {
-      sim::Trajectory t = choice.rung.run({specimen, conditions, rig.supply}, duration, choice.setting, dt);
-      beyond->add(t);
-      return t;
+      return choice.rung.run({specimen, conditions, rig.supply}, duration, choice.setting, dt);
     };
     return rigs::simulate_record_with(run, name, s, c, rig);
   };
 }
 
 sim::SceneChoice choose(const Wish& wish, const Scene& scene, const sim::Supply& bench,
-                        const FieldCache& cache) {
+                        const FieldCache& cache, const sim::CpuClock& clock) {
   constexpr double duration = 0.06;  // s: what is judged
   const sim::Case first{scene.specimen, scene.shots.front().conditions, bench};
   try {
     return sim::choose_scene(axes_of(wish, first, cache), first, wish.wanted, duration, inputs_of(scene),
-                             thread_cpu_seconds);
+                             clock);
   } catch (const std::invalid_argument& e) {
     throw BadInput({std::string("sim: ") + e.what()});
   }
@@ -271,9 +270,20 @@ std::vector<BounceRow> bounces_of_scene(const sim::Rung& rung, const Scene& scen
   return rows;
 }
 
+/// What a part reads measured closings from; where there is no such store nothing was measured.
+Store store_to_read(const SimArgs& args) {
+  const bool there = std::filesystem::exists(args.database);
+  return Store(there ? args.database : args.shards.database, Store::Mode::read_only);
+}
+
 }  // namespace
 
 Exit simulate_plan(const SimArgs& args) {
+  if (args.shards.slurm > 0) {
+    load_scene(args.plan);  // mistakes are told before anything is submitted
+    fmt::print("{}", slurm_script(args.shards, args.shards.database));
+    return Exit::pass;
+  }
   const Scene scene = load_scene(args.plan);
   Wish wish = wish_of(args, scene.plan);
   if (!wish.any() && !sim::rigid_only(scene.specimen).empty()) {
@@ -288,32 +298,36 @@ Exit simulate_plan(const SimArgs& args) {
   bench.config.sensors.channels = wanted_channels(scene.plan);
   const rigs::SimRigConfig& sensors = bench.config;
   const StopOnSignal stop;
+  Points points = open_points(args.shards);
   std::optional<sim::SceneChoice> choice;
   RecordMaker maker = rigs::simulate_record;
   std::string model = "simulation only";
-  const auto beyond = std::make_shared<BeyondFields>();
   if (wish.any()) {
     FieldCache cache;
     cache.folder = args.cache;
     cache.say = [](const std::string& text) { fmt::print(stderr, "{}\n", text); };
-    choice = choose(wish, scene, sensors.supply, cache);
+    choice = choose(wish, scene, sensors.supply, cache, points.stored() ? no_clock : thread_cpu_seconds);
     print_choice(*choice, wish, scene.specimen);
     model =
         fmt::format("simulation by {}, {} {:g}", choice->rung.name(), choice->rung.setting, choice->setting);
-    maker = maker_of(*choice, model, beyond);
+    maker = maker_of(*choice, model);
   }
   const sim::Rung rung = choice ? choice->rung : sim::closing_rungs().front();
   const sim::BounceStudyOptions believed;
-  const auto bounces = bounces_of_scene(rung, scene, sensors.supply, believed);
-  Store store(args.database);
-  const std::int64_t campaign = campaign_for(store, scene, model);
+  const auto bounces =
+      points.part() ? std::vector<BounceRow>{} : bounces_of_scene(rung, scene, sensors.supply, believed);
+  Store store = points.part() ? store_to_read(args) : Store(args.database);
+  const std::int64_t campaign =
+      points.part() ? find_campaign(store, scene, model).value_or(0) : campaign_for(store, scene, model);
   const int threads =
       args.threads > 0 ? args.threads : static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
   Progress progress("simulate", scene.plan.angles.size(), progress_style(args.progress));
   const SimulatedCount n = simulate_campaign(
       store, campaign, scene.shots, scene.specimen, sensors, run_options(scene.plan), progress,
-      {model + "\n" + scene.specimen_text + resolved_text(bench), maker, args.nominal, threads});
+      {model + "\n" + scene.specimen_text + resolved_text(bench), maker, args.nominal, threads, &points});
   progress.finish();
+  say_points(points, args.shards);
+  if (points.part()) return StopOnSignal::asked() ? Exit::interrupted : Exit::pass;
   if (args.json) {
     Json j{{"campaign", campaign},
            {"simulated", n.stored},
@@ -321,7 +335,7 @@ Exit simulate_plan(const SimArgs& args) {
            {"kept", n.kept},
            {"nominal", args.nominal}};
     if (choice) j["models"] = choice_json(*choice, wish.accuracy);
-    j["states_beyond_fields"] = beyond->counted_any() ? Json(beyond->share()) : Json();
+    j["states_beyond_fields"] = n.field_states > 0 ? Json(share_beyond(n)) : Json();
     j["bounces"] = Json::parse(bounce_json(bounces));
     fmt::print("{}\n", j.dump(2));
   }
@@ -332,7 +346,7 @@ Exit simulate_plan(const SimArgs& args) {
                         "cells, no tolerance; circuit+rigid is\n",
                         rung.name())
           : "nominal conditions of the plan, model alone; break A:\n" + bounce_text(bounces, believed));
-  if (beyond->share() > 0) fmt::print(stderr, "{}", beyond->text());
+  if (n.field_beyond > 0) fmt::print(stderr, "{}", beyond_text(n));
   fmt::print(stderr, "campaign {}: {}\n", campaign, said(n));
   if (StopOnSignal::asked()) return Exit::interrupted;
   if (!choice || !wish.accuracy || choice->reached() == sim::Reached::met) return Exit::pass;

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "core/outcome.h"
+#include "host/cli/shard.h"
 
 /// Verbs that need many simulated closings.
 
@@ -30,6 +31,7 @@ struct FitArgs {
   std::string state_file, output, fit_file, name;
   std::string picture;  ///< SVG to write; "" = none
   bool json = false;
+  ShardArgs shards;  ///< of posteriors and searches
   std::string progress = "auto";
 };
 Exit fit_specimen(const FitArgs&);
@@ -48,8 +50,7 @@ struct SweepArgs {
   int angles = 90, draws = 60;
   std::string database = "powbench.db";
   std::string picture;  ///< SVG to write; "" = none
-  std::string shard;    ///< I/N: only every Nth block of points, from the Ith; "" = all
-  int slurm = 0;        ///< print a script that submits so many shards; 0 = simulate
+  ShardArgs shards;     ///< in blocks of points
   int threads = 0;
   bool json = false;
   std::string progress = "auto";
@@ -67,6 +68,7 @@ struct LadderArgs {
   std::string
       table_file;  ///< of `powbench field`: also the rung `table+rigid`, or only it for an accuracy; "" = none
   std::string folder = "ladder";
+  ShardArgs shards;  ///< of cells: rung and setting
   bool json = false;
 };
 Exit show_ladder(const LadderArgs&);

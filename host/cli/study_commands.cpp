@@ -1,3 +1,5 @@
+#include <fmt/format.h>
+
 #include "host/cli/commands.h"
 #include "host/cli/fmu_verb.h"
 #include "host/cli/specimen_verb.h"
@@ -7,6 +9,46 @@
 /// Fits, sweeps, specimens and the ladder: words to arguments.
 
 namespace powbench::host {
+
+namespace {
+
+/// What was typed but what each shard, and the run that collects them, has of its own.
+std::vector<std::string> words_of(const CLI::App& v, const std::string& store) {
+  std::vector<std::string> words{v.get_name()}, options;
+  for (const CLI::Option* o : v.get_options()) {
+    const std::string name = o->get_name();
+    const bool own = name == store || name == "--shard" || name == "--slurm" || name == "--threads" ||
+                     name == "--progress";
+    if (o->count() == 0 || own) continue;
+    auto& list = o->nonpositional() ? options : words;
+    if (o->nonpositional()) list.push_back(name);
+    if (o->get_items_expected_max() > 0) list.insert(list.end(), o->results().begin(), o->results().end());
+  }
+  words.insert(words.end(), options.begin(), options.end());
+  return words;
+}
+
+}  // namespace
+
+void add_shard_options(CLI::App* v, ShardArgs& args, const char* of, const char* store) {
+  args.store = store;
+  args.verb = v->get_name();
+  args.threads = v->get_option_no_throw("--threads") != nullptr;
+  if (args.store == "--points-db")
+    v->add_option("--points-db", args.database,
+                  fmt::format("store of points, made if missing: each {} that is in it is read, not "
+                              "computed; the others are added",
+                              of));
+  v->add_option("--shard", args.shard,
+                fmt::format("I/N: only part I of N, each {0} in turn, into the store of {1}, and no result; "
+                            "`powbench db merge` puts the "
+                            "parts together, and the same command without --shard then prints the result",
+                            of, store));
+  v->add_option("--slurm", args.slurm,
+                "compute nothing: print a script that submits so many shards to Slurm and puts them together")
+      ->check(CLI::Range(1, 1'000'000));
+  v->parse_complete_callback([v, &args] { args.words = words_of(*v, args.store); });
+}
 
 void add_fit_verb(CLI::App& app) {
   auto fit = std::make_shared<FitArgs>();
@@ -62,6 +104,7 @@ void add_fit_verb(CLI::App& app) {
   v->add_option("--svg", fit->picture, "picture to write: measured, fitted, held out");
   v->add_option("--fit", fit->fit_file,
                 "fit file to write: every specimen found, for `powbench tables --fit`");
+  add_shard_options(v, fit->shards, "posterior of a held-out angle or global search");
   v->add_flag("--json", fit->json, "JSON to stdout");
   add_progress(v, fit->progress);
 }
@@ -108,14 +151,7 @@ void add_sweep_verb(CLI::App& app) {
   v->add_option("-j,--threads", args->threads, "threads; 0 = all cores")
       ->check(CLI::Range(0, 1024))
       ->capture_default_str();
-  v->add_option(
-      "--shard", args->shard,
-      "I/N: only part I of N, into a store of its own; `powbench db merge` puts the parts together, and the "
-      "same command without --shard then prints the result");
-  v->add_option(
-       "--slurm", args->slurm,
-       "simulate nothing: print a script that submits so many shards to Slurm and puts them together")
-      ->check(CLI::Range(1, 1'000'000));
+  add_shard_options(v, args->shards, "block of 500 closings", "--db");
   v->add_flag("--json", args->json, "JSON to stdout");
   add_progress(v, args->progress);
 }
@@ -168,6 +204,7 @@ void add_ladder_verb(CLI::App& app) {
   v->add_option("--cache", args->cache, "folder for field tables; made if missing")->capture_default_str();
   v->add_option("--table", args->table_file,
                 "field table of `powbench field`: also the rung table+rigid; with --accuracy only this one");
+  add_shard_options(v, args->shards, "cell of the table, a rung at a setting,");
   v->add_option("-o,--output", args->folder, "folder for the picture; made if missing")
       ->capture_default_str();
   v->add_flag("--json", args->json, "JSON to stdout");

@@ -114,7 +114,7 @@ Exit run_sweep(const SweepArgs& args, const Study& s, sim::Team& team) {
       throw BadInput(
           {"--vary reaches " + wrong[0].key + " = " + wrong[0].value + ": allowed " + wrong[0].range});
   }
-  const Shard shard = read_shard(args.shard);
+  const Shard shard = read_shard(args.shards.shard);
   SweepStore store(args.database);
   SweepInfo info;
   info.design = design_text(args, s);
@@ -203,34 +203,12 @@ Exit run_best_angle(const SweepArgs& args, const Study& s, sim::Team& team) {
 
 }  // namespace
 
-/// The command again, without what each shard has of its own.
-static std::vector<std::string> words_of(const SweepArgs& args) {
-  const SweepArgs usual;
-  std::vector<std::string> words{"sweep"};
-  const auto add = [&](const char* option, const std::string& text, bool is_usual) {
-    if (!is_usual) words.insert(words.end(), {option, text});
-  };
-  add("--specimen", args.specimen_file, args.specimen_file.empty());
-  for (const std::string& v : args.vary) add("--vary", v, false);
-  add("--sampling", args.sampling, args.sampling == usual.sampling);
-  add("--points", std::to_string(args.points), args.points == usual.points);
-  add("--seed", std::to_string(args.seed), args.seed == usual.seed);
-  add("--angle", fmt::format("{}", args.angle_deg), args.angle_deg == usual.angle_deg);
-  add("--volts", fmt::format("{}", args.supply_volts), args.supply_volts == usual.supply_volts);
-  add("--ambient", fmt::format("{}", args.ambient_degC), args.ambient_degC == usual.ambient_degC);
-  add("--metric", args.metric, args.metric == usual.metric);
-  add("--svg", args.picture, args.picture.empty());
-  for (const auto& [flag, is] : {std::pair{"--forces", args.forces}, {"--json", args.json}})
-    if (is) words.emplace_back(flag);
-  return words;
-}
-
 Exit sweep(const SweepArgs& args) {
-  if ((args.slurm > 0 || !args.shard.empty()) && (args.sensitivity || args.best_angle))
+  if ((args.shards.slurm > 0 || !args.shards.shard.empty()) && (args.sensitivity || args.best_angle))
     throw BadInput({"--shard and --slurm are of sweeps, not of --sensitivity and --best-angle"});
   const Study s = prepare(args);
-  if (args.slurm > 0) {
-    fmt::print("{}", slurm_script(words_of(args), args.database, args.slurm));
+  if (args.shards.slurm > 0) {
+    fmt::print("{}", slurm_script(args.shards, args.database));
     return Exit::pass;
   }
   sim::Team team(args.threads > 0 ? args.threads

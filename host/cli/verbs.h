@@ -8,6 +8,7 @@
 #include "core/outcome.h"
 #include "core/record.h"
 #include "dsp/options.h"
+#include "host/cli/shard.h"
 
 /// The verbs of the command line. Each takes its arguments as a struct and returns the exit code; what goes wrong is
 /// thrown and turned into a sentence by main. Data goes to stdout, talk to stderr.
@@ -88,6 +89,7 @@ struct SimArgs {
   std::string accuracy;           ///< of the touch time, "1%" or "0.01"; "" = the plan's
   std::string cache = "field";    ///< folder of field tables
   bool nominal = false;           ///< as the plan asks, whatever was measured
+  ShardArgs shards;               ///< of closings
   bool json = false;
   std::string progress = "auto";
 };
@@ -185,6 +187,8 @@ struct FieldArgs {
   bool ends = false;                ///< with what three dimensions add at the ends of stack and coil
   std::vector<std::string> tables;  ///< files for other simulators; their endings say how
   double largest_current = 0;       ///< A, of these; 0: from the table
+  int threads = 0;                  ///< 0 = all cores
+  ShardArgs shards;                 ///< of gaps
   bool json = false;
 };
 Exit show_field(const FieldArgs&);

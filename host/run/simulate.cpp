@@ -15,9 +15,11 @@
 #include "core/phase.h"
 #include "core/quantities.h"
 #include "core/version.h"
+#include "dsp/options.h"
 #include "dsp/signal.h"
 #include "host/compare/compare.h"
 #include "host/compare/repeats.h"
+#include "host/run/simulated_point.h"
 #include "host/run/stop.h"
 #include "host/store/hash.h"
 #include "host/store/json.h"
@@ -77,24 +79,32 @@ Conditions reached_by(const Events& closing, Conditions c) {
   return c;
 }
 
+/// All that went into a simulation.
+std::string inputs_text(const ClosingInputs& in, const std::string& made_with) {
+  return fmt::format("{}\n{}\n{:.17g} {:.17g} {:.17g} {:.17g}\n{}", program_version, to_json(in.conditions),
+                     in.u_angle, in.u_volts, in.u_hertz, in.u_ambient, made_with);
+}
+
+/// And into its events and its prediction.
+std::string point_text(const ClosingInputs& in, const Simulation& how, const rigs::SimRigConfig& rig,
+                       const RunOptions& options, bool measured, std::span<const NumberedClosing> alone) {
+  std::string text =
+      inputs_text(in, how.made_with) +
+      fmt::format("\n{} {:.17g} {}\n", dsp::to_text(options.extract), options.angle_tolerance, measured);
+  text += fmt::format("channels {}", static_cast<std::uint64_t>(rig.sensors.channels));
+  for (const auto& [number, events] : alone) text += fmt::format("\n{} {}", number, to_json(events));
+  return text;
+}
+
 /// What a simulation came from: in words, and the hash of all that went in.
 std::string basis(const ClosingInputs& in, std::size_t closings, const std::string& made_with) {
-  const std::string text =
-      fmt::format("{}\n{}\n{:.17g} {:.17g} {:.17g} {:.17g}\n{}", program_version, to_json(in.conditions),
-                  in.u_angle, in.u_volts, in.u_hertz, in.u_ambient, made_with);
+  const std::string text = inputs_text(in, made_with);
   constexpr std::size_t digits = 12;
   return fmt::format("{}; inputs {}",
                      closings == 0 ? std::string("at the conditions that the plan asks for")
                                    : "under the mean conditions of " + counted(closings, "measured closing"),
                      sha256_hex(text).substr(0, digits));
 }
-
-/// What one angle's thread leaves.
-struct Simulated {
-  std::optional<rigs::SimulatedClosing> closing;
-  Events events;
-  InputSpread prediction;
-};
 
 }  // namespace
 
@@ -188,10 +198,10 @@ InputSpread input_uncertainty(const ClosingInputs& in, const sim::Specimen& spec
   return out;
 }
 
-std::int64_t keep_simulated(Store& store, StoredShot shot, const rigs::SimulatedClosing& closing,
-                            const Events& events, const RunOptions& options) {
+std::int64_t keep_simulated(Store& store, StoredShot shot, const Record& record, const Events& events,
+                            const RunOptions& options) {
   shot.outcome = Outcome::not_judged;
-  return store.store_shot(shot, &closing.record, &events, extraction_info(options));
+  return store.store_shot(shot, &record, &events, extraction_info(options));
 }
 
 SimulatedCount simulate_campaign(Store& store, std::int64_t campaign, std::span<const PlannedShot> plan,
@@ -218,11 +228,14 @@ SimulatedCount simulate_campaign(Store& store, std::int64_t campaign, std::span<
   SimulatedCount count;
   std::vector<StoredShot> shots;
   std::vector<ClosingInputs> inputs;
+  std::vector<std::int64_t> numbers;  // among all angles
+  std::int64_t number = 0;
   for (auto& [angle, shot] : angles) {
     const std::vector<Events>& closings = measured[angle];
     alone[angle];  // there for every angle before the threads look
     const ClosingInputs in =
         closings.empty() ? ClosingInputs{shot.conditions} : inputs_of(shot.conditions, closings, options);
+    ++number;
     shot.conditions = in.conditions;
     shot.reason = basis(in, closings.size(), how.made_with);
     const auto before = known.find(angle);
@@ -230,35 +243,46 @@ SimulatedCount simulate_campaign(Store& store, std::int64_t campaign, std::span<
       ++count.kept;
       continue;
     }
-    shots.push_back(shot), inputs.push_back(in);
+    shots.push_back(shot), inputs.push_back(in), numbers.push_back(number - 1);
   }
 
-  std::vector<Simulated> results(shots.size());
+  Points none;
+  Points& points = how.points != nullptr ? *how.points : none;
+  std::vector<std::optional<SimulatedPoint>> results(shots.size());
   std::atomic<std::size_t> next = 0, finished = 0;
   std::mutex mutex;
   std::exception_ptr trouble;
   std::size_t first_open = 0;  // all before the first are stored
   const auto store_one = [&](std::size_t i) {
-    const Simulated result = std::exchange(results[i], {});
-    if (!result.closing) return;
-    const std::int64_t id = keep_simulated(store, shots[i], *result.closing, result.events, options);
-    if (!result.prediction.empty()) store.store_prediction(id, result.prediction);
+    const auto result = std::exchange(results[i], {});
+    if (!result) return;
+    const std::int64_t id = keep_simulated(store, shots[i], result->record, result->events, options);
+    if (!result->prediction.empty()) store.store_prediction(id, result->prediction);
     ++count.stored;
+    count.field_states += result->field_states, count.field_beyond += result->field_beyond;
+    if (result->field_beyond > 0) ++count.beyond_fields;
     if (known.contains(shots[i].angle_deg)) ++count.renewed;
   };
   const auto work = [&] {
     for (std::size_t i = next++; i < shots.size() && !StopOnSignal::asked(); i = next++) {
       try {
-        Simulated result;
-        if (!measured.at(shots[i].angle_deg).empty())
-          result.prediction =
-              input_uncertainty(inputs[i], specimen, rig, options, alone.at(shots[i].angle_deg));
-        result.closing = how.make(specimen, shots[i].conditions, rig);
-        result.events = extract_checked(result.closing->record, options);
+        const bool predicted = !measured.at(shots[i].angle_deg).empty();
+        const auto& others = alone.at(shots[i].angle_deg);
+        const auto simulate = [&] {
+          SimulatedPoint p;
+          if (predicted) p.prediction = input_uncertainty(inputs[i], specimen, rig, options, others);
+          const auto closing = how.make(specimen, shots[i].conditions, rig);
+          p.record = closing.record;
+          p.field_states = closing.field_states, p.field_beyond = closing.field_beyond;
+          p.events = extract_checked(p.record, options);
+          return bytes_of(p);
+        };
+        const auto bytes =
+            points.get(numbers[i], point_text(inputs[i], how, rig, options, predicted, others), simulate);
         const std::scoped_lock lock(mutex);
-        results[i] = std::move(result);
+        if (bytes && !points.part()) results[i] = simulated_point(*bytes, shots[i].conditions);
         // stored in the order of the angles, whatever thread was first
-        for (; first_open < shots.size() && results[first_open].closing; ++first_open) store_one(first_open);
+        for (; first_open < shots.size() && results[first_open]; ++first_open) store_one(first_open);
         progress.update(++finished);
       } catch (...) {
         const std::scoped_lock lock(mutex);

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "host/run/campaign.h"
+#include "host/store/points.h"
 #include "rigs/sim_rig_config.h"
 #include "rigs/simulated_record.h"
 #include "sim/specimen.h"
@@ -61,8 +62,7 @@ InputSpread input_uncertainty(const ClosingInputs&, const sim::Specimen&, const 
                               const std::function<bool()>& over = {});
 
 /// Stores a simulated closing with its record and events; the number of its shot.
-std::int64_t keep_simulated(Store&, StoredShot, const rigs::SimulatedClosing&, const Events&,
-                            const RunOptions&);
+std::int64_t keep_simulated(Store&, StoredShot, const Record&, const Events&, const RunOptions&);
 
 /// How a campaign is simulated.
 struct Simulation {
@@ -71,6 +71,7 @@ struct Simulation {
   RecordMaker make = rigs::simulate_record;
   bool nominal = false;  ///< as the plan asks, whatever the closings really had
   int threads = 1;
+  Points* points = nullptr;  ///< of the angles, those that are known are not simulated; nullptr: none
 };
 
 /// What became of the angles of a plan.
@@ -78,12 +79,17 @@ struct SimulatedCount {
   std::size_t stored = 0;   ///< simulated now
   std::size_t renewed = 0;  ///< of these: in the place of a simulation whose inputs have changed since
   std::size_t kept = 0;     ///< stored before from the same inputs
+  /// States of the magnet that the simulations looked at, where they had fields of their own; of these outside of what the fields
+  /// were made from; simulations with such states.
+  std::int64_t field_states = 0, field_beyond = 0;
+  std::size_t beyond_fields = 0;
 };
 
 /// One closing for each angle of the plan, stored with record and events. Where the campaign has measured closings and not
 /// `nominal`: under their conditions, with its uncertainty. Each is stored as soon as those of the angles before it are. Its reason
 /// tells its conditions and the hash of all that went in; one with another hash is simulated anew, and stays as an earlier attempt.
-/// An angle that fails is thrown at the end, the others are stored.
+/// An angle that fails is thrown at the end, the others are stored. Where the points are a part (Points::part) they are all that is
+/// written: the store is read for what was measured, and a campaign that is not there has no measured closings.
 SimulatedCount simulate_campaign(Store&, std::int64_t campaign, std::span<const PlannedShot>,
                                  const sim::Specimen&, const rigs::SimRigConfig&, const RunOptions&,
                                  Progress&, const Simulation& = {});

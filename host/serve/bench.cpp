@@ -127,7 +127,7 @@ std::string Bench::Impl::run_job(const Job& now) {
   if (wanting) simulate_ahead(now);
   with_shot = [&] {
     const Ahead::Made made = wanting ? ahead.ready(key_of(now)) : nullptr;
-    if (made) keep_simulated(store, beside, made->simulated, made->events, options);
+    if (made) keep_simulated(store, beside, made->simulated.record, made->events, options);
     if (made) wanting = false;
   };
   const RunSummary summary = run_campaign(store, campaign, now.shots, *rig, options, silent);
@@ -138,7 +138,7 @@ std::string Bench::Impl::run_job(const Job& now) {
       simulate_campaign(store, campaign, now.shots, now.scene.specimen, sensors.config, options, silent,
                         {now.scene.specimen_text + resolved_text(sensors)});
     else if (const Ahead::Made made = wanting ? ahead.wait(key_of(now)) : nullptr)
-      keep_simulated(store, beside, made->simulated, made->events, options);
+      keep_simulated(store, beside, made->simulated.record, made->events, options);
     if (now.single) predict_later(store, now);
   }
   if (!now.single)

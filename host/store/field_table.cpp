@@ -153,9 +153,11 @@ FieldTableChoice obtain(const std::filesystem::path& folder, std::uint64_t hash,
 }  // namespace
 
 FieldTableChoice obtain_field_table(const std::filesystem::path& folder, const sim::MagnetDesign& design,
-                                    const sim::TableOptions& options, sim::Team& team) {
-  return obtain(folder, sim::table_hash(design, options),
-                [&](sim::TableReport* report) { return sim::build_table(design, options, team, report); });
+                                    const sim::TableOptions& options, sim::Team& team,
+                                    const sim::SliceSource& source) {
+  return obtain(folder, sim::table_hash(design, options), [&](sim::TableReport* report) {
+    return sim::build_table(design, options, team, report, source);
+  });
 }
 
 FieldTableChoice obtain_field_table(const std::filesystem::path& folder,

@@ -33,7 +33,7 @@ struct FieldTableChoice {
 /// The table of this design from `folder` if it is there and whole, else built and stored there. A damaged file is an
 /// error, not rebuilt in silence.
 FieldTableChoice obtain_field_table(const std::filesystem::path& folder, const sim::MagnetDesign&,
-                                    const sim::TableOptions&, sim::Team&);
+                                    const sim::TableOptions&, sim::Team&, const sim::SliceSource& = {});
 
 /// The same for a drawn magnet.
 FieldTableChoice obtain_field_table(const std::filesystem::path& folder,

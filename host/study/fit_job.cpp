@@ -9,6 +9,7 @@
 #include "host/config/bad_input.h"
 #include "host/config/specimen_file.h"
 #include "host/store/hash.h"
+#include "host/study/fit_point.h"
 #include "host/study/problem.h"
 
 namespace powbench::host {
@@ -45,28 +46,38 @@ FitFold together(std::span<const FitFold> searches) {
 /// Added to the seed of the describing fit: it has a random stream of its own.
 constexpr std::uint64_t describing_stream = 1;
 
-/// Posterior number `k`: of all closings but one that is held out, or, after those, of all. None when told to stop.
-std::optional<FitFold> blind_fold(const FitJob& job, std::size_t k, sim::Team& team,
-                                  const std::function<bool(long used, long of, double best)>& go_on) {
+/// A posterior or search was told to stop.
+struct Stopped {};
+
+using GoOn = std::function<bool(long used, long of, double best)>;
+
+/// Posterior number `k`: of all closings but one that is held out, or, after those, of all. Nothing: of another shard.
+std::optional<FitFold> blind_fold(const FitJob& job, std::size_t k, sim::Team& team, const GoOn& go_on,
+                                  Points& points) {
   sim::FitProblem problem = job.problem;
   if (!job.posterior_parameters.empty()) problem.parameters = job.posterior_parameters;
-  FitFold fold;
-  if (k < job.held_out.size()) {
-    problem.closings = without(problem.closings, std::span(&job.held_out[k], 1));
-    fold.held_out = rounded(degrees(job.held_out[k]));
-  }
-  const sim::Misfit misfit(problem);
+  const bool held_out = k < job.held_out.size();
+  if (held_out) problem.closings = without(problem.closings, std::span(&job.held_out[k], 1));
   sim::PosteriorOptions options = job.posterior;
   options.seed = job.options.seed;
-  const auto of = static_cast<double>(job.options.evaluations);
-  const auto posterior = sim::sample_posterior(misfit, options, team, [&](double share, double best) {
-    return go_on(std::lround(share * of), job.options.evaluations, best);
-  });
-  if (posterior.stopped) return {};
-  fold.misfit = posterior.misfit;
-  for (const auto& point : posterior.samples)
-    fold.members.push_back(values_of(misfit.specimen(point), problem.parameters));
-  fold.bounce = rounded(posterior.bounce);
+  const auto compute = [&] {
+    const sim::Misfit misfit(problem);
+    const auto of = static_cast<double>(job.options.evaluations);
+    const auto posterior = sim::sample_posterior(misfit, options, team, [&](double share, double best) {
+      return go_on(std::lround(share * of), job.options.evaluations, best);
+    });
+    if (posterior.stopped) throw Stopped();
+    FitFold fold;
+    fold.misfit = posterior.misfit;
+    for (const auto& point : posterior.samples)
+      fold.members.push_back(values_of(misfit.specimen(point), problem.parameters));
+    fold.bounce = rounded(posterior.bounce);
+    return bytes_of(fold);
+  };
+  const auto bytes = points.get(static_cast<std::int64_t>(k), basis_of(problem, options), compute);
+  if (!bytes) return std::nullopt;
+  FitFold fold = fold_of_bytes(*bytes);
+  if (held_out) fold.held_out = rounded(degrees(job.held_out[k]));
   return fold;
 }
 
@@ -101,6 +112,23 @@ std::vector<std::vector<double>> begin_finish(const FitJob& job, const FitFile& 
   return points;
 }
 
+/// The fit to everything: searches from `blind` on, number `k` counted from there, the last one with `finish`.
+sim::FitProblem search_problem(const FitJob& job, bool last) {
+  sim::FitProblem problem = job.finish > 0 ? describing(job.problem) : job.problem;
+  if (last) problem.absolute = true, problem.tolerance = 1e-5;
+  return problem;
+}
+
+sim::FitOptions search_options(const FitJob& job, std::size_t k) {
+  sim::FitOptions options = job.options;
+  options.seed += 7919 * (k % static_cast<std::size_t>(job.searches));
+  if (job.finish > 0) {
+    options.evaluations = job.finish;
+    options.seed += describing_stream;
+  }
+  return options;
+}
+
 }  // namespace
 
 std::size_t blind_fits(const FitJob& job) {
@@ -131,9 +159,11 @@ std::string problem_hash(const FitJob& job) {
   return sha256_hex(text);
 }
 
-FitReport run_fits(const FitJob& job, sim::Team& team, const FitProgress& progress, const FitState& begun) {
+FitReport run_fits(const FitJob& job, sim::Team& team, const FitProgress& progress, const FitState& begun,
+                   Points& points) {
   FitReport report;
   report.state = begun;
+  report.part = points.part();
   const std::string hash = problem_hash(job);
   if (begun.problem.empty())
     report.state.problem = hash;
@@ -146,32 +176,14 @@ FitReport run_fits(const FitJob& job, sim::Team& team, const FitProgress& progre
 
   const std::size_t blind = blind_fits(job);
   const auto searches = static_cast<std::size_t>(job.searches);
-  const std::size_t fits = blind + searches + (job.finish > 0 ? 1 : 0);
+  const std::size_t fits = blind + searches + (job.finish > 0 && !report.part ? 1 : 0);
   auto& done = report.state.done;
-  for (std::size_t k = done.size(); k < fits; ++k) {
-    const auto go_on = [&](long used, long of, double best) {
-      return progress(k, fits, used, of, best, report.state);
-    };
-    if (k < blind) {
-      auto fold = blind_fold(job, k, team, go_on);
-      report.stopped = !fold;
-      if (report.stopped) return report;
-      done.push_back(std::move(*fold));
-      continue;
-    }
+  const auto search = [&](std::size_t k, const GoOn& go_on) -> std::optional<sim::FitResult> {
     const bool last = k == blind + searches;
-    sim::FitProblem problem = job.problem;
-    sim::FitOptions options = job.options;
-    options.seed += 7919 * ((k - blind) % searches);
+    const sim::Misfit misfit(search_problem(job, last));
+    sim::FitOptions options = search_options(job, k - blind);
     auto start = job.start;
-    if (job.finish > 0) {
-      problem = describing(problem);
-      options.evaluations = job.finish;
-      options.seed += describing_stream;
-    }
     if (last) {
-      problem.absolute = true;
-      problem.tolerance = 1e-5;
       start = begin_finish(job, report.file, std::span(done).last(searches));
       options.population = start.size();
       options.polished = options.ensemble = 0;
@@ -179,18 +191,40 @@ FitReport run_fits(const FitJob& job, sim::Team& team, const FitProgress& progre
     sim::FitWatch watch;
     watch.save = [&](const sim::Evolution::State& s) { report.state.running = s; };
     watch.go_on = go_on;
-    const auto resumed = report.state.running;
-    const auto result =
-        sim::fit(sim::Misfit(problem), options, team, watch, resumed ? &*resumed : nullptr, std::move(start));
-    if (result.stopped) {
-      report.stopped = true;
-      return report;
+    const auto compute = [&] {
+      const auto resumed = report.state.running;
+      auto result = sim::fit(misfit, options, team, watch, resumed ? &*resumed : nullptr, start);
+      if (result.stopped) throw Stopped();
+      return result;
+    };
+    if (last) return compute();
+    const auto bytes = points.get(static_cast<std::int64_t>(k), basis_of(misfit.problem(), options, start),
+                                  [&] { return bytes_of(compute()); });
+    return bytes ? std::optional(result_of_bytes(*bytes, misfit)) : std::nullopt;
+  };
+  try {
+    for (std::size_t k = done.size(); k < fits; ++k) {
+      const auto go_on = [&](long used, long of, double best) {
+        return progress(k, fits, used, of, best, report.state);
+      };
+      // a part keeps its points alone: their places among the folds are not filled
+      if (k < blind) {
+        auto fold = blind_fold(job, k, team, go_on, points);
+        if (!report.part) done.push_back(std::move(*fold));
+        continue;
+      }
+      auto result = search(k, go_on);
+      report.state.running.reset();
+      if (report.part) continue;
+      done.push_back(fold_of(*result, job.problem.parameters));
+      const bool last = k == blind + searches;
+      if (last || report.full.best.point.empty() || result->best.misfit < report.full.best.misfit)
+        report.full = std::move(*result);
     }
-    report.state.running.reset();
-    done.push_back(fold_of(result, job.problem.parameters));
-    if (last || report.full.best.point.empty() || result.best.misfit < report.full.best.misfit)
-      report.full = result;
+  } catch (const Stopped&) {
+    report.stopped = true;
   }
+  if (report.stopped || report.part) return report;
   for (std::size_t k = 0; k < job.held_out.size(); ++k) report.file.folds.push_back(done[k]);
   for (const double angle : job.unseen) {
     report.file.folds.push_back(done[job.held_out.size()]);

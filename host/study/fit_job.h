@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "host/store/points.h"
 #include "host/study/fit_file.h"
 #include "sim/study/fit.h"
 #include "sim/study/posterior.h"
@@ -33,6 +34,7 @@ struct FitReport {
   FitFile file;
   sim::FitResult full;   ///< the fit to everything
   bool stopped = false;  ///< `watch` said so: the state to go on from is in `state`
+  bool part = false;     ///< only some of the points were wanted: nothing else is filled
   FitState state;
 };
 
@@ -47,7 +49,8 @@ std::size_t blind_fits(const FitJob&);
 std::string problem_hash(const FitJob&);
 
 /// Runs the fits in order; goes on from `state` when its problem is this one.
-/// Throws BadInput when it belongs to another.
-FitReport run_fits(const FitJob&, sim::Team&, const FitProgress&, const FitState& state = {});
+/// Throws BadInput when it belongs to another. Posteriors and searches, the last one left out because it begins from what the others
+/// found, are points: what `points` knows is not computed.
+FitReport run_fits(const FitJob&, sim::Team&, const FitProgress&, const FitState&, Points& points);
 
 }  // namespace powbench::host

@@ -81,7 +81,8 @@ TablePlan plan_table(const MagnetDesign& d, const TableOptions& o) {
   return plan;
 }
 
-PotentialTable build_table(const MagnetDesign& d, const TableOptions& o, Team& team, TableReport* report) {
+PotentialTable build_table(const MagnetDesign& d, const TableOptions& o, Team& team, TableReport* report,
+                           const SliceSource& source) {
   const TablePlan plan = plan_table(d, o);
   const bool ring = with_ring(d, o);
   const MagnetField prototype(d, plan.field);
@@ -90,7 +91,8 @@ PotentialTable build_table(const MagnetDesign& d, const TableOptions& o, Team& t
   const MagnetField air_prototype(bare, plan.field);
   auto t = fill_table(
       plan, ring, team, [&] { return MagnetField(prototype); }, [&] { return MagnetField(air_prototype); },
-      report);
+      report, source);
+  if (t.nodes.empty()) return t;
   if (ring) fill_triple(t);
   estimate_errors(t);
   t.mesh_error = plan.mesh_error;

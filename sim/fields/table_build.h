@@ -1,5 +1,8 @@
 #pragma once
 
+#include <functional>
+#include <optional>
+
 #include "sim/fields/magnet_field.h"
 #include "sim/fields/potential_table.h"
 #include "sim/team.h"
@@ -28,9 +31,25 @@ struct TableReport {
       0;  ///< largest |pull by stress - pull by virtual work|, relative, where the pull is above 1 % of the largest
 };
 
-/// Gaps are shared out over the team; the result does not depend on the number of workers. Throws
-/// std::invalid_argument for a bad design or options, std::runtime_error where Newton does not converge.
-PotentialTable build_table(const MagnetDesign&, const TableOptions&, Team&, TableReport* report = nullptr);
+/// What one gap contributes: a pure function of the design, the options and the gap.
+struct TableSlice {
+  std::vector<double> nodes;        ///< as PotentialTable::nodes
+  std::vector<double> steel_field;  ///< T, by node
+  std::vector<double> air;          ///< as PotentialTable::air
+  TableReport report;
+  double largest_pull = 0;     ///< N
+  double stress_distance = 0;  ///< N: largest |pull by stress - pull by virtual work|
+};
+
+/// Takes the place of the solutions of gap number `gap`: calls `solve`, or knows what it would return. Nothing: this gap is not
+/// wanted. Called by several threads.
+using SliceSource =
+    std::function<std::optional<TableSlice>(std::size_t gap, const std::function<TableSlice()>& solve)>;
+
+/// Gaps are shared out over the team; the result does not depend on the number of workers. Without a gap that `source` does not want
+/// the table is empty. Throws std::invalid_argument for a bad design or options, std::runtime_error where Newton does not converge.
+PotentialTable build_table(const MagnetDesign&, const TableOptions&, Team&, TableReport* report = nullptr,
+                           const SliceSource& source = {});
 
 /// The nodes and mesh that `build_table` takes.
 struct TablePlan {

@@ -15,16 +15,6 @@
 
 namespace powbench::sim::table_sweep {
 
-/// What one gap contributes.
-struct Slice {
-  std::vector<double> nodes;
-  std::vector<double> steel_field;
-  std::vector<double> air;
-  TableReport report;
-  double largest_pull = 0;
-  double stress_distance = 0;
-};
-
 /// Solves all fluxes of one gap. Starts follow the tangent of the point before.
 template <class Field>
 class Sweep {
@@ -35,7 +25,7 @@ class Sweep {
     gap_ = gap;
   }
 
-  Slice run() {
+  TableSlice run() {
     const std::vector<double> no_ring{0};
     const auto& rings = ring_ ? plan_.ring : no_ring;
     std::vector<double> line_start;
@@ -97,7 +87,7 @@ class Sweep {
   const TablePlan& plan_;
   bool ring_;
   double gap_ = 0;
-  Slice slice_;
+  TableSlice slice_;
 };
 
 /// Inverse inductances with air in place of steel.
@@ -111,28 +101,34 @@ std::vector<double> air_of(Field& air, bool ring, double gap) {
 }
 
 /// A table without its estimates, hash and description. `make` and `make_air` return a worker's own field, the second
-/// with air in place of steel; gaps are shared out over the team.
+/// with air in place of steel; gaps are shared out over the team. Empty where `source` leaves out a gap.
 template <class Make, class MakeAir>
 PotentialTable fill_table(const TablePlan& plan, bool ring, Team& team, const Make& make,
-                          const MakeAir& make_air, TableReport* report) {
-  std::vector<Slice> slices(plan.gap.size());
+                          const MakeAir& make_air, TableReport* report, const SliceSource& source = {}) {
+  std::vector<std::optional<TableSlice>> slices(plan.gap.size());
   team.run([&](int worker) {
     auto field = make();
     auto air = make_air();
     for (auto g = static_cast<std::size_t>(worker); g < slices.size();
          g += static_cast<std::size_t>(team.workers())) {
-      slices[g] = Sweep(field, plan, ring, plan.gap[g]).run();
-      slices[g].report.unknowns = field.unknowns();
-      slices[g].air = air_of(air, ring, plan.gap[g]);
+      const auto solve = [&] {
+        TableSlice slice = Sweep(field, plan, ring, plan.gap[g]).run();
+        slice.report.unknowns = field.unknowns();
+        slice.air = air_of(air, ring, plan.gap[g]);
+        return slice;
+      };
+      slices[g] = source ? source(g, solve) : solve();
     }
   });
+  if (!std::all_of(slices.begin(), slices.end(), [](const auto& s) { return s.has_value(); })) return {};
   PotentialTable t;
   t.psi = plan.psi;
   t.ring = plan.ring;
   t.gap = plan.gap;
   TableReport sum;
   double largest_pull = 0;
-  for (const auto& s : slices) {
+  for (const auto& slice : slices) {
+    const TableSlice& s = *slice;
     t.nodes.insert(t.nodes.end(), s.nodes.begin(), s.nodes.end());
     t.air.insert(t.air.end(), s.air.begin(), s.air.end());
     t.steel_field.insert(t.steel_field.end(), s.steel_field.begin(), s.steel_field.end());

@@ -31,19 +31,28 @@ struct RungRows {
   LadderRun truth;
 };
 
-/// One rung at all tolerances, and one finer for the last estimate.
-RungRows rows_of(std::span<const Rung> rungs, std::size_t rung, const Case& c, const LadderOptions& o,
-                 const CpuClock& clock) {
+/// Cells that are run when they are asked for.
+LadderCell running(std::span<const Rung> rungs, const Case& c, double duration, const CpuClock& clock) {
+  return [=, &clock](std::size_t rung, double setting, int repeats) {
+    return run_rung(rungs, rung, c, duration, setting, clock, repeats);
+  };
+}
+
+/// One rung at all tolerances, and one finer for the last estimate. Nothing where a cell is missing.
+std::optional<RungRows> rows_of(std::span<const Rung> rungs, std::size_t rung, const LadderOptions& o,
+                                const LadderCell& cell) {
   RungRows result;
   const auto& own = rungs[rung].settings;
   const int repeats = rungs[rung].costly ? 1 : o.repeats;
-  result.truth = run_rung(rungs, rung, c, o.duration, own.empty() ? o.truth : own.back(), clock);
+  const auto truth = cell(rung, own.empty() ? o.truth : own.back(), 1);
   const std::vector<double> settings =
       own.empty() ? o.tolerances : std::vector<double>(own.begin(), own.end() - 1);
   for (const double setting : settings)
-    result.rows.push_back({run_rung(rungs, rung, c, o.duration, setting, clock, repeats), {}, {}, false});
-  const auto last =
-      own.empty() ? run_rung(rungs, rung, c, o.duration, o.tolerances.back() / 10, clock) : result.truth;
+    if (const auto run = cell(rung, setting, repeats)) result.rows.push_back({*run, {}, {}, false});
+  const auto finest = own.empty() ? cell(rung, o.tolerances.back() / 10, 1) : truth;
+  if (!truth || !finest || result.rows.size() != settings.size()) return std::nullopt;
+  result.truth = *truth;
+  const LadderRun& last = *finest;
   for (std::size_t k = 0; k < result.rows.size(); ++k) {
     auto& row = result.rows[k];
     row.estimate = error_estimate(row.run, k + 1 < result.rows.size() ? result.rows[k + 1].run : last);
@@ -153,16 +162,26 @@ LadderTimes error_estimate(const LadderRun& run, const LadderRun& finer) {
 }
 
 Ladder run_ladder(std::span<const Rung> rungs, const Case& c, const LadderOptions& o, const CpuClock& clock) {
+  return *run_ladder(rungs, o, running(rungs, c, o.duration, clock));
+}
+
+std::optional<Ladder> run_ladder(std::span<const Rung> rungs, const LadderOptions& o,
+                                 const LadderCell& cell) {
   check(rungs, o);
   Ladder ladder;
+  bool whole = true;
   std::vector<LadderRun> truths;
   for (std::size_t r = 0; r < rungs.size(); ++r) {
-    auto part = rows_of(rungs, r, c, o, clock);
+    const auto rows = rows_of(rungs, r, o, cell);
+    whole = whole && rows;
+    if (!whole) continue;  // the cells of the others are still looked at
+    const RungRows& part = *rows;
     ladder.rows.insert(ladder.rows.end(), part.rows.begin(), part.rows.end());
     for (std::size_t other = 0; other < r; ++other)
       ladder.models.push_back({r, other, time_error(part.truth, truths[other])});
     truths.push_back(part.truth);
   }
+  if (!whole) return std::nullopt;
   return ladder;
 }
 
@@ -227,7 +246,7 @@ std::vector<Coverage> estimator_coverage(std::span<const Rung> rungs, std::span<
   for (std::size_t r = 0; r < rungs.size(); ++r) {
     std::vector<Coverage> part;
     for (const auto& scene : scenes) {
-      auto rows = rows_of(rungs, r, scene, o, clock).rows;
+      auto rows = rows_of(rungs, r, o, running(rungs, scene, o.duration, clock))->rows;
       // the estimate of the last of a rung's own settings is made with the truth itself: it would always cover
       if (!rungs[r].settings.empty()) rows.pop_back();
       part.resize(rows.size());

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -110,8 +111,13 @@ struct LadderOptions {
   double truth = 1e-12;  ///< tolerance of what counts as true
   int repeats = 3;       ///< the cheapest counts
 };
+/// One run of a ladder: a rung at a tolerance or its other setting. Where `cpu` of the result counts, the cheapest of `repeats`.
+using LadderCell = std::function<std::optional<LadderRun>(std::size_t rung, double setting, int repeats)>;
+
 /// A rung with settings of its own is run at those, the last of them standing for the truth.
 /// Throws std::invalid_argument for a bad case, no rung, or tolerances that do not fall by ten from one to the next.
+/// `cell` takes the place of the runs, which do not depend on each other; without all of them there is no ladder.
+std::optional<Ladder> run_ladder(std::span<const Rung>, const LadderOptions&, const LadderCell& cell);
 Ladder run_ladder(std::span<const Rung>, const Case&, const LadderOptions&, const CpuClock&);
 
 /// What was taken for a wanted accuracy.

@@ -1,7 +1,8 @@
 #!/usr/bin/env bash
 # `powbench sweep --slurm` on a cluster of one node: munged, slurmctld and slurmd of the system, started here on loopback with a
 # MaxArraySize of 11, stopped at the end. 97 shards; slurmd is killed twice on the way and one shard run twice; three merge orders and
-# the serial run must have one content hash. Closes with `N passed, N failed`.
+# the serial run must have one content hash. What shards, merge and the run that collects need together in CPU time is held against
+# the serial run on two threads. Closes with `N passed, N failed`.
 #   slurm_test.sh POWBENCH [POINTS]
 set -uo pipefail
 powbench=$(realpath "$1")
@@ -37,7 +38,21 @@ trap finish EXIT
 
 port() { shuf -i 20000-30000 -n 1; }
 mkdir "$folder/state" "$folder/spool" "$folder/bin"
-ln -s "$powbench" "$folder/bin/powbench"
+cat >"$folder/bin/powbench" <<RUN
+#!/bin/bash
+# the program, with its CPU time, s, user and system, behind it
+case "\$*" in
+  *--shard*) kind=shard ;;
+  *merge*) kind=merge ;;
+  *serial.db*--progress*) kind=serial ;;
+  *all.db*) kind=collect ;;
+  *) kind=other ;;
+esac
+TIMEFORMAT='%U %S'
+exec 3>&2
+{ time $powbench "\$@" 2>&3; } 2>>"$folder/cpu.\$kind"
+RUN
+chmod +x "$folder/bin/powbench"
 head -c 1024 /dev/urandom >"$folder/munge.key"
 chmod 400 "$folder/munge.key"
 munged --force --key-file="$folder/munge.key" --socket="$folder/munge.socket" --pid-file="$folder/munged.pid" \
@@ -70,7 +85,7 @@ MaxArraySize=11
 SlurmdParameters=config_overrides
 AccountingStorageType=accounting_storage/none
 JobAcctGatherType=jobacct_gather/none
-NodeName=$host NodeAddr=127.0.0.1 CPUs=4 State=UNKNOWN
+NodeName=$host NodeAddr=127.0.0.1 CPUs=2 State=UNKNOWN
 PartitionName=all Nodes=$host Default=YES MaxTime=INFINITE State=UP
 CONF
 export SLURM_CONF=$folder/slurm.conf
@@ -107,14 +122,19 @@ kill_node() {
   local id
   kill -KILL "$(<slurmd.pid)"
   for id in $(pgrep -f "slurmstepd|$folder/all.db.shards"); do
-    if tr '\0' '\n' 2>/dev/null <"/proc/$id/environ" | grep -qx "SLURM_CONF=$folder/slurm.conf"; then kill -KILL "$id" 2>/dev/null; fi
+    if tr '\0' '\n' 2>/dev/null <"/proc/$id/environ" | grep -qx "SLURM_CONF=$folder/slurm.conf"; then
+      if [[ $(readlink "/proc/$id/exe") == "$powbench" ]]; then
+        awk -v hertz="$(getconf CLK_TCK)" '{ print $14 / hertz, $15 / hertz }' "/proc/$id/stat" >>cpu.shard 2>/dev/null
+      fi
+      kill -KILL "$id" 2>/dev/null
+    fi
   done
   scontrol update nodename="$host" state=down reason=power
   nice -n 10 slurmd -f "$SLURM_CONF"
   scontrol update nodename="$host" state=resume
 }
 killed=0
-for ((tick = 0; tick < 3000; ++tick)); do
+for ((tick = 0; tick < 3000 + points / 40; ++tick)); do
   left=$(squeue --noheader | wc -l) || left=1
   begun=$(find all.db.shards -name '*.db' 2>/dev/null | wc -l)
   if ((killed < 2 && begun > 32 * (killed + 1))); then
@@ -131,7 +151,9 @@ check "shards" "$(find all.db.shards -name '*.db' | wc -l)" 97
 check "the result is that of one run" "$(grep -v '^sweep\|added$' all.db.shards/result.txt | sort)" "$(grep -v '^sweep' serial.txt | sort)"
 check "one content hash" "$(hash_of all.db)" "$(hash_of serial.db)"
 
+mv cpu.shard cpu.shards
 powbench "${words[@]}" --shard 5/97 --db again.db --progress none >/dev/null 2>&1
+mv cpu.merge cpu.merged
 mapfile -t parts < <(find all.db.shards -name '*.db' | sort)
 mapfile -t shuffled < <(printf '%s\n' "${parts[@]}" | shuf --random-source=<(yes))
 mapfile -t backwards < <(printf '%s\n' "${parts[@]}" | sort -r)
@@ -139,6 +161,12 @@ powbench db merge -o m1.db again.db "${parts[@]}" >/dev/null 2>&1
 powbench db merge -o m2.db "${shuffled[@]}" again.db >/dev/null 2>&1
 powbench db merge -o m3.db "${backwards[@]}" "${parts[@]}" >/dev/null 2>&1
 for merged in m1 m2 m3; do check "$merged" "$(hash_of $merged.db)" "$(hash_of serial.db)"; done
+cpu() { cat "$@" 2>/dev/null | awk '{ sum += $1 + $2 } END { printf "%.2f", sum }'; }
+rate=$(awk -v a="$(cpu cpu.serial)" -v b="$(cpu cpu.shards cpu.merged cpu.collect)" 'BEGIN { printf "%.3f", a / b }')
+printf 'CPU time, s: serial %s, shards %s, merge %s, collect %s: rate %s\n' "$(cpu cpu.serial)" "$(cpu cpu.shards)" "$(cpu cpu.merged)" \
+  "$(cpu cpu.collect)" "$rate"
+# the smaller the shards, the more the start of each weighs
+if ((points >= 1000000)); then check "rate" "$(awk -v r="$rate" 'BEGIN { print (r >= 0.97 ? "at least 0.97" : r) }')" "at least 0.97"; fi
 printf '%s points: serial on two threads %.1f s, 97 shards with two kills %.1f s\n' "$points" "$serial" "$cluster"
 printf '%d passed, %d failed\n' "$passed" "$failed"
 ((failed == 0))

@@ -4,6 +4,7 @@
 #include "core/units.h"
 #include "host/config/bad_input.h"
 #include "host/config/specimen_file.h"
+#include "host/store/maintain.h"
 #include "host/study/fit_file.h"
 #include "host/study/fit_job.h"
 #include "host/study/fit_text.h"
@@ -12,6 +13,7 @@
 #include "host/study/study_svg.h"
 #include "host/study/sweep_text.h"
 #include "sim/closing.h"
+#include "tests/host/store_samples.h"
 
 using namespace powbench;
 using namespace powbench::host;
@@ -53,8 +55,17 @@ bool same(const sim::BounceCalibration& a, const sim::BounceCalibration& b) {
          a.median_deviation == b.median_deviation;
 }
 
+std::string hash(const std::string& store) {
+  return check_store(store).hash;
+}
+
 bool always(std::size_t, std::size_t, long, long, double, const FitState&) {
   return true;
+}
+
+FitReport fits(const FitJob& job, sim::Team& team, const FitProgress& progress, const FitState& state = {}) {
+  Points none;
+  return run_fits(job, team, progress, state, none);
 }
 
 }  // namespace
@@ -100,11 +111,11 @@ TEST_CASE(
 TEST_CASE("a fit never uses the angle it holds out: another value there changes nothing", "[study]") {
   sim::Team team(1);
   FitJob job = small_job();
-  const FitReport a = run_fits(job, team, always);
+  const FitReport a = fits(job, team, always);
   job.problem.closings[1].touch.value += 3e-3;
   job.problem.closings[1].bounce.value += 3e-3;
   job.problem.closings[1].seat.value += 3e-3;
-  const FitReport b = run_fits(job, team, always);
+  const FitReport b = fits(job, team, always);
   REQUIRE(a.file.folds.size() == 2);
   CHECK(*a.file.folds[0].held_out == Approx(110));
   CHECK(a.file.folds[0].members == b.file.folds[0].members);
@@ -127,9 +138,9 @@ TEST_CASE(
     "[study]") {
   sim::Team team(1);
   const FitJob job = small_job();
-  const FitReport whole = run_fits(job, team, always);
+  const FitReport whole = fits(job, team, always);
   int generations = 0;
-  FitReport part = run_fits(job, team, [&](auto...) { return ++generations < 5; });
+  FitReport part = fits(job, team, [&](auto...) { return ++generations < 5; });
   REQUIRE(part.stopped);
   CHECK(part.state.done.empty());  // a posterior is short: it begins anew
   const auto interrupting = [&](std::size_t fit, auto...) { return fit == 0 || ++generations < 5; };
@@ -137,7 +148,7 @@ TEST_CASE(
   while (part.stopped) {
     const FitState kept = parse_fit_state(to_json(part.state), "state");
     generations = 0;
-    part = run_fits(job, team, interrupting, kept);
+    part = fits(job, team, interrupting, kept);
     ++interruptions;
   }
   CHECK(interruptions > 2);
@@ -146,16 +157,16 @@ TEST_CASE(
   CHECK(same(*part.file.folds[0].bounce, *whole.file.folds[0].bounce));
   FitJob other = job;
   other.options.seed = 2;
-  CHECK_THROWS_WITH(run_fits(other, team, always, part.state), Contains("another problem"));
+  CHECK_THROWS_WITH(fits(other, team, always, part.state), Contains("another problem"));
 }
 
 TEST_CASE("the last search starts from what the others found, ends nearer in absolute terms, and is resumed",
           "[study]") {
   sim::Team team(1);
   FitJob job = small_job();
-  const FitReport without_finish = run_fits(job, team, always);
+  const FitReport without_finish = fits(job, team, always);
   job.finish = 120;
-  const FitReport whole = run_fits(job, team, always);
+  const FitReport whole = fits(job, team, always);
   // the fold that holds an angle out knows nothing of it
   CHECK(whole.file.folds[0].members == without_finish.file.folds[0].members);
   const auto& all = whole.file.folds.back().members;
@@ -179,13 +190,63 @@ TEST_CASE("the last search starts from what the others found, ends nearer in abs
   for (const auto& values : all) CHECK(distance(all[0]) <= distance(values) * (1 + 1e-4));
   int generations = 0;
   const auto interrupting = [&](std::size_t fit, auto...) { return fit == 0 || ++generations < 9; };
-  FitReport part = run_fits(job, team, interrupting);
+  FitReport part = fits(job, team, interrupting);
   while (part.stopped) {
     const FitState kept = parse_fit_state(to_json(part.state), "state");
     generations = 0;
-    part = run_fits(job, team, interrupting, kept);
+    part = fits(job, team, interrupting, kept);
   }
   for (std::size_t k = 0; k < 2; ++k) CHECK(part.file.folds[k].members == whole.file.folds[k].members);
+}
+
+TEST_CASE("a fit in parts, merged in any order, is the fit of one run, word for word and digit for digit",
+          "[study]") {
+  const Folder folder;
+  sim::Team team(1);
+  FitJob job = small_job();
+  job.finish = 100;
+  const auto text = [](const FitJob& j, const FitReport& r) {
+    const auto cells = fit_cells(r.file, j.problem.closings);
+    return fit_text(j, r, cells) + fit_json(j, r, cells) + to_json(r.file);
+  };
+  const std::string serial = text(job, fits(job, team, always));
+  constexpr std::int64_t count = 3;  // a posterior and two searches; the last search is no point
+  std::vector<std::string> parts;
+  for (int i = 1; i <= 3; ++i) {
+    parts.push_back(folder.file(std::to_string(i) + ".db"));
+    Points points(parts.back(), "fit", {i, 3});
+    const FitReport r = run_fits(job, team, always, {}, points);
+    CHECK(r.part);
+    CHECK(r.file.folds.empty());
+    CHECK(points.computed() == 1);
+    run_fits(job, team, always, {}, points);  // once more: it is there
+    CHECK(points.computed() == 1);
+  }
+  const auto collected = [&](const FitJob& j, const std::string& name,
+                             const std::vector<std::string>& sources, std::int64_t missing) {
+    const std::string all = folder.file(name);
+    if (!sources.empty()) merge_stores(all, sources);
+    Points points(all, "fit");
+    const std::string out = text(j, run_fits(j, team, always, {}, points));
+    CHECK(points.computed() == missing);
+    CHECK(points.found() == count - missing);
+    return out;
+  };
+  CHECK(collected(job, "forth.db", parts, 0) == serial);
+  CHECK(collected(job, "back.db", {parts[2], parts[0], parts[1], parts[0]}, 0) == serial);
+  CHECK(collected(job, "rest.db", {parts[2], parts[0]}, 1) == serial);
+  CHECK(hash(folder.file("forth.db")) == hash(folder.file("rest.db")));
+  // more searches find those that are there; another device, seed or condition none
+  FitJob other = job;
+  other.problem.base.core.mass *= 1.01;
+  const std::string moved = collected(other, "forth.db", {}, 3);
+  CHECK(moved != serial);
+  other = job;
+  other.options.seed = 2;
+  collected(other, "forth.db", {}, 3);
+  other = job;
+  for (auto& m : other.problem.closings) m.conditions.ambient += 5;
+  collected(other, "forth.db", {}, 3);
 }
 
 TEST_CASE("a fit file is read back as it was written; what is no fit file is told in one sentence",
@@ -279,7 +340,7 @@ TEST_CASE("texts of a fit name every number, mark what lies at a bound, and neve
   sim::Team team(1);
   FitJob job = small_job();
   job.problem.parameters = {sim::parameter("coil.resistance_ohm", 256, 270)};  // the device has 252
-  FitReport r = run_fits(job, team, always);
+  FitReport r = fits(job, team, always);
   const auto texts = [&] {
     const auto cells = fit_cells(r.file, job.problem.closings);
     return std::pair(fit_text(job, r, cells), fit_json(job, r, cells));
