@@ -84,10 +84,18 @@ void check_parts(const Folder& folder, const Study& study, std::int64_t points) 
   CHECK_THAT(r.err, Contains(computed(missing, points - missing)));
 }
 
-/// Flips one bit of a stored point.
-void damage(const std::string& file) {
+/// Flips one bit in the content of a stored point: behind the name of its study and the 64 digits of its seal.
+void damage(const std::string& file, const std::string& study) {
   std::string bytes = read_file(file);
-  bytes[bytes.size() * 3 / 4] = static_cast<char>(bytes[bytes.size() * 3 / 4] ^ 1);
+  const auto sealed = [&](std::size_t at) {
+    const std::string seal = bytes.substr(at + study.size(), 64);
+    return seal.size() == 64 && seal.find_first_not_of("0123456789abcdef") == std::string::npos;
+  };
+  std::size_t at = bytes.find(study);
+  while (at != std::string::npos && !sealed(at)) at = bytes.find(study, at + 1);
+  REQUIRE(at != std::string::npos);
+  char& hit = bytes[at + study.size() + 64 + 20];
+  hit = static_cast<char>(hit ^ 1);
   std::ofstream(file, std::ios::binary) << bytes;
 }
 
@@ -108,7 +116,7 @@ TEST_CASE("gaps of a field table in parts are the table of one run; another shap
       {"--points-db", folder.file("serial.db")});
   CHECK_THAT(other.err, Contains("15 of 15 points computed, 0 found"));
   // a damaged part: one sentence, and the target is as it was
-  damage(folder.file("1of3.db"));
+  damage(folder.file("1of3.db"), "field");
   const std::string all = folder.file("all.db");
   const Finished refused =
       run(folder, {"db", "merge", "-o", all, folder.file("2of3.db"), folder.file("1of3.db")});
@@ -137,7 +145,8 @@ TEST_CASE("closings of a plan in parts are the campaign of one run; another spec
   const Folder folder;
   std::filesystem::create_directory(folder.file("out"));
   const std::string plan = folder.write(
-      "p.plan.toml", "name = \"parts\"\nspecimen = \"s.specimen.toml\"\nangles_deg = [0, 45, 90, 135]\n");
+      "p.plan.toml",
+      "name = \"parts\"\nspecimen = \"s.specimen.toml\"\nangles_deg = [0, 45, 90, 135]\nrepeats = 1\n");
   folder.write("s.specimen.toml", "[core]\nmass_g = 111\n");
   // each run simulates into a store of its own: its campaign is new each time
   const Study study{folder, {"sim", plan, "--db", folder.file("out/c.db"), "--json", "--progress", "none"}};
