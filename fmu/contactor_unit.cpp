@@ -88,14 +88,16 @@ double ContactorUnit::resistance(double kelvin) const {
 void ContactorUnit::set_input(const UnitInput& input) {
   for (const double v : input.volts)
     if (!std::isfinite(v)) throw std::invalid_argument("coil_voltage: allowed any finite number");
-  const auto& u = input.volts;
-  contactor_.state_feed({now_, {u[0], u[1], u[2] / 2, u[3] / 6}}, resistance(input.kelvin));
+  sim::StatedVoltage voltage{now_, input.volts};
+  double factorial = 1;
+  for (std::size_t k = 1; k < voltage.c.size(); ++k) voltage.c[k] /= factorial *= static_cast<double>(k);
+  contactor_.state_feed(voltage, resistance(input.kelvin));
   if (input.closed != input_.closed) contactor_.set_coil(now_, y_, input.closed);
   input_ = input;
 }
 
 ContactorUnit::Advance ContactorUnit::advance(double t_end, const UnitInput& input, bool stop) {
-  const bool held = input.volts[1] == 0 && input.volts[2] == 0 && input.volts[3] == 0;
+  const bool held = std::all_of(input.volts.begin() + 1, input.volts.end(), [](double v) { return v == 0; });
   if (!held || !(input == input_)) {
     const double step = std::max(std::min(t_end - now_, solver_.memory().step), 1e-9);
     set_input(input);

@@ -32,7 +32,7 @@ struct UnitSettings {
 void require_valid(const UnitSettings&);
 
 struct UnitInput {
-  std::array<double, 4> volts = {};  ///< coil voltage and its first three derivatives, V, V/s, V/s2, V/s3
+  std::array<double, 6> volts = {};  ///< coil voltage and its first five derivatives by time, V, V/s, ...
   double kelvin = 293.15;            ///< K, of the coil
   bool closed = true;                ///< the coil circuit; opened, the current ends at its next zero
   bool operator==(const UnitInput&) const = default;

@@ -99,7 +99,7 @@ POWBENCH_FMI Component fmi2Instantiate(Text name, Type type, Text guid, Text loc
     if (guid == nullptr || location == nullptr)
       throw std::invalid_argument("GUID or resource location is null");
     if (type != model_exchange && type != co_simulation)
-      throw std::invalid_argument("type of the unit is not known");
+      throw std::invalid_argument("type of the FMU is not known");
     return new Handle{Instance(Fmi::two, type == model_exchange, folder_of_uri(location), guid),
                       name,
                       *callbacks,

@@ -25,7 +25,7 @@ Instance::Instance(Fmi fmi, bool exchange, const std::string& folder, const std:
     : fmi_(fmi), exchange_(exchange) {
   const std::string text = read_resource(folder);
   if (token != token_of(text))
-    refuse("the token '" + token + "' is not that of this unit, '" + token_of(text) + "'");
+    refuse("the token '" + token + "' is not that of this FMU, '" + token_of(text) + "'");
   specimen_ = parse_resource(text);
   table_ = variables(specimen_, fmi);
   reset();
@@ -152,7 +152,7 @@ void Instance::set_number(std::uint32_t reference, double value) {
   require_settable(v);
   if (!std::isfinite(value)) refuse(v.name + ": allowed any finite number");
   if (v.kind == Kind::coil_voltage)
-    input_.volts = {value, fmi_ == Fmi::three ? input_.volts[1] : 0.0, 0, 0};
+    input_.volts = {value, fmi_ == Fmi::three ? input_.volts[1] : 0.0};
   else if (v.kind == Kind::coil_voltage_rate)
     input_.volts[1] = value;
   else if (v.kind == Kind::coil_temperature)
@@ -171,7 +171,7 @@ void Instance::set_flag(std::uint32_t reference, bool value) {
 void Instance::set_input_derivative(std::uint32_t reference, int order, double value) {
   const Variable& v = variable(reference, false);
   if (v.kind != Kind::coil_voltage) refuse(v.name + " takes no derivatives");
-  if (order < 1 || order > 3) refuse("order of a derivative = " + std::to_string(order) + ", allowed 1 .. 3");
+  if (order < 1 || order > 5) refuse("order of a derivative = " + std::to_string(order) + ", allowed 1 .. 5");
   if (!std::isfinite(value)) refuse(v.name + ": allowed any finite number");
   input_.volts[static_cast<std::size_t>(order)] = value;
 }
@@ -207,7 +207,7 @@ Instance::Step Instance::step(double t, double h) {
     s.early = done.event && done.reached < t + h;
     s.event = done.event && event_mode_used_;
     if (!event_mode_used_) shown_ = u.facts();
-    if (fmi_ == Fmi::two) input_.volts = {input_.volts[0], 0, 0, 0};
+    if (fmi_ == Fmi::two) input_.volts = {input_.volts[0]};
     return s;
   } catch (const std::runtime_error&) {
     mode_ = Mode::failed;

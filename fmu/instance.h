@@ -33,7 +33,7 @@ class Instance {
   bool flag(std::uint32_t reference);
   void set_number(std::uint32_t reference, double);
   void set_flag(std::uint32_t reference, bool);
-  /// d^order/dt^order of coil_voltage for the next step, order 1 .. 3.
+  /// d^order/dt^order of coil_voltage for the next step, order 1 .. 5.
   void set_input_derivative(std::uint32_t reference, int order, double);
 
   void prepare(double start, std::optional<double> stop);  ///< s

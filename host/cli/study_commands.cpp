@@ -215,7 +215,7 @@ void add_fmu_verb(CLI::App& app) {
   CLI::App* v = verb(app, "fmu", "The contactor as a functional mock-up unit (FMI) for a system simulator",
                      args, make_fmu);
   v->add_option("specimen", args->specimen_file, "specimen file (TOML); the reference contactor if left out");
-  v->add_option("-o,--output", args->output, "unit to write")->capture_default_str();
+  v->add_option("-o,--output", args->output, "FMU to write")->capture_default_str();
   v->add_option("--fmi", args->fmi,
                 "2: FMI 2.0, model exchange and co-simulation; 3: FMI 3.0, co-simulation with event mode and "
                 "early return")

@@ -59,10 +59,11 @@ struct CoilDrive {
 /// A voltage at the coil that somebody else states, in series with the mains: u(t) = sum of c_k (t - time)^k.
 struct StatedVoltage {
   double time = 0;               ///< s
-  std::array<double, 4> c = {};  ///< V, V/s, V/s2, V/s3
+  std::array<double, 6> c = {};  ///< V, V/s, V/s2, ...
   double at(double t) const {
-    const double s = t - time;
-    return c[0] + s * (c[1] + s * (c[2] + s * c[3]));
+    double u = 0;
+    for (std::size_t k = c.size(); k-- > 0;) u = u * (t - time) + c[k];
+    return u;
   }
 };
 
