@@ -152,9 +152,11 @@ sim::SliceSource slices(Points& points, const sim::MagnetDesign& design, const s
   };
 }
 
-void refuse_shards(const FieldArgs& args) {
+void refuse_shards(const FieldArgs& args, bool drawn) {
   const ShardArgs& s = args.shards;
   if (s.database.empty() && s.shard.empty() && s.slurm == 0) return;
+  if (drawn)
+    throw BadInput({"a drawing: --points-db, --shard and --slurm are for tables of a specimen's [shape]"});
   if (!args.mesh_file.empty())
     throw BadInput({"--mesh solves one state: --points-db, --shard and --slurm are for tables"});
   if (args.ends)
@@ -173,12 +175,15 @@ std::string extrapolated_text(const sim::PotentialTable& t, const sim::Extrapola
 
 Exit show_field(const FieldArgs& args) {
   check_tables(args);
-  if (names_drawing(args.specimen_file)) return show_drawing(args, read_drawing(args.specimen_file));
+  if (names_drawing(args.specimen_file)) {
+    refuse_shards(args, true);
+    return show_drawing(args, read_drawing(args.specimen_file));
+  }
   const sim::Specimen specimen =
       args.specimen_file.empty() ? sim::Specimen{} : read_specimen(args.specimen_file);
+  refuse_shards(args, specimen.drawn != nullptr);
   if (specimen.drawn) return show_drawing(args, specimen.drawn);
   const auto design = design_of(specimen, args.steel);
-  refuse_shards(args);
   if (!args.mesh_file.empty()) return show_mesh(args, design);
   if (!specimen.shaped)
     throw BadInput({args.specimen_file + ": [shape]: missing; the field is that of a drawn core, " +
