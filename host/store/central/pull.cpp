@@ -120,12 +120,12 @@ class Puller {
     const Values range =
         Values().integer(f.id).integer(shots.integer(first, 0)).integer(shots.integer(last - 1, 0));
     const auto ask = [&](const std::string& columns, const std::string& table, const std::string& order) {
-      from_.queue(
-          "SELECT t.shot_id, " + columns + " FROM " + table +
-              " t JOIN shot s ON s.id = t.shot_id WHERE s.campaign_id = $1 AND s.id BETWEEN $2 AND $3 "
-              "ORDER BY t.shot_id" +
-              order,
-          range);
+      from_.queue("SELECT t.shot_id, " + columns + " FROM " + table +
+                      " t JOIN shot s ON s.id = t.shot_id WHERE s.campaign_id = $1 AND s.id BETWEEN $2 AND "
+                      "$3 AND t.shot_id BETWEEN $2 AND $3 "
+                      "ORDER BY t.shot_id" +
+                      order,
+                  range);
     };
     ask(column_list(record_columns, "t."), "record", "");
     ask(column_list(channel_columns, "t."), "channel", ", position");
