@@ -106,8 +106,7 @@ struct Specimen {
   Base base;
   bool shaped = true;  ///< `shape` is this contactor's; else only the circuit describes its magnet
   MagnetShape shape;   ///< read by the field rungs alone; the lumped circuit has its own lengths in `magnet`
-  std::shared_ptr<const DrawnMagnet>
-      drawn;           ///< the content of `magnet.drawing`, in place of `shape`; null: none, or not here
+  std::shared_ptr<const DrawnMagnet> drawn;  ///< of `magnet.drawing`, in place of `shape`; null: none
   bool lumped = true;  ///< false: a drawn magnet whose circuit is not stated; only its table describes it
 };
 

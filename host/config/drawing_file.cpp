@@ -10,6 +10,7 @@
 #include <optional>
 #include <sstream>
 
+#include "host/config/drawing_keys.h"
 #include "host/config/file_reader.h"
 #include "host/config/steel_file.h"
 #include "sim/fields/import_mesh.h"
@@ -19,75 +20,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-enum class Length { mm, m, in };
-enum class DrawnKind { plane, axisymmetric };
-enum class Symmetry { whole, half, quarter };
-enum class Opening { up, down, right, left };
-enum class LineRole { none, zero };
-
-constexpr double metres[] = {1e-3, 1.0, 25.4e-3};
-const std::vector<std::string> length_words{"mm", "m", "in"};
-const std::vector<std::string> role_words{"air", "stretch", "fixed", "armature", "coil", "ring"};
-
-/// One physical group with what the file says about it.
-struct Group {
-  std::string name;
-  int dimension = 2, tag = 0;
-  bool filled = false;
-  sim::DrawnRole role = sim::DrawnRole::air;
-  LineRole line = LineRole::none;
-  std::string steel;
-  double turns = 0;
-  std::string section() const { return "group." + name; }
-};
-
-struct Draft {
-  std::string mesh;
-  Length unit = Length::mm;
-  DrawnKind kind = DrawnKind::plane;
-  Symmetry symmetry = Symmetry::whole;
-  Opening opening = Opening::up;
-  double depth = 1, stack_factor = 1, drawn_gap = 1e-3, residual_gap = 36e-6, travel = 4e-3,
-         ring_resistance = 0, largest_flux = 0;
-  std::vector<Group> groups;
-};
-
-FileKind first_keys(Draft& d) {
-  FileKind kind("drawing", "a magnet on a mesh");
-  kind.text("mesh", d.mesh, "mesh of gmsh, MSH 2.2 or 4.1").need = Need::required;
-  return kind;
-}
-
-FileKind all_keys(Draft& d) {
-  FileKind kind = first_keys(d);
-  kind.choice("unit", d.unit, length_words, "of the mesh's coordinates");
-  kind.choice("kind", d.kind, {"plane", "axisymmetric"}, "axisymmetric: x is the radius, y the axis");
-  kind.number("depth_mm", d.depth, {0.1, 1000}, "plane: depth of the stack");
-  kind.number("stack_factor", d.stack_factor, {0.5, 1}, "plane: share of iron in the stack");
-  kind.choice("symmetry", d.symmetry, {"whole", "half", "quarter"}, "how much of the device is drawn");
-  kind.choice("opening", d.opening, {"+y", "-y", "+x", "-x"}, "where the armature goes when it opens");
-  kind.number("drawn_gap_mm", d.drawn_gap, {1e-3, 100},
-              "between the faces of armature and fixed iron, as drawn", Need::required);
-  kind.number("residual_gap_um", d.residual_gap, {1, 1000}, "between the faces when closed", Need::required);
-  kind.number("travel_mm", d.travel, {0.1, 50},
-              "of the armature from open to closed; tables go to 1.5 times that", Need::required);
-  kind.number("ring_resistance_ohm", d.ring_resistance, {1e-9, 1}, "of the ring, one turn");
-  kind.number("largest_flux_Wb", d.largest_flux, {1e-6, 1e4},
-              "of the coil, where the table ends; left out: in saturation");
-  for (auto& g : d.groups) {
-    kind.section(g.section(), "a physical group of the mesh");
-    if (g.dimension == 1) {
-      kind.choice("role", g.line, {"none", "A=0"}, "A=0: no flux leaves through the line");
-      continue;
-    }
-    kind.choice("role", g.role, role_words, "what the surface is");
-    kind.text("steel", g.steel, "of fixed and armature: built-in name or B-H sheet");
-    kind.number("turns", g.turns, {-1e6, 1e6}, "of coil and ring; above 0: out of the plane");
-  }
-  return kind;
-}
-
-std::string content_of_mesh(const fs::path& path) {
+std::string content_of_file(const fs::path& path) {
   std::ifstream in(path, std::ios::binary);
   std::ostringstream text;
   if (in) text << in.rdbuf();
@@ -95,12 +28,20 @@ std::string content_of_mesh(const fs::path& path) {
   return text.str();
 }
 
+/// The file with nothing but the line of its mesh, for a sentence about that line alone.
+FileReader only_mesh(const fs::path& path) {
+  std::istringstream in(content_of_file(path));
+  std::string text;
+  for (std::string line; std::getline(in, line);) text += (line.starts_with("mesh") ? line : "") + "\n";
+  return {path.string(), text};
+}
+
 /// The named groups of surfaces and lines; those without a name go by their number.
-std::vector<Group> groups_of(const sim::MshMesh& msh) {
-  std::vector<Group> out;
+std::vector<DrawnGroup> groups_of(const sim::MshMesh& msh) {
+  std::vector<DrawnGroup> out;
   for (const auto& g : msh.groups) {
     if (g.dimension != 1 && g.dimension != 2) continue;
-    Group group;
+    DrawnGroup group;
     group.name = g.name.empty() ? std::to_string(g.tag) : g.name;
     group.dimension = g.dimension;
     group.tag = g.tag;
@@ -115,14 +56,14 @@ std::vector<Group> groups_of(const sim::MshMesh& msh) {
 /// Checks that go across keys, and the drawing that comes of them.
 class Assembly {
  public:
-  Assembly(FileReader& reader, const Draft& draft, const fs::path& folder, const sim::MshMesh& msh)
+  Assembly(FileReader& reader, const DrawingDraft& draft, const fs::path& folder, const sim::MshMesh& msh)
       : reader_(reader), d_(draft), folder_(folder), msh_(msh) {}
 
   std::shared_ptr<const sim::DrawnMagnet> run(const std::string& name) {
     out_->name = name;
     out_->axisymmetric = d_.kind == DrawnKind::axisymmetric;
     out_->depth = d_.depth;
-    out_->copies = d_.symmetry == Symmetry::whole ? 1 : d_.symmetry == Symmetry::half ? 2 : 4;
+    out_->copies = d_.symmetry == DrawnSymmetry::whole ? 1 : d_.symmetry == DrawnSymmetry::half ? 2 : 4;
     out_->drawn_gap = d_.drawn_gap;
     out_->residual_gap = d_.residual_gap;
     out_->travel = d_.travel;
@@ -147,16 +88,16 @@ class Assembly {
     if (out_->axisymmetric) {
       for (const char* key : {"depth_mm", "stack_factor"})
         if (reader_.good("", key)) reader_.fail("", key, "is of a stack: leave it out around an axis");
-      if (d_.symmetry != Symmetry::whole)
+      if (d_.symmetry != DrawnSymmetry::whole)
         reader_.fail("", "symmetry", "around an axis all is drawn", "whole");
-      if (d_.opening != Opening::up && d_.opening != Opening::down)
+      if (d_.opening != DrawnOpening::up && d_.opening != DrawnOpening::down)
         reader_.fail("", "opening", "is across the axis", "+y, -y");
     } else if (!reader_.good("", "depth_mm") && !reader_.bad("", "depth_mm")) {
       reader_.fail("", "depth_mm", "is missing: a plane magnet has a depth", "0.1..1000 mm");
     }
   }
 
-  void add_part(const Group& g) {
+  void add_part(const DrawnGroup& g) {
     using sim::DrawnRole;
     const auto section = g.section();
     if (!reader_.good(section, "role")) return;
@@ -181,7 +122,7 @@ class Assembly {
     out_->parts.push_back(part);
   }
 
-  int steel_index(const Group& g) {
+  int steel_index(const DrawnGroup& g) {
     if (reader_.bad(g.section(), "steel")) return -1;
     if (g.steel.empty()) {
       reader_.fail(g.section(), "steel", "is missing",
@@ -216,14 +157,15 @@ class Assembly {
 
   void check_windings() {
     if (first_of(sim::DrawnRole::coil) == nullptr) {
-      const bool open = std::ranges::any_of(
-          d_.groups, [&](const Group& g) { return g.dimension == 2 && !reader_.good(g.section(), "role"); });
+      const bool open = std::ranges::any_of(d_.groups, [&](const DrawnGroup& g) {
+        return g.dimension == 2 && !reader_.good(g.section(), "role");
+      });
       if (!open) reader_.fail("", "mesh", "no group has the role coil: nothing drives the field");
       return;
     }
     if (first_of(sim::DrawnRole::ring) == nullptr && reader_.good("", "ring_resistance_ohm"))
       reader_.fail("", "ring_resistance_ohm", "no group has the role ring");
-    if (out_->axisymmetric || d_.symmetry != Symmetry::whole) return;
+    if (out_->axisymmetric || d_.symmetry != DrawnSymmetry::whole) return;
     for (const auto role : {sim::DrawnRole::coil, sim::DrawnRole::ring}) {
       double sum = 0, most = 0;
       for (const auto& p : out_->parts) {
@@ -246,7 +188,7 @@ class Assembly {
     for (const auto& g : d_.groups) {
       if (g.dimension != 1) continue;
       lines.push_back(g.name);
-      if (g.line == LineRole::zero && g.filled) zero_.push_back(g.tag);
+      if (g.line == DrawnLine::zero && g.filled) zero_.push_back(g.tag);
     }
     if (zero_.empty())
       reader_.fail("", "mesh",
@@ -258,7 +200,7 @@ class Assembly {
 
   void import() {
     try {
-      out_->mesh = sim::import_plane_mesh(msh_, metres[static_cast<int>(d_.unit)], region_, zero_);
+      out_->mesh = sim::import_plane_mesh(msh_, drawn_metres[static_cast<int>(d_.unit)], region_, zero_);
     } catch (const std::invalid_argument& error) {
       reader_.fail("", "mesh", error.what());
       reader_.finish();
@@ -282,11 +224,11 @@ class Assembly {
     auto& m = out_->mesh;
     for (std::size_t v = 0; v < m.x.size(); ++v) {
       const double x = m.x[v], y = m.y[v];
-      if (d_.opening == Opening::down) {
+      if (d_.opening == DrawnOpening::down) {
         m.x[v] = out_->axisymmetric ? x : -x;
         m.y[v] = -y;
-      } else if (d_.opening == Opening::right || d_.opening == Opening::left) {
-        const double sign = d_.opening == Opening::right ? 1 : -1;
+      } else if (d_.opening == DrawnOpening::right || d_.opening == DrawnOpening::left) {
+        const double sign = d_.opening == DrawnOpening::right ? 1 : -1;
         m.x[v] = -sign * y;
         m.y[v] = sign * x;
       }
@@ -296,10 +238,10 @@ class Assembly {
 
   /// Another unit in which a length would be what it should.
   std::string unit_for(double length, double low, double high) const {
-    for (std::size_t k = 0; k < length_words.size(); ++k) {
-      const double other = length / metres[static_cast<int>(d_.unit)] * metres[k];
+    for (std::size_t k = 0; k < drawn_units.size(); ++k) {
+      const double other = length / drawn_metres[static_cast<int>(d_.unit)] * drawn_metres[k];
       if (other >= low && other <= high)
-        return fmt::format("; in {} it would be {:.4g} mm", length_words[k], other * 1e3);
+        return fmt::format("; in {} it would be {:.4g} mm", drawn_units[k], other * 1e3);
     }
     return "";
   }
@@ -354,7 +296,7 @@ class Assembly {
   }
 
   FileReader& reader_;
-  const Draft& d_;
+  const DrawingDraft& d_;
   fs::path folder_;
   const sim::MshMesh& msh_;
   std::shared_ptr<sim::DrawnMagnet> out_ = std::make_shared<sim::DrawnMagnet>();
@@ -372,26 +314,27 @@ bool names_drawing(const fs::path& path) {
 std::shared_ptr<const sim::DrawnMagnet> read_drawing(const fs::path& path) {
   FileReader reader = FileReader::open(path);
   const fs::path folder = path.parent_path();
-  Draft draft;
+  DrawingDraft draft;
   FileReader first = reader;  // what else stands there can be judged only with the groups of the mesh
-  first.read(first_keys(draft));
+  first.read(mesh_key(draft));
   sim::MshMesh msh;
   if (first.good("", "mesh")) {
     try {
-      msh = sim::read_msh(content_of_mesh(folder / draft.mesh));
+      msh = sim::read_msh(content_of_file(folder / draft.mesh));
     } catch (const std::invalid_argument& error) {
-      FileReader alone = FileReader::open(path);
+      FileReader alone = only_mesh(path);
+      alone.read(mesh_key(draft));
       alone.fail("", "mesh", error.what());
       alone.finish();
     }
     draft.groups = groups_of(msh);
   }
-  reader.read(all_keys(draft));
+  reader.read(drawing_keys(draft));
   if (!first.good("", "mesh")) reader.finish();
   for (const auto& g : draft.groups)
     if (g.dimension == 2 && !reader.good(g.section(), "role") && !reader.bad(g.section(), "role"))
       reader.fail(g.section(), "role", "is missing: the mesh has this surface",
-                  fmt::format("{}", fmt::join(role_words, ", ")));
+                  fmt::format("{}", fmt::join(drawn_roles, ", ")));
   std::string name = path.filename().string();
   if (names_drawing(path)) name = name.substr(0, name.size() - std::string_view(".magnet.toml").size());
   return Assembly(reader, draft, folder, msh).run(name);

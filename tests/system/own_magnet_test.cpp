@@ -78,7 +78,7 @@ TEST_CASE("own magnet: mistakes in a drawing end with one sentence: file, line, 
              Contains("unknown section") && Contains("core") &&
                  Contains("[group.core] role: is missing: the mesh has this surface"));
   CHECK_THAT(with("role = \"armature\"", "role = \"anchor\""),
-             Contains("no such word") && Contains("armature, coil"));
+             Contains("no such word") && Contains("\"armature\", \"coil\""));
   CHECK_THAT(with("unit = \"mm\"", "unit = \"m\""),
              Contains("unit = \"m\": the mesh is 2.2e+05 mm wide or high; in mm it would be 220 mm"));
   CHECK_THAT(with("drawn_gap_mm = 1.5", "drawn_gap_mm = 1.6"),
