@@ -5,16 +5,26 @@
 #include <stdexcept>
 #include <utility>
 
+#include "sim/magnetic_circuit.h"
+
 namespace powbench::sim {
 namespace {
 
-FieldSetup setup_of(const SolenoidDesign& d, const FieldOptions& o) {
+FieldSetup setup_of(const SolenoidDesign& d, const FieldOptions& o, double conductivity) {
   FieldSetup f;
   f.order = o.order;
   f.axisymmetric = true;
   f.steels = {d.steel};
   f.steel_of_region.assign(SolenoidRegion::count, -1);
   f.steel_of_region[SolenoidRegion::fixed_iron] = f.steel_of_region[SolenoidRegion::plunger] = 0;
+  if (d.shape.magnet_length > 0) {
+    f.steels.push_back(Steel::linear(d.magnet_permeability));
+    f.steel_of_region[SolenoidRegion::magnet] = 1;
+  }
+  if (conductivity > 0) {
+    f.conductivity.assign(SolenoidRegion::count, 0);
+    f.conductivity[SolenoidRegion::fixed_iron] = f.conductivity[SolenoidRegion::plunger] = conductivity;
+  }
   f.windings = {{{{SolenoidRegion::coil, d.turns}}}};
   return f;
 }
@@ -29,6 +39,8 @@ void check(const char* key, double value, double low, double high) {
 const SolenoidDesign& checked(const SolenoidDesign& d) {
   check("residual_gap_um", d.residual_gap * 1e6, 1, 1000);
   check("turns", d.turns, 1, 1e6);
+  check("remanence_T", d.remanence, d.shape.magnet_length > 0 ? -2 : 0, d.shape.magnet_length > 0 ? 2 : 0);
+  check("magnet_permeability", d.magnet_permeability, 1, 10);
   return d;
 }
 
@@ -43,19 +55,40 @@ std::vector<double> body(const Mesh& m) {
 
 }  // namespace
 
-SolenoidField::SolenoidField(const SolenoidDesign& design, const FieldOptions& options)
+SolenoidField::SolenoidField(const SolenoidDesign& design, const FieldOptions& options,
+                             double iron_conductivity)
     : design_(checked(design)),
       options_(options),
       grid_(design.shape, options.sizes, design.largest_gap + design.residual_gap),
-      problem_(grid_.mesh(), setup_of(design, options)),
+      problem_(grid_.mesh(), setup_of(design, options, iron_conductivity)),
       newton_(problem_),
       layer_(body(grid_.mesh())) {
   set_gap(design.largest_gap);
+  if (design.remanence != 0) magnetise();
+  if (iron_conductivity > 0) find_columns();
+}
+
+/// B = mu0 mu_r H + B_r has the energy (B - B_r)^2 / (2 mu0 mu_r): beside that of a linear material a load, constant because the
+/// magnet stands still.
+void SolenoidField::magnetise() {
+  const auto& space = problem_.space();
+  const double strength = design_.remanence / (mu0 * design_.magnet_permeability);
+  magnet_.assign(static_cast<std::size_t>(unknowns()) + 1, 0);
+  for (std::size_t t = 0; t < space.mesh.triangle.size(); ++t) {
+    if (space.mesh.region[t] != SolenoidRegion::magnet) continue;
+    for (const auto& p : shape_points(space, t, 4))
+      for (int n = 0; n < space.nodes; ++n)
+        magnet_[static_cast<std::size_t>(space.unknowns(t)[n])] +=
+            p.weight * p.curl_y[static_cast<std::size_t>(n)] * strength;
+  }
+  magnet_.back() = 0;
+  newton_.set_quadratic(nullptr, &magnet_);
 }
 
 void SolenoidField::set_gap(double gap) {
   check("gap_mm", gap * 1e3, 0, design_.largest_gap * 1e3 * (1 + 1e-12));
   const double whole = gap + design_.residual_gap;
+  gap_ = gap;
   problem_.move_vertices(grid_.mesh().x, grid_.heights(whole));
   motion_ = grid_.motion(whole);
 }
@@ -82,7 +115,7 @@ FieldPoint SolenoidField::at_flux(double psi, std::vector<double> start) {
   r.current_psi = newton_.derivatives(p.a).flux_flux[0];
   // the pull is quadratic in a: its derivative along the tangent is exact from two points
   const auto along = tangent();
-  const double step = psi != 0 ? psi : 1;
+  const double step = std::max(std::fabs(psi), 1e-3);
   auto high = p.a, low = p.a;
   for (std::size_t k = 0; k < along.size(); ++k) {
     high[k] += step * along[k];

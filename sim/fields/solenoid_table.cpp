@@ -27,36 +27,69 @@ class Coil {
 class SolenoidRung {
  public:
   SolenoidRung(const SolenoidDesign& d, const FieldOptions& o, const TransientSetup& s)
-      : resistance_(s.resistance), field_(d, o), a_(static_cast<std::size_t>(field_.unknowns()) + 1, 0) {}
+      : resistance_(s.resistance),
+        field_(d, o, s.iron_conductivity),
+        eddies_(s.iron_conductivity > 0),
+        a_(static_cast<std::size_t>(field_.unknowns()) + 1, 0) {
+    field_.set_gap(s.start_gap);
+    gap_ = s.start_gap;
+    if (d.remanence == 0) return;
+    const auto p = field_.at_current(0);
+    psi_ = field_.flux(p);
+    a_ = p.a;
+  }
 
   int iterations = 0;
 
+  double flux() const { return psi_; }
+
   double stored(double gap) {
-    field_.set_gap(gap);
-    // the state is the flux: the field of the middle of the last step is but a start
-    return field_.at_flux(psi_, a_).response.energy;
+    constexpr double instant = 1e-12;  // s: eddy currents keep the flux in the iron, the air follows
+    carry_to(gap);
+    // without them the state is the flux: the field of the middle of the last step is but a start
+    return field_.energy((eddies_ ? field_.eddy_step(psi_, 0, instant, a_) : field_.at_flux(psi_, a_)).a);
   }
 
   Middle advance(double voltage, double gap, double step) {
-    field_.set_gap(gap);
-    auto p = field_.in_circuit(psi_ + 0.5 * step * voltage, 0.5 * step * resistance_, std::move(a_));
+    carry_to(gap);
+    const double b = psi_ + 0.5 * step * voltage, r = 0.5 * step * resistance_;
+    auto p = eddies_ ? field_.eddy_step(b, r, step, a_) : field_.in_circuit(b, r, std::move(a_));
     if (!p.newton.converged) throw std::runtime_error("transient: the field does not converge");
     iterations += p.newton.iterations;
     const double rate = voltage - resistance_ * p.response.current;
-    const Middle m{psi_ + 0.5 * step * rate, p.response.current, 0, p.response.pull, 0};
+    Middle m{psi_ + 0.5 * step * rate, p.response.current, 0, p.response.pull, 0};
     psi_ += step * rate;
-    a_ = std::move(p.a);
+    if (!eddies_) {
+      a_ = std::move(p.a);
+      return m;
+    }
+    std::vector<double> slope(a_.size());
+    for (std::size_t k = 0; k < a_.size(); ++k) {
+      slope[k] = 2 * (p.a[k] - a_[k]) / step;
+      a_[k] = 2 * p.a[k] - a_[k];
+    }
+    m.eddy_power = field_.eddy_power(slope);
     return m;
   }
 
  private:
+  void carry_to(double gap) {
+    const double before = gap_;
+    field_.set_gap(gap);
+    gap_ = gap;
+    if (eddies_) a_ = field_.carry(a_, before);
+  }
+
   double resistance_;
   SolenoidField field_;
+  bool eddies_;
   std::vector<double> a_;
-  double psi_ = 0;
+  double psi_ = 0, gap_ = 0;
 };
 
-std::uint64_t hash_of(const SolenoidDesign& d, const TableOptions& o) {
+}  // namespace
+
+std::uint64_t table_hash(const SolenoidDesign& d, const TableOptions& o) {
   const auto& s = d.shape;
   std::vector<double> values{s.plunger_radius,
                              s.bore_radius,
@@ -70,6 +103,14 @@ std::uint64_t hash_of(const SolenoidDesign& d, const TableOptions& o) {
                              s.coil_clearance,
                              s.case_inner,
                              s.case_outer,
+                             static_cast<double>(s.face),
+                             s.cone_angle,
+                             s.tip_radius,
+                             s.step_radius,
+                             s.step_depth,
+                             s.step_clearance,
+                             s.magnet_length,
+                             d.magnet_permeability,
                              d.turns,
                              d.residual_gap,
                              d.largest_gap,
@@ -80,9 +121,9 @@ std::uint64_t hash_of(const SolenoidDesign& d, const TableOptions& o) {
   return hash_values(values, d.steel);
 }
 
-}  // namespace
-
 PotentialTable build_table(const SolenoidDesign& d, const TableOptions& o, Team& team, TableReport* report) {
+  if (d.remanence != 0)
+    throw std::invalid_argument("solenoid.remanence_T: a table needs 0, its energy is even in the flux");
   auto options = o;
   options.largest_gap = d.largest_gap;
   const double radius = d.shape.plunger_radius;
@@ -95,7 +136,7 @@ PotentialTable build_table(const SolenoidDesign& d, const TableOptions& o, Team&
   estimate_errors(t);
   t.mesh_error = plan.mesh_error;
   t.data_end = d.steel.data_end();
-  t.design_hash = hash_of(d, options);
+  t.design_hash = table_hash(d, options);
   char text[160];
   std::snprintf(text, sizeof text, "solenoid, %zu x %zu nodes, %d unknowns, %s, %g turns, residual gap %g um",
                 t.psi.size(), t.gap.size(), sum.unknowns, d.steel.name().c_str(), d.turns,
@@ -106,10 +147,11 @@ PotentialTable build_table(const SolenoidDesign& d, const TableOptions& o, Team&
 }
 
 TransientResult run_transient(const SolenoidDesign& d, const FieldOptions& o, const TransientSetup& s) {
-  if (s.iron_conductivity != 0 || s.sheet_resistance != 0)
-    throw std::invalid_argument(
-        "transient: iron_conductivity and sheet_resistance of a solenoid must be 0, its parts slide and are "
-        "solid");
+  if (s.sheet_resistance != 0)
+    throw std::invalid_argument("transient: sheet_resistance of a solenoid must be 0, its parts are solid");
+  if (!(s.iron_conductivity >= 0 && s.iron_conductivity <= 1e8))
+    throw std::invalid_argument("transient: iron_conductivity = " + std::to_string(s.iron_conductivity) +
+                                " S/m, allowed 0 .. 1e8");
   if (s.start_gap > d.largest_gap)
     throw std::invalid_argument("transient: start_gap_mm = " + std::to_string(s.start_gap * 1e3) +
                                 ", allowed 0 .. " + std::to_string(d.largest_gap * 1e3));

@@ -18,6 +18,15 @@ struct Middle {
   double current = 0, ring_current = 0, pull = 0, eddy_power = 0;
 };
 
+/// Wb, of the coil at the start: that of a permanent magnet, where the rung has one.
+template <class Rung>
+double start_flux(const Rung& rung) {
+  if constexpr (requires { rung.flux(); })
+    return rung.flux();
+  else
+    return 0;
+}
+
 /// Throws std::invalid_argument for a bad setup.
 template <class Rung>
 TransientResult march(Rung& rung, const TransientSetup& s) {
@@ -27,7 +36,7 @@ TransientResult march(Rung& rung, const TransientSetup& s) {
         "needed");
   TransientResult out;
   const int steps = static_cast<int>(std::lround(s.duration / s.step));
-  double gap = s.start_gap, velocity = 0, psi = 0;
+  double gap = s.start_gap, velocity = 0, psi = start_flux(rung);
   const double before = rung.stored(gap);
   auto& e = out.energy;
   for (int k = 0; k < steps; ++k) {

@@ -118,7 +118,10 @@ TEST_CASE("solenoids that cannot be are told with key, value and range") {
   CHECK_THROWS_WITH(field.set_gap(11e-3), Contains("gap_mm"));
   TransientSetup s;
   s.voltage = [](double) { return 24.0; };
-  s.iron_conductivity = 1e6;
+  s.sheet_resistance = 1;
+  CHECK_THROWS_WITH(run_transient(SolenoidDesign{}, options(0.02), s), Contains("sheet_resistance"));
+  s.sheet_resistance = 0;
+  s.iron_conductivity = -1;
   CHECK_THROWS_WITH(run_transient(SolenoidDesign{}, options(0.02), s), Contains("iron_conductivity"));
 }
 
