@@ -11,9 +11,11 @@
 #include "host/cli/drawing_verb.h"
 #include "host/cli/named_steel.h"
 #include "host/cli/percent.h"
+#include "host/cli/solenoid_verb.h"
 #include "host/cli/table_files.h"
 #include "host/cli/verbs.h"
 #include "host/config/drawing_file.h"
+#include "host/config/solenoid_file.h"
 #include "host/config/specimen_file.h"
 #include "host/export/field_svg.h"
 #include "host/export/field_vtu.h"
@@ -179,6 +181,7 @@ Exit show_field(const FieldArgs& args) {
     refuse_shards(args, true);
     return show_drawing(args, read_drawing(args.specimen_file));
   }
+  if (is_solenoid_file(args.specimen_file)) return show_solenoid_field(args);
   const sim::Specimen specimen =
       args.specimen_file.empty() ? sim::Specimen{} : read_specimen(args.specimen_file);
   refuse_shards(args, specimen.drawn != nullptr);

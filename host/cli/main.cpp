@@ -83,8 +83,8 @@ void add_plan_verbs(CLI::App& app) {
   list->add_flag("--json", show->json, "JSON to stdout");
   auto kind = std::make_shared<std::string>();
   verb(*plan, "template", "Print a commented file with every key", kind, print_template)
-      ->add_option("kind", *kind, "plan, rig, specimen or calibration")
-      ->check(CLI::IsMember({"plan", "rig", "specimen", "calibration"}))
+      ->add_option("kind", *kind, "plan, rig, specimen, solenoid or calibration")
+      ->check(CLI::IsMember({"plan", "rig", "specimen", "solenoid", "calibration"}))
       ->required();
 
   auto run = std::make_shared<RunArgs>();
@@ -105,20 +105,34 @@ void add_plan_verbs(CLI::App& app) {
 
   auto sim = std::make_shared<SimArgs>();
   CLI::App* simulate =
-      verb(app, "sim", "Simulate the closings of a plan under the same conditions", sim, simulate_plan);
-  simulate->add_option("plan", sim->plan, "plan file (TOML)")->required();
-  simulate->add_option("--sensors", sim->rig_file, "rig file (TOML) whose sensors to simulate through");
+      verb(app, "sim", "Simulate the closings of a plan, or one closing of a solenoid", sim, simulate_plan);
+  simulate
+      ->add_option("plan", sim->plan, "plan file, or specimen file of a solenoid: kind = \"solenoid\" (TOML)")
+      ->required();
+  simulate->add_option(
+      "--sensors", sim->rig_file,
+      "rig file (TOML) whose sensors to simulate through; of a solenoid: its supply, switch and "
+      "suppression. Without: direct current, freewheel diode of 0.7 V");
   simulate->add_option("--db", sim->database, "store to write; made if missing")->capture_default_str();
   simulate->add_option("-j,--threads", sim->threads, "threads; 0 = all cores")
       ->check(CLI::Range(0, 1024))
       ->capture_default_str();
-  simulate->add_option("--fields", sim->fields,
-                       "circuit, table, field2d or field3d; auto: as far up as the accuracy takes");
+  simulate->add_option(
+      "--fields", sim->fields,
+      "circuit, table, field2d or field3d; auto: as far up as the accuracy takes. Of a solenoid: table, "
+      "field2d, or eddy: field2d with eddy currents");
   simulate->add_option("--mechanics", sim->mechanics, "plant, rigid, modal or explicit; auto likewise");
   simulate->add_option("--accuracy", sim->accuracy,
                        "wanted error of the touch time, such as 1%; [wanted] of the plan says more");
   simulate->add_option("--cache", sim->cache, "folder for field tables; made if missing")
       ->capture_default_str();
+  simulate->add_option("--volts", sim->volts, "solenoid: supply, V; 24 if left out");
+  simulate->add_option("--hertz", sim->hertz, "solenoid: of a rectified supply; 50 if left out");
+  simulate->add_option("--coil", sim->coil_degC, "solenoid: coil temperature, degC; 20 if left out");
+  simulate->add_option("--hold", sim->hold_ms, "solenoid: switch off after so many ms; never if left out");
+  simulate->add_option("--duration", sim->duration_ms, "solenoid: ms to simulate; 100 if left out");
+  simulate->add_option("-o,--output", sim->output,
+                       "solenoid: .csv or .svg of voltage, current, position, force");
   simulate->add_flag("--nominal", sim->nominal,
                      "under the conditions the plan asks for; without it those the measured closings had");
   add_shard_options(simulate, sim->shards, "closing of the plan");
@@ -266,8 +280,8 @@ void add_study_verbs(CLI::App& app) {
   field->add_option(
       "specimen", field_args->specimen_file,
       "specimen file (TOML); the reference contactor if left out. Its [shape] is an E-core, with legs = 2 "
-      "a U-core, with closed_leg = 1 too a C-core. Or a drawing (x.magnet.toml): any magnet on a mesh of "
-      "gmsh");
+      "a U-core, with closed_leg = 1 too a C-core; or a solenoid, kind = \"solenoid\". Or a drawing "
+      "(x.magnet.toml): any magnet on a mesh of gmsh");
   field->add_option("-o,--output", field_args->folder, "folder for table and pictures; made if missing")
       ->capture_default_str();
   field->add_option("--accuracy", field_args->accuracy, "relative error of current and pull")
@@ -280,7 +294,8 @@ void add_study_verbs(CLI::App& app) {
       "plane mesh of gmsh (MSH 2.2 or 4.1) in place of the specimen's shape: one state at --current");
   field->add_option("--mesh-unit", field_args->mesh_unit, "of the mesh's coordinates: mm, m or in")
       ->capture_default_str();
-  field->add_option("--current", field_args->current, "A in the coil, with --mesh")->capture_default_str();
+  field->add_option("--current", field_args->current, "A in the coil, with --mesh or of a solenoid")
+      ->capture_default_str();
   field->add_flag("--symmetric", field_args->symmetric, "the mesh is one half of the device");
   field->add_flag("--ends", field_args->ends, "with the ends of stack and coil, from three dimensions");
   field->add_option(

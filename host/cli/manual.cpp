@@ -9,6 +9,7 @@
 #include "core/version.h"
 #include "host/config/plan_file.h"
 #include "host/config/rig_file.h"
+#include "host/config/solenoid_file.h"
 #include "host/config/specimen_file.h"
 #include "host/import/calibration.h"
 
@@ -227,6 +228,7 @@ std::string file_reference() {
   const std::pair<const char*, std::string> kinds[] = {{"plan", plan_template()},
                                                        {"rig", rig_template()},
                                                        {"specimen", specimen_template()},
+                                                       {"solenoid", solenoid_template()},
                                                        {"calibration", calibration_template()}};
   for (const auto& [kind, file] : kinds) text += fmt::format("\n## {}\n\n```toml\n{}```\n", kind, file);
   return text;

@@ -6,6 +6,7 @@
 #include "core/units.h"
 #include "host/cli/verbs.h"
 #include "host/compare/compare.h"
+#include "host/config/solenoid_file.h"
 #include "host/gather/scene.h"
 #include "host/import/calibration.h"
 
@@ -45,6 +46,7 @@ Exit show_plan(const PlanArgs& args) {
 Exit print_template(const std::string& kind) {
   fmt::print("{}", kind == "rig"           ? rig_template()
                    : kind == "specimen"    ? specimen_template()
+                   : kind == "solenoid"    ? solenoid_template()
                    : kind == "calibration" ? calibration_template()
                                            : plan_template());
   return Exit::pass;

@@ -10,7 +10,9 @@
 #include "core/cpu_time.h"
 #include "core/units.h"
 #include "host/cli/percent.h"
+#include "host/cli/solenoid_verb.h"
 #include "host/cli/verbs.h"
+#include "host/config/solenoid_file.h"
 #include "host/gather/scene.h"
 #include "host/run/simulate.h"
 #include "host/run/stop.h"
@@ -279,6 +281,8 @@ Store store_to_read(const SimArgs& args) {
 }  // namespace
 
 Exit simulate_plan(const SimArgs& args) {
+  if (is_solenoid_file(args.plan)) return simulate_solenoid(args);
+  refuse_solenoid_options(args);
   if (args.shards.slurm > 0) {
     load_scene(args.plan);  // mistakes are told before anything is submitted
     fmt::print("{}", slurm_script(args.shards, args.shards.database));

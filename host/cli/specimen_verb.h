@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <string>
 
 #include "core/outcome.h"
@@ -9,8 +10,8 @@
 namespace powbench::host {
 
 struct SpecimenArgs {
-  std::string file;  ///< "" = the reference contactor
-  double volts = 230, hertz = 50;
+  std::string file;                    ///< "" = the reference contactor
+  std::optional<double> volts, hertz;  ///< none: 230 V, 50 Hz; of a solenoid 24 V
   bool json = false;
 };
 

@@ -165,13 +165,11 @@ void add_specimen_verbs(CLI::App& app) {
                      "beside catalogue "
                      "ranges",
                      args, describe_specimen);
-  v->add_option("file", args->file, "specimen file (TOML); the reference contactor if left out");
-  v->add_option("--volts", args->volts, "rated voltage, V rms")
-      ->check(CLI::Range(1.0, 1e4))
-      ->capture_default_str();
-  v->add_option("--hertz", args->hertz, "rated frequency, Hz")
-      ->check(CLI::Range(1.0, 1e3))
-      ->capture_default_str();
+  v->add_option("file", args->file,
+                "specimen file (TOML), also of a solenoid; the reference contactor if left out");
+  v->add_option("--volts", args->volts, "rated voltage, V rms, 230 if left out; of a solenoid V, 24")
+      ->check(CLI::Range(1.0, 1e4));
+  v->add_option("--hertz", args->hertz, "rated frequency, Hz; 50 if left out")->check(CLI::Range(1.0, 1e3));
   v->add_flag("--json", args->json, "JSON to stdout");
   auto former = std::make_shared<SpecimenArgs>();
   verb(*specimen, "convert",

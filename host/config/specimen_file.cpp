@@ -7,6 +7,7 @@
 
 #include "host/config/drawing_file.h"
 #include "host/config/file_reader.h"
+#include "host/config/solenoid_file.h"
 #include "host/config/steel_file.h"
 #include "sim/specimen_fields.h"
 #include "sim/specimen_steel.h"
@@ -195,6 +196,7 @@ sim::Specimen read_with(FileReader reader, const std::filesystem::path& folder) 
 }  // namespace
 
 sim::Specimen read_specimen(const std::filesystem::path& path) {
+  refuse_solenoid(path);
   return read_with(FileReader::open(path), path.parent_path());
 }
 

@@ -50,6 +50,7 @@ constexpr std::array units{
     Unit{"uH", "uH", -6},
     Unit{"uF", "uF", -6},
     Unit{"A_per_m", "A/m"},
+    Unit{"S_per_m", "S/m"},
     Unit{"T", "T"},
     Unit{"A_per_m_per_T", "A/(m T)"},
     Unit{"pC_per_N", "pC/N", -12},

@@ -216,4 +216,12 @@ std::string field_svg(const sim::DrawnField& field, const sim::FieldPoint& point
   return framed({field.problem(), point.a, shown}, title);
 }
 
+std::string field_svg(const sim::SolenoidField& field, const sim::FieldPoint& point,
+                      const std::string& title) {
+  std::vector<int> shown(sim::SolenoidRegion::count);
+  for (int r = 0; r < sim::SolenoidRegion::count; ++r) shown[static_cast<std::size_t>(r)] = r;
+  shown[sim::SolenoidRegion::air] = -1;
+  return framed({field.problem(), point.a, shown}, title);
+}
+
 }  // namespace powbench::host

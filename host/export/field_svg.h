@@ -5,6 +5,7 @@
 #include "sim/fields/drawn_magnet.h"
 #include "sim/fields/magnet_field.h"
 #include "sim/fields/potential_table.h"
+#include "sim/fields/solenoid_field.h"
 
 /// Pictures of fields and of tables, as SVG.
 
@@ -16,6 +17,8 @@ std::string field_svg(const sim::MagnetField&, const sim::FieldPoint&, const std
 
 /// The same of a drawn magnet: mirrored where its mesh ends at x = 0; around an axis the lines are those of equal r A.
 std::string field_svg(const sim::DrawnField&, const sim::FieldPoint&, const std::string& title);
+/// The same of a solenoid, both halves of its section; lines of equal r A.
+std::string field_svg(const sim::SolenoidField&, const sim::FieldPoint&, const std::string& title);
 
 /// Energy, coil current and pull over flux linkage and gap, three surfaces side by side. With a ring, its flux grows in step
 /// with the coil's.

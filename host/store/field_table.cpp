@@ -167,6 +167,12 @@ FieldTableChoice obtain_field_table(const std::filesystem::path& folder,
                 [&](sim::TableReport* report) { return sim::build_table(drawing, options, team, report); });
 }
 
+FieldTableChoice obtain_field_table(const std::filesystem::path& folder, const sim::SolenoidDesign& design,
+                                    const sim::TableOptions& options, sim::Team& team) {
+  return obtain(folder, sim::table_hash(design, options),
+                [&](sim::TableReport* report) { return sim::build_table(design, options, team, report); });
+}
+
 FieldTableChoice obtain_end_table(const std::filesystem::path& folder, const sim::MagnetDesign& design,
                                   const sim::TableOptions& options, const sim::EndTableOptions& ends,
                                   sim::Team& team) {

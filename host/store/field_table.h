@@ -6,6 +6,7 @@
 
 #include "sim/field3d/end_table.h"
 #include "sim/fields/drawn_magnet.h"
+#include "sim/fields/solenoid_field.h"
 #include "sim/fields/table_build.h"
 
 /// Tables of the magnetic potential on disk: a text header with version, units and sizes, the numbers as little-endian
@@ -39,6 +40,10 @@ FieldTableChoice obtain_field_table(const std::filesystem::path& folder, const s
 FieldTableChoice obtain_field_table(const std::filesystem::path& folder,
                                     const std::shared_ptr<const sim::DrawnMagnet>&, const sim::TableOptions&,
                                     sim::Team&);
+
+/// The same for a solenoid.
+FieldTableChoice obtain_field_table(const std::filesystem::path& folder, const sim::SolenoidDesign&,
+                                    const sim::TableOptions&, sim::Team&);
 
 /// The same for the table with the ends of three dimensions.
 FieldTableChoice obtain_end_table(const std::filesystem::path& folder, const sim::MagnetDesign&,

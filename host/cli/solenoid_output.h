@@ -1,0 +1,18 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "sim/solenoid/solenoid_model.h"
+
+/// A closing of a solenoid over time, as a table or a picture.
+
+namespace powbench::host {
+
+/// One header line with units, one line a sample, SI.
+std::string solenoid_csv(const std::vector<sim::SolenoidSample>&);
+
+/// Current, position and pull over time, one panel each.
+std::string solenoid_svg(const std::vector<sim::SolenoidSample>&, const std::string& title);
+
+}  // namespace powbench::host
