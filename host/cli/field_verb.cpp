@@ -154,11 +154,12 @@ sim::SliceSource slices(Points& points, const sim::MagnetDesign& design, const s
   };
 }
 
-void refuse_shards(const FieldArgs& args, bool drawn) {
+void refuse_shards(const FieldArgs& args, bool other) {
   const ShardArgs& s = args.shards;
   if (s.database.empty() && s.shard.empty() && s.slurm == 0) return;
-  if (drawn)
-    throw BadInput({"a drawing: --points-db, --shard and --slurm are for tables of a specimen's [shape]"});
+  if (other)
+    throw BadInput(
+        {args.specimen_file + ": --points-db, --shard and --slurm are for tables of a specimen's [shape]"});
   if (!args.mesh_file.empty())
     throw BadInput({"--mesh solves one state: --points-db, --shard and --slurm are for tables"});
   if (args.ends)
@@ -181,7 +182,10 @@ Exit show_field(const FieldArgs& args) {
     refuse_shards(args, true);
     return show_drawing(args, read_drawing(args.specimen_file));
   }
-  if (is_solenoid_file(args.specimen_file)) return show_solenoid_field(args);
+  if (is_solenoid_file(args.specimen_file)) {
+    refuse_shards(args, true);
+    return show_solenoid_field(args);
+  }
   const sim::Specimen specimen =
       args.specimen_file.empty() ? sim::Specimen{} : read_specimen(args.specimen_file);
   refuse_shards(args, specimen.drawn != nullptr);

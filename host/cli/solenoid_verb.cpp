@@ -10,6 +10,7 @@
 #include "host/cli/named_steel.h"
 #include "host/cli/percent.h"
 #include "host/cli/solenoid_output.h"
+#include "host/cli/table_files.h"
 #include "host/config/rig_file.h"
 #include "host/config/solenoid_file.h"
 #include "host/export/field_svg.h"
@@ -51,6 +52,8 @@ void refuse_plan_options(const SimArgs& a) {
   std::string wrong;
   if (!a.mechanics.empty()) wrong = "--mechanics = " + a.mechanics;
   if (a.nominal) wrong = "--nominal";
+  if (!a.shards.database.empty() || !a.shards.shard.empty() || a.shards.slurm > 0)
+    wrong = "--points-db, --shard and --slurm";
   if (a.database != plain.database) wrong = "--db = " + a.database;
   if (!wrong.empty())
     throw BadInput(
@@ -208,6 +211,7 @@ Exit show_solenoid_field(const FieldArgs& args) {
   fs::create_directories(folder, ignored);
   std::vector<fs::path> files;
   std::string table = "no table: a permanent magnet makes the energy uneven in the flux";
+  if (s.design.remanence != 0 && !args.tables.empty()) throw BadInput({"--out: " + table});
   if (s.design.remanence == 0) {
     sim::TableOptions t;
     t.accuracy = accuracy;
@@ -217,8 +221,10 @@ Exit show_solenoid_field(const FieldArgs& args) {
     table = fmt::format("{} ({}): {}", choice.file.string(), choice.reused ? "as stored" : "built",
                         choice.table.description);
     files.push_back(folder / "field-table.svg");
-    write_file(files.back(),
-               table_svg(sim::TablePotential(choice.table), s.name + ": " + choice.table.description));
+    const std::string title = s.name + ": " + choice.table.description;
+    write_file(files.back(), table_svg(sim::TablePotential(choice.table), title));
+    write_tables(args, sim::TablePotential(choice.table), s.travel(), title);
+    files.insert(files.end(), args.tables.begin(), args.tables.end());
   }
   sim::FieldOptions o;
   o.sizes = sim::sizes_for(mesh_share * accuracy);

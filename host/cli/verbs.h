@@ -90,8 +90,8 @@ struct SimArgs {
   std::string cache = "field";    ///< folder of field tables
   std::optional<double> volts, hertz, coil_degC, hold_ms, duration_ms;  ///< of a solenoid; none: the default
   std::string output;    ///< of a solenoid: CSV or SVG; "" = none
-  bool nominal = false;           ///< as the plan asks, whatever was measured
-  ShardArgs shards;               ///< of closings
+  bool nominal = false;  ///< as the plan asks, whatever was measured
+  ShardArgs shards;      ///< of closings
   bool json = false;
   std::string progress = "auto";
 };
