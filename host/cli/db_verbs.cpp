@@ -177,13 +177,14 @@ Exit push(const DbArgs& args) {
                               {"events", p.events},
                               {"annotations", p.annotations},
                               {"sweep_blocks", p.sweep_blocks},
+                              {"points", p.points},
                               {"bytes", p.bytes}}
                              .dump(2));
     else
-      fmt::print("{}: {}, {}, {}, {}, {} of sweeps added, {:.1f} MB\n", args.address,
+      fmt::print("{}: {}, {}, {}, {}, {} of sweeps, {} added, {:.1f} MB\n", args.address,
                  counted(p.campaigns, "campaign"), counted(p.shots, "shot"), counted(p.events, "extraction"),
                  counted(p.annotations, "annotation"), counted(p.sweep_blocks, "block"),
-                 static_cast<double>(p.bytes) / 1e6);
+                 counted(p.points, "point"), static_cast<double>(p.bytes) / 1e6);
   });
 }
 
@@ -234,11 +235,13 @@ Exit pull(const DbArgs& args) {
       fmt::print("{}\n", Json{{"campaigns", m.campaigns},
                               {"shots", m.shots},
                               {"events", m.events},
-                              {"sweep_blocks", m.sweep_blocks}}
+                              {"sweep_blocks", m.sweep_blocks},
+                              {"points", m.points}}
                              .dump(2));
     else
-      fmt::print("{}: {}, {}, {}, {} of sweeps added\n", args.database, counted(m.campaigns, "campaign"),
-                 counted(m.shots, "shot"), counted(m.events, "extraction"), counted(m.sweep_blocks, "block"));
+      fmt::print("{}: {}, {}, {}, {} of sweeps, {} added\n", args.database, counted(m.campaigns, "campaign"),
+                 counted(m.shots, "shot"), counted(m.events, "extraction"), counted(m.sweep_blocks, "block"),
+                 counted(m.points, "point"));
   });
 }
 

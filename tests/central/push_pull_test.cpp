@@ -1,3 +1,4 @@
+#include "host/store/points.h"
 #include "tests/central/server.h"
 #include "tests/host/bare_records.h"
 #include "tests/host/overlapping_stores.h"
@@ -85,6 +86,36 @@ TEST_CASE("stores pushed in any order and repetition are one content, and pulled
   CHECK(one.campaigns == 1);
   CHECK(one.sweeps == 0);
   CHECK(one.damage.empty());
+}
+
+TEST_CASE("points of studies are pushed and pulled once, and another content is refused",
+          "[central][.slow]") {
+  const host::Folder folder;
+  const std::string ours = folder.file("ours.db"), other = folder.file("other.db");
+  {
+    Points points(ours, "ladder"), others(other, "ladder");
+    for (int i = 0; i < 600; ++i) {  // more than a transaction takes
+      const std::string basis = "case " + std::to_string(i);
+      points.get(i, basis, [&] { return "content " + std::to_string(i); });
+      if (i % 3 == 0) others.get(i, basis, [&] { return "content " + std::to_string(i); });
+    }
+    others.get(700, "another case", [] { return std::string("\0\xff more", 7); });
+  }
+  const std::string base = Server::get().base("points");
+  CHECK(push_store(other, base).points == 201);
+  CHECK(push_store(ours, base).points == 400);
+  CHECK(push_store(ours, base).points == 0);
+  const std::string pulled_file = folder.file("pulled.db"), merged = folder.file("merged.db");
+  CHECK(pull_store(base, pulled_file).points == 601);
+  merge_stores(merged, {ours, other});
+  CHECK(content(pulled_file) == content(merged));
+  CHECK(check_store(pulled_file).points == 601);
+
+  const std::string wrong = folder.file("wrong.db");
+  Points(wrong, "ladder").get(5, "case 5", [] { return std::string("something else"); });
+  CHECK_THROWS_WITH(push_store(wrong, base),
+                    Contains("of ladder is not the same") && Contains("nothing was pushed"));
+  CHECK(pull_store(base, folder.file("again.db")).points == 601);
 }
 
 TEST_CASE("a database answers in SQL what its stores would", "[central][.slow]") {

@@ -20,8 +20,9 @@ class ServerError : public std::runtime_error {
 };
 
 struct Pushed {
-  std::int64_t campaigns = 0, shots = 0, events = 0, annotations = 0, sweep_blocks = 0;  ///< added
-  std::int64_t bytes = 0;  ///< of samples and of numbers of sweeps, as stored
+  std::int64_t campaigns = 0, shots = 0, events = 0, annotations = 0, sweep_blocks = 0,
+               points = 0;  ///< added
+  std::int64_t bytes = 0;   ///< of samples, of numbers of sweeps and of points, as stored
 };
 /// Adds what the store at `path` holds to the database, whose schema `powbench` is made where it is missing. What is there already, by its
 /// content hash, is not sent again. Nothing is pushed where the two differ in what is there once (as merge_stores). In transactions of a few
@@ -32,7 +33,7 @@ Pushed push_store(const std::string& path, const std::string& address, const Ste
 /// Whether a campaign of the database is wanted, by its row and its annotations.
 using Choice = std::function<bool(const CampaignInfo&, const std::vector<Annotation>&)>;
 
-/// Writes the chosen campaigns (without a choice all of them, and the sweeps) to the store at `path`: as a new file that is whole or
+/// Writes the chosen campaigns (without a choice all of them, the sweeps and the points) to the store at `path`: as a new file that is whole or
 /// not there, or merged into one that exists. Each row is compared with its hash, and the samples with theirs. Throws as push_store;
 /// StoreError also for a row of the database that does not match, WrongStore where no campaign is chosen: "no such campaign" and `others()`.
 Merged pull_store(const std::string& address, const std::string& path, const Choice& = {},

@@ -3,6 +3,7 @@
 
 #include "host/store/central/central.h"
 #include "host/store/central/columns.h"
+#include "host/store/central/points.h"
 #include "host/store/central/postgres.h"
 #include "host/store/central/sweeps.h"
 #include "host/store/content.h"
@@ -48,6 +49,7 @@ class Puller {
     }
     for (const Found& f : chosen) pull(f);
     if (!choice) made_.sweep_blocks = pull_sweeps(from_, to_);
+    if (!choice) made_.points = pull_points(from_, to_);
     return made_;
   }
 

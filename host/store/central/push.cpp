@@ -6,6 +6,7 @@
 
 #include "host/store/central/central.h"
 #include "host/store/central/columns.h"
+#include "host/store/central/points.h"
 #include "host/store/central/postgres.h"
 #include "host/store/central/sweeps.h"
 #include "host/store/content.h"
@@ -66,13 +67,19 @@ class Pusher {
     // everybody in one order, though a transaction has one lock only
     std::sort(parts.begin(), parts.end(), [](const Part& a, const Part& b) { return a.hash < b.hash; });
     SweepPusher sweeps(from_, to_);
-    all_ = sweeps.compare();
+    PointPusher points(from_, to_);
+    all_ = sweeps.compare() + points.compare();
     for (const Part& p : parts) all_ += static_cast<std::int64_t>(p.shots.size());
     if (all_ > 0) refuse_hidden();
     began_ = true;
     for (const Part& p : parts) push(p);
     sweeps.push([&](std::int64_t bytes) {
       ++made_.sweep_blocks;
+      made_.bytes += bytes;
+      count(1);
+    });
+    points.push([&](std::int64_t bytes) {
+      ++made_.points;
       made_.bytes += bytes;
       count(1);
     });

@@ -128,6 +128,14 @@ CREATE TABLE sweep_block (
   PRIMARY KEY (sweep_id, first)
 );
 
+-- Points of studies, each a pure function of a text that its id is the hash of.
+CREATE TABLE point (
+  id      text PRIMARY KEY,
+  study   text  NOT NULL,                       -- field, fit, ladder, sim
+  hash    text  NOT NULL,
+  content bytea NOT NULL
+);
+
 -- For people with a question in SQL. The customer and the device are those of the annotations, else those of the plan.
 CREATE VIEW campaigns AS
   SELECT c.id, c.name, c.created::timestamptz AS created, c.finished, c.origin,
