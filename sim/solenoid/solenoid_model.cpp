@@ -56,7 +56,10 @@ SolenoidModel::SolenoidModel(const SolenoidSpecimen& specimen, const MagneticPot
 MagneticResponse SolenoidModel::field(const double* s) const {
   const auto r = potential_->at({s[psi], 0, specimen_.travel() - s[x]});
   ++states_;
-  beyond_ += r.beyond ? 1 : 0;
+  // an open stop gives by micrometres: that is not meant
+  constexpr double compliance = 0.1e-3;  // m
+  const bool at_open_stop = s[x] < 0 && s[x] > -compliance;
+  beyond_ += r.beyond && !at_open_stop ? 1 : 0;
   return r;
 }
 

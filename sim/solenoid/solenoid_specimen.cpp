@@ -13,6 +13,8 @@ void require_valid(const SolenoidSpecimen& s) {
     std::snprintf(text, sizeof text, "%s = %.6g, allowed %s", key, value, range.c_str());
     throw std::invalid_argument(text);
   };
+  need(s.design.remanence == 0 || s.design.shape.magnet_length > 0, "magnet.remanence_T", s.design.remanence,
+       "0 without magnet_length_mm");
   const auto& p = s.plunger;
   need(p.mass > 0, "plunger.mass_g", p.mass * 1e3, "above 0");
   need(p.return_preload + p.load >= 0, "plunger.load_N", p.load,

@@ -171,7 +171,6 @@ inline const std::vector<std::string_view>& unreached_functions() {
                                                    "rate_of",
                                                    "reference_closing",
                                                    "restore",
-                                                   "run_transient",
                                                    "run_until",
                                                    "rungs_with",
                                                    "scheduled",
@@ -182,7 +181,6 @@ inline const std::vector<std::string_view>& unreached_functions() {
                                                    "store_events",
                                                    "switched",
                                                    "twin_condition",
-                                                   "with_ratio",
                                                    "without_losses",
                                                    "zero_phase_frames"};
   return table;

@@ -13,8 +13,8 @@ using Catch::Matchers::Contains;
 
 namespace {
 
-std::string errors_of(const std::string& text) {
-  const test::Folder folder;
+std::string mistakes_of(const std::string& text) {
+  const powbench::test::Folder folder;
   try {
     static_cast<void>(read_solenoid(folder.write("a.specimen.toml", text)));
   } catch (const BadInput& error) {
@@ -26,7 +26,7 @@ std::string errors_of(const std::string& text) {
 }  // namespace
 
 TEST_CASE("the template of a solenoid and its scene can be read") {
-  const test::Folder folder;
+  const powbench::test::Folder folder;
   const auto file = folder.write("t.specimen.toml", solenoid_template());
   REQUIRE(is_solenoid_file(file));
   CHECK(read_solenoid(file).design.turns == 1000);
@@ -39,21 +39,21 @@ TEST_CASE("the template of a solenoid and its scene can be read") {
 
 TEST_CASE("mistakes in a solenoid's file name file, line, key, value and range") {
   const std::string head = "kind = \"solenoid\"\n";
-  CHECK_THAT(errors_of(head + "[coil]\nturns = 0\n"),
-             Contains("a.specimen.toml:3") && Contains("coil.turns = 0"));
-  CHECK_THAT(errors_of(head + "[shape]\nface = \"konical\"\n"), Contains("did you mean 'conical'"));
-  CHECK_THAT(
-      errors_of(head + "[shape]\nbore_radius_mm = 8.0\n"),
-      Contains(":3") && Contains("shape.bore_radius_mm = 8") && Contains("0.05 above the radius inside it"));
-  CHECK_THAT(errors_of(head + "[magnet]\ntravel_mm = 30\n"),
-             Contains(":3") && Contains("magnet.travel_mm = 30"));
-  CHECK_THAT(errors_of(head + "[magnet]\nremanence_T = 0.4\n"),
+  CHECK_THAT(mistakes_of(head + "[coil]\nturns = 0\n"),
+             Contains("a.specimen.toml:3") && Contains("[coil] turns = 0"));
+  CHECK_THAT(mistakes_of(head + "[shape]\nface = \"konical\"\n"), Contains("did you mean 'conical'"));
+  CHECK_THAT(mistakes_of(head + "[shape]\nbore_radius_mm = 8.0\n"),
+             Contains(":3") && Contains("[shape] bore_radius_mm = 8") &&
+                 Contains("0.05 above the radius inside it"));
+  CHECK_THAT(mistakes_of(head + "[magnet]\ntravel_mm = 30\n"),
+             Contains(":3") && Contains("[magnet] travel_mm = 30"));
+  CHECK_THAT(mistakes_of(head + "[magnet]\nremanence_T = 0.4\n"),
              Contains(":3") && Contains("remanence_T = 0.4"));
-  CHECK_THAT(errors_of(head + "[magnet]\nsteel = \"none.csv\"\n"), Contains("none.csv"));
-  CHECK_THAT(errors_of(head + "[coil]\nhold_turns = 100\n"),
+  CHECK_THAT(mistakes_of(head + "[magnet]\nsteel = \"none.csv\"\n"), Contains("none.csv"));
+  CHECK_THAT(mistakes_of(head + "[coil]\nhold_turns = 100\n"),
              Contains("hold_from_mm") && Contains("travel_mm"));
-  CHECK_THAT(errors_of(head + "[bridges]\ngap_mm = 2\n"), Contains("bridges"));
-  CHECK_THAT(errors_of("kind = \"solenoyd\"\n"), Contains("did you mean 'solenoid'"));
+  CHECK_THAT(mistakes_of(head + "[bridges]\ngap_mm = 2\n"), Contains("bridges"));
+  CHECK_THAT(mistakes_of("kind = \"solenoyd\"\n"), Contains("did you mean 'solenoid'"));
 }
 
 TEST_CASE("what takes contactors refuses a solenoid with one sentence") {
