@@ -14,16 +14,46 @@ enum : int { fixed_iron = 1, plunger, coil, air, rim = 10 };
 /// Lengths in mm.
 struct Drawing {
   double rp, bore, stop, top, bottom, flange_top, ci, co, clear, in, out, gap, end, reach;
+  sim::PlungerFace face;
+  double depth, tip, pin, hole;  ///< of the face, see SolenoidShape
 };
 
 Drawing drawing(const sim::SolenoidDesign& d, double gap) {
   const auto& s = d.shape;
   constexpr double mm = 1e3;
   const double top = (s.window - s.stop_length) * mm;
-  return {s.plunger_radius * mm,           s.bore_radius * mm,       -s.stop_length * mm, top,
-          -(s.stop_length + s.plate) * mm, top + s.flange * mm,      s.coil_inner * mm,   s.coil_outer * mm,
-          s.coil_clearance * mm,           s.case_inner * mm,        s.case_outer * mm,   gap * mm,
-          (gap + s.plunger_length) * mm,   4 * s.plunger_length * mm};
+  return {s.plunger_radius * mm,
+          s.bore_radius * mm,
+          -s.stop_length * mm,
+          top,
+          -(s.stop_length + s.plate) * mm,
+          top + s.flange * mm,
+          s.coil_inner * mm,
+          s.coil_outer * mm,
+          s.coil_clearance * mm,
+          s.case_inner * mm,
+          s.case_outer * mm,
+          gap * mm,
+          (gap + s.plunger_length) * mm,
+          4 * s.plunger_length * mm,
+          s.face,
+          s.face_depth() * mm,
+          s.tip_radius * mm,
+          s.step_radius * mm,
+          (s.step_radius + s.step_clearance) * mm};
+}
+
+/// The face from the rim to the axis, at height `at` of the rim; `inner`: the radius of a step.
+std::vector<Corner> face(const Drawing& d, double at, double inner, double pole) {
+  std::vector<Corner> corners{{d.rp, at, pole}};
+  if (d.face == sim::PlungerFace::stepped) {
+    corners.push_back({inner, at, pole});
+    corners.push_back({inner, at - d.depth, pole});
+  } else if (d.face == sim::PlungerFace::conical && d.tip > 0) {
+    corners.push_back({d.tip, at - d.depth, pole});
+  }
+  corners.push_back({0, at - d.depth, 4 * pole});
+  return corners;
 }
 
 std::string geometry(const Drawing& d, double size) {
@@ -32,19 +62,15 @@ std::string geometry(const Drawing& d, double size) {
   const double pole = 0.12 * size, inner = 0.8 * size, outer = 1.5 * size, box = 12 * size;
   int point = 1, curve = 1;
   out << "SetFactory(\"OpenCASCADE\");\n";
-  polygon(out, point, curve, 1,
-          {{0, d.bottom, outer},
-           {d.out, d.bottom, outer},
-           {d.out, d.flange_top, outer},
-           {d.bore, d.flange_top, pole},
-           {d.bore, d.top, pole},
-           {d.in, d.top, inner},
-           {d.in, d.stop, inner},
-           {d.rp, d.stop, inner},
-           {d.rp, 0, pole},
-           {0, 0, 4 * pole}});
-  polygon(out, point, curve, 2,
-          {{0, d.gap, 4 * pole}, {d.rp, d.gap, pole}, {d.rp, d.end, inner}, {0, d.end, inner}});
+  std::vector<Corner> fixed{{0, d.bottom, outer},         {d.out, d.bottom, outer},
+                            {d.out, d.flange_top, outer}, {d.bore, d.flange_top, pole},
+                            {d.bore, d.top, pole},        {d.in, d.top, inner},
+                            {d.in, d.stop, inner},        {d.rp, d.stop, inner}};
+  for (const Corner& c : face(d, 0, d.hole, pole)) fixed.push_back(c);
+  polygon(out, point, curve, 1, fixed);
+  std::vector<Corner> plunger{{0, d.end, inner}, {d.rp, d.end, inner}};
+  for (const Corner& c : face(d, d.gap, d.pin, pole)) plunger.push_back(c);
+  polygon(out, point, curve, 2, plunger);
   polygon(out, point, curve, 3,
           {{d.ci, d.stop + d.clear, inner},
            {d.co, d.stop + d.clear, inner},
@@ -96,10 +122,15 @@ std::string script(const Drawing& d, double ampere_turns, double turns) {
          "}\n"
          "real linkage = 1e-6 * 2 * pi * "
       << turns << " / section * int2d(Grid, 3)(u);\n"
-      << "Linear w = min(1., max(0., (" << d.bore << " - x) / " << d.bore - d.rp
-      << ")) * min(1., max(0., y / " << d.gap << ")) * min(1., max(0., 1 - (y - " << d.end
-      << ") / 10.));\n"
-         "func br = -dy(u) / x; func bz = dx(u) / x;\n"
+      << "Linear w = 0, v;\n";
+  if (d.face == sim::PlungerFace::flat)
+    out << "w = min(1., max(0., (" << d.bore << " - x) / " << d.bore - d.rp << ")) * min(1., max(0., y / "
+        << d.gap << ")) * min(1., max(0., 1 - (y - " << d.end << ") / 10.));\n";
+  else  // any weight that is 1 on the plunger and 0 on what stands still: a harmonic one
+    out << "solve Weight(w, v) = int2d(Grid)(dx(w) * dx(v) + dy(w) * dy(v))\n"
+           "  + int2d(Grid)(1e9 * ((group == 1) + (group == 2) + (group == 3)) * w * v)\n"
+           "  - int2d(Grid)(1e9 * (group == 2) * v);\n";
+  out << "func br = -dy(u) / x; func bz = dx(u) / x;\n"
          "real pull = 1e-6 * 2 * pi * invmu * int2d(Grid, 4, qft = qf5pT)(x * (0.5 * (bz^2 - br^2) * dy(w)\n"
          "  + br * bz * dx(w)));\n"
          "ofstream file(\"solenoid.txt\"); file.precision(12);\n"
