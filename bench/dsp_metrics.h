@@ -23,8 +23,8 @@ struct Score {
   double cpu_ms = 0;         ///< per record; filled by the caller
 };
 
-/// Cramer-Rao bound on the touch of a bounce, s: touch, release, peak and exponent unknown, white noise of `noise` N a sample, no
-/// ringing. NaN for a contact that stays closed.
+/// Cramer-Rao bound on the touch of a bounce, s: touch, release, peak and exponent unknown, white noise of `noise` N
+/// a sample, no ringing. NaN for a contact that stays closed.
 double touch_bound(const TrueContact&, PulseForm, double noise, double rate);
 
 class Scorer {

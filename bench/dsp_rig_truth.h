@@ -6,8 +6,8 @@
 #include "bench/dsp_synth.h"
 #include "core/record.h"
 
-/// Records of the simulated rig, where the ringing comes from the mechanics and not from a formula, with the simulator's
-/// own truth about every break.
+/// Records of the simulated rig, where the ringing comes from the mechanics and not from a formula, with the
+/// simulator's own truth about every break.
 
 namespace powbench::bench {
 
@@ -20,8 +20,8 @@ struct RigTruth {
   double closing_angle = 0;                 ///< rad
 };
 
-/// The reference contactor closed at `closing_angle`, all eight channels at `rate`, 40 ms before and 60 ms after switch-on,
-/// with the noise and hum of the rig's sensors. `mains_hertz` changes the supply.
+/// The reference contactor closed at `closing_angle`, all eight channels at `rate`, 40 ms before and 60 ms after
+/// switch-on, with the noise and hum of the rig's sensors. `mains_hertz` changes the supply.
 RigTruth rig_record(double rate, double closing_angle, double mains_hertz, std::uint64_t seed);
 
 }  // namespace powbench::bench

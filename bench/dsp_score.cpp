@@ -15,9 +15,10 @@
 #include "core/phase.h"
 #include "dsp/extract.h"
 
-/// Speed against error of the contact extraction. Prints one table; `--json PATH` writes it too, and the picture beside it.
-/// Usage: bench_dsp_score [--seeds N] [--held-out N] [--angles N] [--rate HZ] [--json PATH] [--case SUBSTRING] [--method SUBSTRING]
-/// [--all]
+/// Speed against error of the contact extraction. Prints one table; `--json PATH` writes it too, and the picture
+/// beside it.
+/// Usage: bench_dsp_score [--seeds N] [--held-out N] [--angles N] [--rate HZ] [--json PATH] [--case SUBSTRING]
+/// [--method SUBSTRING] [--all]
 
 namespace {
 
@@ -98,7 +99,8 @@ std::vector<Cell> grid(const Arguments& a) {
   return cells;
 }
 
-/// Records that nobody looked at while the extraction was made: their seeds begin here. To be moved on whenever it changes.
+/// Records that nobody looked at while the extraction was made: their seeds begin here. To be moved on whenever it
+/// changes.
 constexpr std::uint64_t unseen_seeds = 1100000;
 
 struct Sample {

@@ -22,8 +22,8 @@
 #include "host/serve/frame.h"
 #include "host/serve/http.h"
 
-/// The live bench over loopback: from the click to the picture's data, the stop while a plan runs and while reports are made, size of
-/// the page, memory after many shots.
+/// The live bench over loopback: from the click to the picture's data, the stop while a plan runs and while reports
+/// are made, size of the page, memory after many shots.
 /// Usage: bench_live_bench [--shots N] [--json PATH]
 
 namespace {
@@ -102,8 +102,8 @@ double cpu_seconds() {
 struct Streamed {
   double per_second = 0, core_percent = 0;
 };
-/// Records of 6 channels x 20 000 points, packed and sent as fast as the server lets them go for `seconds`, to a client in another
-/// process, so that the processor time is the server's alone.
+/// Records of 6 channels x 20 000 points, packed and sent as fast as the server lets them go for `seconds`, to a
+/// client in another process, so that the processor time is the server's alone.
 Streamed stream_records(double seconds) {
   Record record;
   record.sample_rate = 100e3;

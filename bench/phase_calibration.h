@@ -13,8 +13,8 @@ namespace powbench::bench {
 
 inline constexpr double stated_tolerance = 1.0;  ///< deg at the instant of the edge
 inline constexpr double after_break = 0.15;      ///< s after a break within which nobody is compared
-/// s after a break or the onset of a movement within which no estimate can know of it. A fault is to be noticed in 1 .. 6
-/// ms; a window of two cycles hears of a movement at its middle, and not at once.
+/// s after a break or the onset of a movement within which no estimate can know of it. A fault is to be noticed in 1
+/// .. 6 ms; a window of two cycles hears of a movement at its middle, and not at once.
 inline constexpr double unknowable_break = 0.006, unknowable_onset = 0.060;
 
 /// Errors in degrees at one horizon.

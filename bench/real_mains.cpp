@@ -20,9 +20,10 @@
 /// WAV (16 bit, first channel), COMTRADE (first voltage) and lines of single cycles (CSV), in a folder.
 /// Usage: bench_real_mains FOLDER
 ///
-/// Each recording is brought to 100 kS/s by band-limited interpolation (a Kaiser-windowed sinc over 64 of its samples; images
-/// below -80 dB), scaled to the nominal amplitude and rounded to 12 bits. The reference is the phase of a centred Blackman window over four
-/// cycles of the recording itself; how far that over eight cycles differs is the reference's own ambiguity.
+/// Each recording is brought to 100 kS/s by band-limited interpolation (a Kaiser-windowed sinc over 64 of its
+/// samples; images below -80 dB), scaled to the nominal amplitude and rounded to 12 bits. The reference is the phase
+/// of a centred Blackman window over four cycles of the recording itself; how far that over eight cycles differs is
+/// the reference's own ambiguity.
 
 namespace {
 

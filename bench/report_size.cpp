@@ -13,8 +13,8 @@
 #include "host/run/campaign.h"
 #include "rigs/simulated_record.h"
 
-/// What a report costs: CPU time to read the store and to write the page, size of the page. Small campaigns with whole records,
-/// long ones with short records (only the drawn shots' records are read).
+/// What a report costs: CPU time to read the store and to write the page, size of the page. Small campaigns with
+/// whole records, long ones with short records (only the drawn shots' records are read).
 /// Usage: bench_report_size [--json PATH]
 
 namespace {

@@ -99,8 +99,8 @@ double thread_cpu_ms() {
   return 1e3 * static_cast<double>(t.tv_sec) + 1e-6 * static_cast<double>(t.tv_nsec);
 }
 
-/// CPU time of the dearest 100 us block of the six closings, ms: what a bench in the loop must afford. Each block counts
-/// with its cheapest repeat, so that a disturbance of the machine is not taken for cost.
+/// CPU time of the dearest 100 us block of the six closings, ms: what a bench in the loop must afford. Each block
+/// counts with its cheapest repeat, so that a disturbance of the machine is not taken for cost.
 double worst_block(int repeats) {
   constexpr std::size_t blocks = 600;
   double worst = 0;

@@ -109,7 +109,8 @@ double outside(double v, double low, double high) {
 }
 
 /// Sum of squares: first touch and seat over 2 %, bounce over 10 % (robust), published range with 0.3 ms of
-/// margin, quiet core, overtravel 30 .. 80 % of the gap, no chatter between the published angles, pick-up between 0.7 and 0.85 of rated voltage.
+/// margin, quiet core, overtravel 30 .. 80 % of the gap, no chatter between the published angles, pick-up between 0.7
+/// and 0.85 of rated voltage.
 double objective(const Point& p, double best) {
   const Specimen s = specimen_at(p);
   if (!powbench::sim::validate(s).empty()) return 1e9;

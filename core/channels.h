@@ -7,8 +7,8 @@
 
 /// The record's channels, once. Enumeration, wire names, units, storage and reports derive from this table.
 /// Columns: name | IIO channel id | SI unit on the host | factor from the IIO unit (kPa, m, mA, mV) to SI | meaning
-/// For the two force channels the factor gives pascal; force is pressure times the film area (attribute `film_area`, m2).
-/// The order is the scan order on the wire. Shared with firmware: no heap, no exceptions.
+/// For the two force channels the factor gives pascal; force is pressure times the film area (attribute `film_area`,
+/// m2). The order is the scan order on the wire. Shared with firmware: no heap, no exceptions.
 #define POWBENCH_CHANNELS(X)                                                                                \
   X(pvdf_a, "pressure0", "N", 1e3, "contact force, fixed contact A (PVDF film, charge amplifier)")          \
   X(pvdf_b, "pressure1", "N", 1e3, "contact force, fixed contact B (PVDF film, charge amplifier)")          \

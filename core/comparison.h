@@ -19,7 +19,8 @@ struct ComparisonRow {
   int repeats = 0;             ///< number of measured values behind the mean
   Measured measured;     ///< mean over repeats; u combines scatter (type A) and event uncertainty (type B)
   double scatter = 0.0;  ///< standard deviation over repeats; NaN for fewer than two
-  /// what is left of it when each closing is held against the simulation at its own angle, voltage and frequency; NaN: not known
+  /// what is left of it when each closing is held against the simulation at its own angle, voltage and frequency;
+  /// NaN: not known
   double unexplained = std::numeric_limits<double>::quiet_NaN();
   double dof = std::numeric_limits<double>::infinity();  ///< effective degrees of freedom of measured.u
   double coverage =

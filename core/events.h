@@ -47,7 +47,8 @@ struct Contact {
   Measured peak;     ///< N; NaN on the contact-voltage channel
   Measured impulse;  ///< N s over the interval; NaN for the last, open-ended contact
   std::uint32_t flags = flag_none;
-  /// That it is a contact of its own: the opening before it is one, and what shows is no vibration. 1 where nothing speaks against it.
+  /// That it is a contact of its own: the opening before it is one, and what shows is no vibration. 1 where nothing
+  /// speaks against it.
   double probability = 1.0;
 };
 

@@ -4,8 +4,8 @@
 
 namespace powbench {
 
-/// Inverse of the standard normal distribution for 0 < p < 1, relative error below 1.2e-9. Source: P. J. Acklam's rational
-/// approximation.
+/// Inverse of the standard normal distribution for 0 < p < 1, relative error below 1.2e-9. Source: P. J. Acklam's
+/// rational approximation.
 inline double normal_quantile(double p) {
   constexpr double a[] = {-3.969683028665376e+01, 2.209460984245205e+02,  -2.759285104469687e+02,
                           1.383577518672690e+02,  -3.066479806614716e+01, 2.506628277459239e+00};

@@ -4,9 +4,9 @@
 
 #include "core/units.h"
 
-/// Phase arithmetic. The closing angle is the phase of the coil voltage at switch-on: u(t) = sqrt(2) U sin(2 pi f t + theta),
-/// so 0 deg is the rising zero crossing. On the wire and in firmware an angle is an integer in hundredths of a degree.
-/// Shared with firmware: no heap, no exceptions, no library calls.
+/// Phase arithmetic. The closing angle is the phase of the coil voltage at switch-on: u(t) = sqrt(2) U sin(2 pi f t +
+/// theta), so 0 deg is the rising zero crossing. On the wire and in firmware an angle is an integer in hundredths of
+/// a degree. Shared with firmware: no heap, no exceptions, no library calls.
 
 namespace powbench {
 

@@ -60,8 +60,8 @@ double decibel(double share);
 double half_sine_energy_below(double hertz, double width);
 
 /// Share of the energy of a half-sine pulse of `width` seconds that a filter takes, dB <= 0, minus infinity for none:
-/// 10 lg of integral (1 - g(f)^2) E(f) df over integral E(f) df up to 8 / width; what lies above (3e-5 of the energy) counts as taken.
-/// `gain`: g at a frequency in Hz, amplitude.
+/// 10 lg of integral (1 - g(f)^2) E(f) df over integral E(f) df up to 8 / width; what lies above (3e-5 of the energy)
+/// counts as taken. `gain`: g at a frequency in Hz, amplitude.
 double half_sine_taken_db(const std::function<double(double)>& gain, double width);
 
 }  // namespace powbench::dsp

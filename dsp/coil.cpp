@@ -78,8 +78,8 @@ Measured switch_on_time(const Record& record, const Signal& mains) {
     const double u = std::hypot(coil.dt * noise / std::abs(k->expected), 0.02 * coil.dt);
     return {at + (0.5 - share) * coil.dt, u};
   }
-  // Whole: the switch closed somewhere between two samples, and not before the gate edge at time 0. A solid-state switch
-  // conducts from the edge on; that is the answer whenever the samples allow it.
+  // Whole: the switch closed somewhere between two samples, and not before the gate edge at time 0. A solid-state
+  // switch conducts from the edge on; that is the answer whenever the samples allow it.
   const double from = at - coil.dt;
   const bool edge = from <= 0 && at >= 0;
   const double low = edge ? 0.0 : from;

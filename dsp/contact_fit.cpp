@@ -53,7 +53,8 @@ Samples good_samples(const Signal& s, double t1, double t2) {
   return out;
 }
 
-/// Means of `per_row` neighbours, so that about `rows` are left; a row that a clipped or lost sample would part is left out.
+/// Means of `per_row` neighbours, so that about `rows` are left; a row that a clipped or lost sample would part is
+/// left out.
 Samples thinned(const Samples& s, std::size_t rows, double dt, std::size_t& per_row) {
   per_row = std::max<std::size_t>(1, s.t.size() / rows);
   if (per_row == 1) return s;

@@ -20,14 +20,15 @@ struct PulseShape {
   double operator()(double t) const;
 };
 
-/// d F / d parameter at t, 0 outside. Next to the ends, where an exponent below 1 has no finite slope, the slope is held.
+/// d F / d parameter at t, 0 outside. Next to the ends, where an exponent below 1 has no finite slope, the slope is
+/// held.
 struct PulseGradient {
   double touch = 0, release = 0, peak = 0, exponent = 0, log_skew = 0;
 };
 PulseGradient pulse_gradient(const PulseShape&, double t);
 
-/// Weak knowledge of the exponent (half sine to Hertz), so that a pulse of ten samples stays determined: mean and standard
-/// deviation.
+/// Weak knowledge of the exponent (half sine to Hertz), so that a pulse of ten samples stays determined: mean and
+/// standard deviation.
 inline constexpr double exponent_prior = 1.25, exponent_prior_sigma = 0.5;
 
 /// What surrounds a contact: its fit must not look beyond.
@@ -56,8 +57,8 @@ struct ContactFit {
 /// describes the contact, touch and release are fitted one by one (`fit_edge`).
 ContactFit fit_contact(const FitInput&, const Interval&, const Neighbours&);
 
-/// Contact from a pulse that some other fit found, with the impulse, the flags of its samples and the part of the uncertainty that
-/// sampling adds; `grow`: factor on the fit's own uncertainties.
+/// Contact from a pulse that some other fit found, with the impulse, the flags of its samples and the part of the
+/// uncertainty that sampling adds; `grow`: factor on the fit's own uncertainties.
 Contact contact_from(const PulseShape&, const Measured& touch, const Measured& release, const Measured& peak,
                      const Signal& force, double noise, double grow);
 

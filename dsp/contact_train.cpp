@@ -64,9 +64,10 @@ std::pair<double, double> range_of(const Signal& s, double from, double to) {
   return {*low, *high};
 }
 
-/// Vibration swings to both sides, a contact only presses. So a stripped ring has taken a contact where an interval of the force as it came
-/// (`unaided`) hardly swings below zero within its own length on either side and is none of the contacts that are `left`, or an opening
-/// where the force as it came rests at zero between two of them and what is left stays closed.
+/// Vibration swings to both sides, a contact only presses. So a stripped ring has taken a contact where an interval
+/// of the force as it came (`unaided`) hardly swings below zero within its own length on either side and is none of
+/// the contacts that are `left`, or an opening where the force as it came rests at zero between two of them and what
+/// is left stays closed.
 bool takes_a_contact(const Signal& force, const std::vector<Interval>& unaided,
                      const std::vector<Interval>& left) {
   constexpr double swing = 0.3, rest = 0.15;  // of the peak
@@ -144,8 +145,9 @@ void use_joint_fit(Round& r, const JointModel& m, const Force& f, const Signal& 
   r.fits.push_back(std::move(last));
 }
 
-/// A shape that does not fit says nothing beyond the film: where its peak stands above all that the film shows while the contact
-/// is closed, the film's largest value is the peak, and as uncertain as the two are apart. A clipped film shows too little.
+/// A shape that does not fit says nothing beyond the film: where its peak stands above all that the film shows while
+/// the contact is closed, the film's largest value is the peak, and as uncertain as the two are apart. A clipped film
+/// shows too little.
 void hold_peak(Contact& c, const Signal& film) {
   constexpr double first_rise = 300e-6;  // s, of a contact that stays closed
   if (!(c.flags & flag_poor_fit) || (c.flags & flag_clipped) || !c.peak.known()) return;
@@ -186,8 +188,8 @@ std::vector<Grazing> fill_train(ContactTrain& train, const Round& r, const Force
   return grazing;
 }
 
-/// A last opening that may be none, or a dip that may be an opening behind the last touch: settled may be as far off as they are
-/// apart.
+/// A last opening that may be none, or a dip that may be an opening behind the last touch: settled may be as far off
+/// as they are apart.
 void admit_grazing(ContactTrain& t, const std::vector<Grazing>& dips) {
   if (!t.settled.known()) return;
   constexpr double same = 1e-9;  // s
@@ -198,8 +200,8 @@ void admit_grazing(ContactTrain& t, const std::vector<Grazing>& dips) {
   }
 }
 
-/// An opening whose zero has wandered up to the release level would not be seen: the levels rise above what wanders, and whether a dip
-/// between them is an opening is then for `look_at_dip` to say.
+/// An opening whose zero has wandered up to the release level would not be seen: the levels rise above what wanders,
+/// and whether a dip between them is an opening is then for `look_at_dip` to say.
 ExtractOptions above_wander(const Force& f, ExtractOptions o) {
   constexpr double sigmas = 6, most = 0.15, between = 1.5;
   if (!(f.wander > 0 && f.settled > 0)) return o;
@@ -251,8 +253,8 @@ ForceAnalysis analyse_force(const Force& f, double t_end, const Measured& core_s
   bool bare_enough = false;
   if (o.ring_modes > 0 && !round.intervals.empty() && swings_below_zero(f, round.intervals, t_end, o)) {
     best = separate_ring(f, round, core_seat, t_end, o);
-    // A ring has to earn its parameters: a settled force that bends a little is no vibration. Where the core was seen to land
-    // vibration is expected, and only its absence asks.
+    // A ring has to earn its parameters: a settled force that bends a little is no vibration. Where the core was seen
+    // to land vibration is expected, and only its absence asks.
     if (!core_seat.known() || !best.found) {
       bare = without_ring(f, round, t_end, o);
       bare_enough = convincing(bare) && !(best.found && best.model.cost() < bare.model.cost());

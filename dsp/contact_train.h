@@ -19,7 +19,8 @@ struct ForceAnalysis {
 };
 
 /// Alternates between contacts (given the ring) and ring (given the contacts). `core_seat`: s, when the laser
-/// or the reference saw it; the ring then starts within five standard uncertainties of it. `t_end`: s, end of the closing.
+/// or the reference saw it; the ring then starts within five standard uncertainties of it. `t_end`: s, end of the
+/// closing.
 ForceAnalysis analyse_force(const Force&, double t_end, const Measured& core_seat, const ExtractOptions&);
 
 /// Settled, bounce time and count from the contacts; openings up to `merge` are closed first (0 = none).

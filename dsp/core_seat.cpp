@@ -49,8 +49,8 @@ KinkModel kink_model(const Signal& s, double t_s, double duration, double from, 
   return {linear_least_squares(c, y), y.size()};
 }
 
-/// s: how long the laser shows one of its own samples, from the mean run of equal values in [t1, t2] while the core moves;
-/// 0 when it is no slower than the record.
+/// s: how long the laser shows one of its own samples, from the mean run of equal values in [t1, t2] while the core
+/// moves; 0 when it is no slower than the record.
 double held_for(const Signal& s, double t1, double t2) {
   const std::size_t i1 = s.index_at(t1), i2 = s.index_at(t2);
   std::size_t changes = 0;
@@ -61,7 +61,8 @@ double held_for(const Signal& s, double t1, double t2) {
 
 constexpr double kink_step = 0.2e-6;  ///< s
 
-/// Least residual over the start t_s and the duration of the velocity drop, window fixed so that the sums compare; to `finest`.
+/// Least residual over the start t_s and the duration of the velocity drop, window fixed so that the sums compare; to
+/// `finest`.
 Kink fit_kink(const Signal& s, double guess, double before, double after, double noise,
               double finest = kink_step) {
   Kink kink;
@@ -87,8 +88,8 @@ Kink fit_kink(const Signal& s, double guess, double before, double after, double
   if (!m.samples || !m.ls.converged) return kink;
   const double dof = std::max(static_cast<double>(m.samples) - 7.0, 1.0);
   const double sigma = std::max(std::sqrt(m.ls.chi2 / dof), noise);
-  // Half the curvature matrix of the residual over (t_s, duration) is the inverse covariance at unit noise. Where a slow laser
-  // holds its values the residual has corners; if they hide the curvature, it is taken across them.
+  // Half the curvature matrix of the residual over (t_s, duration) is the inverse covariance at unit noise. Where a
+  // slow laser holds its values the residual has corners; if they hide the curvature, it is taken across them.
   double variance = span * span;
   for (const double h : {std::max(2e-6, 0.5 * s.dt), std::max(10e-6, 0.5 * s.dt)}) {
     const double d = std::max(length, h), centre = cost(best, d);
@@ -119,11 +120,11 @@ struct Drops {
   double t0 = 0, dt = 0;            ///< s: the middle of the first bin, and a bin
 };
 
-/// Velocity at the end of the flight, m/s: slope at the seat of a polynomial through the travel before it alone, for what the core does
-/// behind is not that of any model here. The pull rises steeply as the gap closes: of fourth order, and what a fifth would change is part
-/// of u, as is the acceleration times u of the time. `held`, s: how long a slow laser shows a value, whose middle is what `s` has. Its delay
-/// may have been set from there or from where the value is new: the mean of both is taken, half their distance is u. What is held counts
-/// once.
+/// Velocity at the end of the flight, m/s: slope at the seat of a polynomial through the travel before it alone, for
+/// what the core does behind is not that of any model here. The pull rises steeply as the gap closes: of fourth
+/// order, and what a fifth would change is part of u, as is the acceleration times u of the time. `held`, s: how long
+/// a slow laser shows a value, whose middle is what `s` has. Its delay may have been set from there or from where the
+/// value is new: the mean of both is taken, half their distance is u. What is held counts once.
 Measured flight_velocity(const Signal& s, const Measured& seat, double held, double window, double noise) {
   constexpr std::size_t order = 4, fewest = 16;
   std::array<std::vector<double>, order + 2> c;
@@ -157,9 +158,10 @@ constexpr double drop_reach =
 constexpr double drop_bin = 10e-6;  ///< s
 constexpr double clear_of_noise = 8;  ///< of a drop, over its noise
 
-/// At every bin the coefficient of max(t - t_bin, 0) beside a polynomial of third degree, by least squares over +-drop_reach. The
-/// motion of the base bends the travel, but within that reach it is a cubic to a few per cent of a landing. `late`: s, where a slow
-/// laser's values are new at uncertain times: within the reach the core seems to gain that time and to lose it again.
+/// At every bin the coefficient of max(t - t_bin, 0) beside a polynomial of third degree, by least squares over
+/// +-drop_reach. The motion of the base bends the travel, but within that reach it is a cubic to a few per cent of a
+/// landing. `late`: s, where a slow laser's values are new at uncertain times: within the reach the core seems to
+/// gain that time and to lose it again.
 Drops velocity_drops(const Signal& s, double noise, double late) {
   Drops d;
   const auto per = static_cast<std::size_t>(std::max(1.0, std::round(drop_bin / s.dt)));
@@ -206,7 +208,8 @@ Drops velocity_drops(const Signal& s, double noise, double late) {
   return d;
 }
 
-/// Largest within half the reach on either side, and above `share` of what `least` and the noise ask for; in time order.
+/// Largest within half the reach on either side, and above `share` of what `least` and the noise ask for; in time
+/// order.
 std::vector<Drop> tops(const Drops& d, double t1, double t2, double least, double share = 1) {
   std::vector<Drop> out;
   const auto reach = static_cast<std::size_t>(0.5 * drop_reach / d.dt);
@@ -228,9 +231,9 @@ std::vector<Drop> tops(const Drops& d, double t1, double t2, double least, doubl
 
 constexpr double first_share = 0.5;  ///< of the largest drop: the first one above it is the seat
 
-/// Later landings. A blow of the contacts moves the static core off and the core after it, which takes velocity from the core's
-/// travel before and behind the blow, up to a fifth of what the impact took. Between `doubt_share` of what counts and what
-/// counts nobody can say which it was.
+/// Later landings. A blow of the contacts moves the static core off and the core after it, which takes velocity from
+/// the core's travel before and behind the blow, up to a fifth of what the impact took. Between `doubt_share` of what
+/// counts and what counts nobody can say which it was.
 constexpr double doubt_share = 0.6;
 constexpr double crowded = 100e-6;  ///< s: how far a blow beside it can move the time of a landing
 
@@ -277,8 +280,8 @@ Measured impact_time(const Record& record, const Measured& seat) {
   const auto above = [&](std::size_t k) { return k < i2 && std::abs(s.value[k] - zero) >= level; };
   while (i < i2 && !(above(i) && (above(i + 1) || above(i + 2)))) ++i;
   if (i == i1 || i == i2 || s.mask_within(s.time(i1), s.time(i)) != mask_none) return {};
-  // The converter's sample is a mean over its interval: the blow fell inside it. One that rises slowly was there earlier by
-  // about the time it takes for as much again.
+  // The converter's sample is a mean over its interval: the blow fell inside it. One that rises slowly was there
+  // earlier by about the time it takes for as much again.
   std::size_t twice = i;
   while (twice < i2 && std::abs(s.value[twice] - zero) < 2 * level) ++twice;
   return {s.time(i), std::hypot(s.dt / std::sqrt(12.0), s.time(twice) - s.time(i))};

@@ -12,8 +12,8 @@ namespace powbench::dsp {
 
 namespace {
 
-/// Standard deviation of x where `open`, between the first touch and the last: robust, or with `bursts` the plain one, in
-/// which a ring that dies quickly counts in full.
+/// Standard deviation of x where `open`, between the first touch and the last: robust, or with `bursts` the plain
+/// one, in which a ring that dies quickly counts in full.
 double open_sigma(std::span<const double> x, const std::vector<std::uint8_t>& open, const Signal& s,
                   const Detection& d, bool bursts = false) {
   if (d.intervals.empty()) return 0.0;
@@ -28,8 +28,8 @@ double open_sigma(std::span<const double> x, const std::vector<std::uint8_t>& op
   return std::sqrt(squares / static_cast<double>(left.size()));
 }
 
-/// 1 where the force averages to zero: open, whatever rings on top. Gaussian mean of 80 us, or with `both_means` of 200 us too
-/// (it also cancels slow modes), below `open_level`, 120 us clear of any other force.
+/// 1 where the force averages to zero: open, whatever rings on top. Gaussian mean of 80 us, or with `both_means` of
+/// 200 us too (it also cancels slow modes), below `open_level`, 120 us clear of any other force.
 std::vector<std::uint8_t> zero_on_average(const Signal& force, double open_level, bool both_means) {
   std::vector<std::uint8_t> open(force.size());
   const auto guard = static_cast<std::size_t>(120e-6 / force.dt);  // a contact's own foot is not open time

@@ -23,8 +23,8 @@ struct Round {
 };
 
 /// Contacts above white noise; where the open time rings at a frequency that a wider Gaussian removes and a narrow one
-/// does not, the wider one is taken (and the resolution reported with it). In the `final_round` the levels rise above whatever
-/// vibration is left, and `overlap` says so.
+/// does not, the wider one is taken (and the resolution reported with it). In the `final_round` the levels rise above
+/// whatever vibration is left, and `overlap` says so.
 Round detect_round(const Signal& force, double noise, double settled, double t_end, const ExtractOptions&,
                    bool final_round);
 

@@ -8,8 +8,9 @@ namespace powbench::dsp {
 ///
 /// Near the least indentation, with x the time from the middle over the half width,
 ///   F = F0 max(0, w)^q + z,   w = m + x'^2 (b (1 + e sign x') + c x' + d x'^2),   x' = x - x0,   q in {1, 1.25, 1.5}.
-/// m < 0: pad and bridge were apart. e: friction of the guide, which turns round where the bridge does (prior 0 +- 0.15); z: error
-/// of the zero, a normal prior of the noise and of `wander`, N. The likelihood is profiled along m for every q; uniform prior in m, equal weights of q.
+/// m < 0: pad and bridge were apart. e: friction of the guide, which turns round where the bridge does (prior 0 +-
+/// 0.15); z: error of the zero, a normal prior of the noise and of `wander`, N. The likelihood is profiled along m
+/// for every q; uniform prior in m, equal weights of q.
 struct Dip {
   bool known = false;   ///< one smooth indentation explains the force to its noise
   double opened = 0.5;  ///< probability that the contact opened
@@ -18,8 +19,8 @@ struct Dip {
   bool sure = false;  ///< what only touches zero is excluded beyond doubt
 };
 
-/// `release`, `touch`: s, first guesses of the edges. The span begins with two openings, at most `closed` s, on either side, and
-/// shrinks until the model follows it; of that and the two next ones the most doubtful counts.
+/// `release`, `touch`: s, first guesses of the edges. The span begins with two openings, at most `closed` s, on
+/// either side, and shrinks until the model follows it; of that and the two next ones the most doubtful counts.
 Dip look_at_dip(const Signal& force, double release, double touch, double closed, double noise,
                 double wander = 0);
 

@@ -135,8 +135,8 @@ Evidence evidence_of(const Sums& s, const Totals& all, double scale, double zero
   return e;
 }
 
-/// Sums over the rows behind an edge that the laws share: powers of tau in steps of a half up to 8, and of a quarter up to 4, the latter
-/// also times the data. Four rows at a time.
+/// Sums over the rows behind an edge that the laws share: powers of tau in steps of a half up to 8, and of a quarter
+/// up to 4, the latter also times the data. Four rows at a time.
 struct SharedSums {
   static constexpr std::size_t lanes = 4;
   using Lane = std::array<double, lanes>;

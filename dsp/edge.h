@@ -7,10 +7,10 @@
 ///
 /// Near the edge, with tau = (t - t0) / span on its closed side and 0 on its open side,
 ///   F(t) = tau^q (a0 + a1 tau + a2 tau^2) + b.
-/// q = 0 is a jump (a damped pad), 1 a linear spring, 1.5 Hertz; the terms bend it to whatever follows. For every q and t0
-/// on a grid the amplitudes have Gaussian priors and are integrated out in closed form; the mean over that posterior
-/// is the time, its standard deviation the uncertainty: what the laws disagree about is in it. With a `delay` the powers of tau are those
-/// that the amplifier shows (dsp/amplifier.h).
+/// q = 0 is a jump (a damped pad), 1 a linear spring, 1.5 Hertz; the terms bend it to whatever follows. For every q
+/// and t0 on a grid the amplitudes have Gaussian priors and are integrated out in closed form; the mean over that
+/// posterior is the time, its standard deviation the uncertainty: what the laws disagree about is in it. With a
+/// `delay` the powers of tau are those that the amplifier shows (dsp/amplifier.h).
 
 namespace powbench::dsp {
 
@@ -36,8 +36,9 @@ struct EdgeAnswer {
 /// cannot follow does not move the time. Clipped and lost samples end it. Cost: 0.1 .. 1 ms.
 EdgeAnswer locate_edge(const Signal& force, const EdgeQuestion&);
 
-/// The same edge from what stands beyond its foot: samples less than `foot` s inside the guess are left out, so that the rise alone,
-/// over all of `closed`, says where it began. Known where the laws leave room for no other answer than theirs.
+/// The same edge from what stands beyond its foot: samples less than `foot` s inside the guess are left out, so that
+/// the rise alone, over all of `closed`, says where it began. Known where the laws leave room for no other answer
+/// than theirs.
 EdgeAnswer locate_edge_beyond(const Signal& force, const EdgeQuestion&, double foot);
 
 }  // namespace powbench::dsp

@@ -9,8 +9,9 @@
 #include "core/record.h"
 #include "dsp/options.h"
 
-/// Events of one closing while it comes in. The same extraction as of a whole record, on what has come: contacts are detected every
-/// `stream_block`; an edge that is `stream_wait` old makes the extraction run, which dates it with all samples up to then.
+/// Events of one closing while it comes in. The same extraction as of a whole record, on what has come: contacts are
+/// detected every `stream_block`; an edge that is `stream_wait` old makes the extraction run, which dates it with all
+/// samples up to then.
 
 namespace powbench::dsp {
 
@@ -32,14 +33,14 @@ struct StreamEvent {
 
 class EventStream {
  public:
-  /// `shape`: the record without its samples (rate, fire sample, channels, conditions). Throws std::invalid_argument for bad
-  /// options, no channel, a rate that is not above 0, or more than `stream_longest` before the gate edge.
+  /// `shape`: the record without its samples (rate, fire sample, channels, conditions). Throws std::invalid_argument
+  /// for bad options, no channel, a rate that is not above 0, or more than `stream_longest` before the gate edge.
   explicit EventStream(Record shape, const ExtractOptions& = {});
 
-  /// Scans in the order of the channels, the first one being sample `first` of the record; returns what became known, in the order
-  /// in which it became known. However the samples are cut into pieces, the events are the same to the last bit. Throws
-  /// std::invalid_argument, and takes nothing, where `first` is not the sample that follows, or the last scan is not whole.
-  /// Memory: 2 bytes a channel and sample, `stream_longest` before and behind the gate edge.
+  /// Scans in the order of the channels, the first one being sample `first` of the record; returns what became known,
+  /// in the order in which it became known. However the samples are cut into pieces, the events are the same to the
+  /// last bit. Throws std::invalid_argument, and takes nothing, where `first` is not the sample that follows, or the
+  /// last scan is not whole. Memory: 2 bytes a channel and sample, `stream_longest` before and behind the gate edge.
   std::vector<StreamEvent> push(std::int64_t first, std::span<const std::int16_t> scans);
 
   /// The record ends here: what was still waited for.

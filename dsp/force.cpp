@@ -64,8 +64,8 @@ std::vector<double> level(std::span<const double> x) {
   return out;
 }
 
-/// End of the time in which nothing touches: switch-on, or before that where the record's time zero is somewhere else and
-/// a fifth of the largest excursion is reached earlier.
+/// End of the time in which nothing touches: switch-on, or before that where the record's time zero is somewhere else
+/// and a fifth of the largest excursion is reached earlier.
 double quiet_end(const Signal& s, double count) {
   const std::size_t n = s.index_at(0.0), head = std::max<std::size_t>(20, n / 10);
   if (n < 2 * head) return 0.0;
@@ -96,8 +96,8 @@ bool looks_inverted(const Signal& s, double noise, double settled, double t_star
 constexpr double pickup_from = 1e-3,
                  pickup_to = 5e-3;  ///< s after switch-on: the coil is on, nothing has touched yet
 
-/// What the film shows of the coil's voltage through stray capacitance: proportional to it, fitted where nothing can have
-/// touched yet, subtracted everywhere when it stands out of the noise by 5 standard uncertainties.
+/// What the film shows of the coil's voltage through stray capacitance: proportional to it, fitted where nothing can
+/// have touched yet, subtracted everywhere when it stands out of the noise by 5 standard uncertainties.
 void remove_pickup(Signal& s, double noise, const Record& record) {
   const Signal coil = to_signal(record, Channel::coil_voltage);
   if (coil.size() < 20) return;

@@ -29,13 +29,14 @@ void undo_droop(std::span<double> y, double corner_hertz, double dt);
 double closing_end(const Record&, const Signal&);
 
 /// Takes the other film's force out of this one's. Film a shows F_a + p F_b, film b shows F_b + q F_a; so
-/// F_a = (a - p b) / (1 - p q). `own_share` is p, `other_share` is q, both below 0.5 in size; `other` is as restored, not unmixed.
-/// Samples where the other film was lost are masked as lost. Nothing happens where one of both is not present.
+/// F_a = (a - p b) / (1 - p q). `own_share` is p, `other_share` is q, both below 0.5 in size; `other` is as restored,
+/// not unmixed. Samples where the other film was lost are masked as lost. Nothing happens where one of both is not
+/// present.
 void unmix(Force& force, const Force& other, double own_share, double other_share);
 
 /// From counts to force: offset and hum (fitted on the time before anything touches, refused with less than
-/// `min_hum_periods`), droop, sign, then the other film's share; last the filter of the options, where it was judged. A record without pre-trigger takes its first 0.5 ms (at most
-/// a fiftieth) for zero and carries flag_no_hum_fit.
+/// `min_hum_periods`), droop, sign, then the other film's share; last the filter of the options, where it was judged.
+/// A record without pre-trigger takes its first 0.5 ms (at most a fiftieth) for zero and carries flag_no_hum_fit.
 /// `mains_hertz`: fitted on the mains channel, or nothing (then it is fitted on the hum itself when that
 /// stands out).
 Force restore_force(const Record&, Channel, const ExtractOptions&, std::optional<double> mains_hertz);

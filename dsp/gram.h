@@ -2,8 +2,9 @@
 
 #include <cstddef>
 
-/// Cross products of columns, C = A^T B: what every least-squares fit spends its time on. One version for each instruction
-/// set, chosen at run time; all sum in the same order, eight partial sums a product, and differ by fused rounding only.
+/// Cross products of columns, C = A^T B: what every least-squares fit spends its time on. One version for each
+/// instruction set, chosen at run time; all sum in the same order, eight partial sums a product, and differ by fused
+/// rounding only.
 
 namespace powbench::dsp {
 
@@ -18,7 +19,8 @@ struct ColumnSet {
 void cross_products(const ColumnSet& a, const ColumnSet& b, std::size_t rows, double* c,
                     std::size_t c_stride);
 
-/// A^T B of column-major matrices, or vectors, that know data(), outerStride(), rows() and cols(); both of the same rows.
+/// A^T B of column-major matrices, or vectors, that know data(), outerStride(), rows() and cols(); both of the same
+/// rows.
 template <class Matrix, class A, class B>
 Matrix cross(const A& a, const B& b) {
   const auto size = [](auto n) { return static_cast<std::size_t>(n); };

@@ -242,8 +242,8 @@ void descend(const JointInput& in, JointModel& m, JointRows& r, int iterations) 
   }
 }
 
-/// Contacts of another shape than any pulse must not bend the ring: with the ring as it is, those go whose misfit is larger
-/// than the ring itself could be.
+/// Contacts of another shape than any pulse must not bend the ring: with the ring as it is, those go whose misfit is
+/// larger than the ring itself could be.
 void leave_out_misfits(JointInput in, JointModel& m, JointRows& r) {
   in.ring_fixed = true;
   in.onset_to = in.onset_from;
@@ -259,8 +259,8 @@ void leave_out_misfits(JointInput in, JointModel& m, JointRows& r) {
     unmodel(*m.rise);
 }
 
-/// Frees the skew of pulses where it is worth its parameter (Schwarz): the gain in the sum of squares, to second order from
-/// the symmetric solution, above the logarithm of the pulse's rows. True when any was freed.
+/// Frees the skew of pulses where it is worth its parameter (Schwarz): the gain in the sum of squares, to second
+/// order from the symmetric solution, above the logarithm of the pulse's rows. True when any was freed.
 bool free_skews(const JointInput& in, JointModel& m, JointRows& r) {
   JointModel free = m;
   const auto rows_of = [&](const JointPulse& p) { return (p.shape.release - p.shape.touch) / r.dt; };

@@ -44,8 +44,9 @@ struct JointModel {
   double left_out = 0.0;         ///< rows of contacts that no model describes
   double parameters = 0.0;
   double reduced() const { return dof > 0 ? chi2 / dof : 1e300; }
-  /// What two explanations of one record are compared by (Schwarz): excess of the sum of squares over its expectation, plus
-  /// ln(rows) a parameter; a row left unexplained counts like one that is 2 standard deviations off. Smaller is better.
+  /// What two explanations of one record are compared by (Schwarz): excess of the sum of squares over its
+  /// expectation, plus ln(rows) a parameter; a row left unexplained counts like one that is 2 standard deviations
+  /// off. Smaller is better.
   double cost() const;
 };
 
@@ -70,15 +71,17 @@ inline constexpr double joint_margin_before =
     0.3e-3;  ///< s of open time before the first event that a fit uses
 
 /// Levenberg-Marquardt over all parameters of `start` on samples averaged to rows. In each iteration the onset of the
-/// ring moves to where the sum of squares is least, once the parameters of the contact it lies in are projected out (their
-/// linear span at the present solution): a scan over every sample for the price of one sum.
-/// Pulses that do not fit get a free skew, then are left out.
+/// ring moves to where the sum of squares is least, once the parameters of the contact it lies in are projected out
+/// (their linear span at the present solution): a scan over every sample for the price of one sum. Pulses that do not
+/// fit get a free skew, then are left out.
 JointModel fit_joint(const JointInput&, JointModel start, int iterations);
 
-/// Takes ring and pedestal of the model out of a signal; beyond the last touch the pedestal stays for 0.1 ms and fades in 0.2.
+/// Takes ring and pedestal of the model out of a signal; beyond the last touch the pedestal stays for 0.1 ms and
+/// fades in 0.2.
 void take_out(const JointModel&, Signal&);
 
-/// What `model` leaves of the samples it uses, on the rows of the fit. `usable`: 1 where the model claims to be complete.
+/// What `model` leaves of the samples it uses, on the rows of the fit. `usable`: 1 where the model claims to be
+/// complete.
 struct JointResidual {
   Signal signal;
   std::vector<std::uint8_t> usable;

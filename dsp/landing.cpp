@@ -26,7 +26,8 @@ double nearest(const std::vector<Interval>& unaided, double t, bool touch) {
   return best;
 }
 
-/// Anywhere between the two sightings; anywhere within the landing where there is only one. True where that is worth a flag.
+/// Anywhere between the two sightings; anywhere within the landing where there is only one. True where that is worth
+/// a flag.
 bool widen(Measured& m, double other) {
   constexpr double worth_a_flag = 20e-6;  // s
   const double share = std::abs(std::isnan(other) ? landing_time : other - m.value) / std::sqrt(12.0);

@@ -45,7 +45,8 @@ void jacobian(const Residuals& f, std::span<const FreeParameter> p, const Vector
   }
 }
 
-/// Normal equations of up to `few` parameters live on the stack: most fits have no more, and there are thousands of them in a record.
+/// Normal equations of up to `few` parameters live on the stack: most fits have no more, and there are thousands of
+/// them in a record.
 constexpr int few = 8;
 using SmallMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, few, few>;
 using SmallVector = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, few, 1>;

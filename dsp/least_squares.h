@@ -33,8 +33,8 @@ using Residuals = std::function<void(std::span<const double> parameters, std::sp
 /// Fills d residual / d parameter, column-major (rows, p).
 using Derivatives = std::function<void(std::span<const double> parameters, std::span<double> jacobian)>;
 
-/// Levenberg-Marquardt (Marquardt scaling, ranges by clamping). `rows` residuals. Done when a step gains less than `least_gain`
-/// in chi-square; 1e-6 is a thousandth of a standard uncertainty. Without `derivatives`: central
+/// Levenberg-Marquardt (Marquardt scaling, ranges by clamping). `rows` residuals. Done when a step gains less than
+/// `least_gain` in chi-square; 1e-6 is a thousandth of a standard uncertainty. Without `derivatives`: central
 /// differences with each parameter's step.
 LeastSquares levenberg_marquardt(const Residuals&, std::size_t rows, std::span<const FreeParameter>,
                                  int max_iterations = 40, const Derivatives& derivatives = {},

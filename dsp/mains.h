@@ -24,7 +24,8 @@ struct HarmonicFit {
   double sigma = 0.0;  ///< rms of the residual (of block means, see fit_harmonics)
 
   double value(double t) const;
-  /// s - v at every sample; a few hundred units of the last place of each amplitude from `value`, at a tenth of its cost.
+  /// s - v at every sample; a few hundred units of the last place of each amplitude from `value`, at a tenth of its
+  /// cost.
   void subtract_from(Signal& s) const;
   double amplitude(std::size_t k) const;
   /// Phase of the sine-referenced fundamental at t: v = A sin(phase). [0, 2 pi), with its standard

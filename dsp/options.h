@@ -73,8 +73,8 @@ struct ExtractOptions {
   EventFilter filter;
 };
 
-/// Canonical text: one `name=value` a line in table order, doubles with 17 digits; behind it the filter, where one is wanted.
-/// Equal options give equal text.
+/// Canonical text: one `name=value` a line in table order, doubles with 17 digits; behind it the filter, where one is
+/// wanted. Equal options give equal text.
 std::string to_text(const ExtractOptions&);
 
 /// FNV-1a (64 bit) of to_text, 16 hexadecimal digits.

@@ -21,8 +21,8 @@ constexpr double still_there = 1e-3;  // s that vibration lasts at least
 constexpr double longest_rise =
     1.5e-3;  // s from a touch to its first maximum, or from the last one to its release
 
-/// s from t inwards (side +1: later) in which the force makes three quarters of its way to the first maximum, at least a quarter
-/// of the time to it; looking no further than `reach`.
+/// s from t inwards (side +1: later) in which the force makes three quarters of its way to the first maximum, at
+/// least a quarter of the time to it; looking no further than `reach`.
 double rise_of(const CalmForce& calm, const Signal& force, double t, int side, double reach) {
   const auto n = static_cast<std::ptrdiff_t>(force.size());
   double top = -1e300, at = 0;
@@ -48,9 +48,9 @@ double swing_below(const CalmForce& calm, const Signal& force, double from, doub
   return lowest > -clear * calm.noise ? 0 : -lowest;
 }
 
-/// Is an opening no more than a single trough of vibration that is still in the force? An opening lets the vibration swing on about zero:
-/// up by most of its amplitude and down again before the contact closes. Where it does not, a low contact force and a trough
-/// look the same. `vibration`: N, its amplitude where it is known to be there, else 0.
+/// Is an opening no more than a single trough of vibration that is still in the force? An opening lets the vibration
+/// swing on about zero: up by most of its amplitude and down again before the contact closes. Where it does not, a
+/// low contact force and a trough look the same. `vibration`: N, its amplitude where it is known to be there, else 0.
 bool one_trough(const CalmForce& quiet, const Signal& force, const Contact& before, const Contact& after,
                 double vibration) {
   constexpr double half_a_period = 0.4e-3;  // s, of the slowest core vibration
@@ -71,9 +71,9 @@ bool one_trough(const CalmForce& quiet, const Signal& force, const Contact& befo
   return 4 * (last - up) < last - first;  // a pad that pulls when it breaks leaves zero behind it
 }
 
-/// An opening shows no force. What the levels took for one is looked at again: one smooth indentation through both edges says how
-/// probable it is that the contact opened; with less than 0.6 (0.1 in loud noise) it is not listed. Where none explains the force, a least
-/// force that stands clear of zero makes the two contacts one.
+/// An opening shows no force. What the levels took for one is looked at again: one smooth indentation through both
+/// edges says how probable it is that the contact opened; with less than 0.6 (0.1 in loud noise) it is not listed.
+/// Where none explains the force, a least force that stands clear of zero makes the two contacts one.
 std::vector<Grazing> close_dips(std::vector<Contact>& contacts, const CalmForce& quiet, const Signal& force,
                                 double noise, double vibration, double wander) {
   constexpr double longest_dip = 0.6e-3, beside = 40e-6;  // s
@@ -125,8 +125,9 @@ double time_to(const CalmForce& calm, const Signal& force, double edge, int side
   return static_cast<double>(std::abs(i - at)) * force.dt;
 }
 
-/// s by which vibration that is still in the force may move an edge: as far as it swings below zero on the open side, so far the force may
-/// have risen unseen. 0 where nothing swings. `after_release`: s that pass before a release's open side is looked at.
+/// s by which vibration that is still in the force may move an edge: as far as it swings below zero on the open side,
+/// so far the force may have risen unseen. 0 where nothing swings. `after_release`: s that pass before a release's
+/// open side is looked at.
 double moved_by_vibration(const CalmForce& calm, const Signal& force, double edge, int side,
                           double after_release) {
   constexpr double beside = 0.5e-3;  // s
@@ -136,9 +137,9 @@ double moved_by_vibration(const CalmForce& calm, const Signal& force, double edg
   return swing > 0 ? time_to(calm, force, edge, side, swing) / std::sqrt(3.0) : 0;
 }
 
-/// s by which an edge lies outside the place that the rise behind it points to. Vibration that starts just before a touch, or is on its way up
-/// after a release, has one sign there and is no different from a contact's foot; only the rise beyond it is surely contact.
-/// 0 where both agree, or where the foot is no longer than that of a round pad.
+/// s by which an edge lies outside the place that the rise behind it points to. Vibration that starts just before a
+/// touch, or is on its way up after a release, has one sign there and is no different from a contact's foot; only the
+/// rise beyond it is surely contact. 0 where both agree, or where the foot is no longer than that of a round pad.
 double foot_of(const CalmForce& calm, const EdgeForce& film, double edge, int side, double reach, double open,
                double u) {
   const Signal& force = film.signal;
@@ -177,9 +178,9 @@ struct Beside {
   Measured peak;
 };
 
-/// Do the shapes that describe whole contacts agree with what stands beside the edges? The sum over all edges of the squared difference
-/// over what it may be; two estimates of one time, the better of which uses all of the other's samples, differ by
-/// u^2(worse) - u^2(better). One answer for a record: all its contacts have the same pads.
+/// Do the shapes that describe whole contacts agree with what stands beside the edges? The sum over all edges of the
+/// squared difference over what it may be; two estimates of one time, the better of which uses all of the other's
+/// samples, differ by u^2(worse) - u^2(better). One answer for a record: all its contacts have the same pads.
 struct Agreement {
   double squares = 0, edges = 0, weight = 0;
 
@@ -194,8 +195,8 @@ struct Agreement {
   double open(double u) const { return 0.4 * u / std::sqrt(edges); }
 };
 
-/// Touch of a contact that stays closed. Its shape is a guess about what comes afterwards: the further it is from what the edge says,
-/// the less it counts.
+/// Touch of a contact that stays closed. Its shape is a guess about what comes afterwards: the further it is from
+/// what the edge says, the less it counts.
 Measured touch_that_lasts(const Contact& c, const EdgeAnswer& beside) {
   if (!beside.known) return c.touch;
   const Measured own = beside.time;
@@ -204,8 +205,8 @@ Measured touch_that_lasts(const Contact& c, const EdgeAnswer& beside) {
   return {own.value + own.u * own.u / (all * all) * apart, own.u * guess / all};
 }
 
-/// An edge that was not dated with the amplifier's response: it shows up to a delay D early on rising and late on falling. Uniform in
-/// between: D / sqrt(3).
+/// An edge that was not dated with the amplifier's response: it shows up to a delay D early on rising and late on
+/// falling. Uniform in between: D / sqrt(3).
 void admit_amplifier(Measured& edge, double delay) {
   edge.u = std::hypot(edge.u, delay / std::sqrt(3.0));
 }

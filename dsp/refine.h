@@ -12,7 +12,8 @@
 
 namespace powbench::dsp {
 
-/// A dip in which the force only just reaches zero: where the contact opened in it, it settles at `after`, else at `before`; s.
+/// A dip in which the force only just reaches zero: where the contact opened in it, it settles at `after`, else at
+/// `before`; s.
 struct Grazing {
   std::size_t contact = 0;  ///< index of the one before
   double before = 0, after = 0;
@@ -33,15 +34,17 @@ struct EdgeForce {
   double wander = 0;     ///< N: error of the zero in an opening
 };
 
-/// Touch, release and peak of each contact from the force next to them (`locate_edge`, `locate_peak`). The shape that found a contact
-/// says roughly where to look; what it cannot follow no longer moves the times. A contact whose edges run into each
-/// other keeps what it had and carries flag_poor_fit. Vibration that is left is no white noise: what of it swings below zero goes into u as the time the force needs to rise so far.
-/// Dips of which nobody can say whether they are openings are returned, and their contacts carry flag_grazing.
+/// Touch, release and peak of each contact from the force next to them (`locate_edge`, `locate_peak`). The shape that
+/// found a contact says roughly where to look; what it cannot follow no longer moves the times. A contact whose edges
+/// run into each other keeps what it had and carries flag_poor_fit. Vibration that is left is no white noise: what of
+/// it swings below zero goes into u as the time the force needs to rise so far. Dips of which nobody can say whether
+/// they are openings are returned, and their contacts carry flag_grazing.
 std::vector<Grazing> refine_contacts(std::vector<Contact>&, const EdgeForce&, const ExtractOptions&);
 
-/// A vibration that was taken out without explaining the record to its noise may have moved edges behind its onset. The force as it came,
-/// `unaided`, dates them differently; and what may be left of the vibration (a seventh, or as far as the stripped force still swings
-/// below zero) may hide the rise up to there. Both, over sqrt(3), go into u; peaks take on what may be left.
+/// A vibration that was taken out without explaining the record to its noise may have moved edges behind its onset.
+/// The force as it came, `unaided`, dates them differently; and what may be left of the vibration (a seventh, or as
+/// far as the stripped force still swings below zero) may hide the rise up to there. Both, over sqrt(3), go into u;
+/// peaks take on what may be left.
 void doubt_stripping(std::vector<Contact>&, const Signal& unaided, const EdgeForce& stripped, const Ring&,
                      const ExtractOptions&);
 

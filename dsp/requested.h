@@ -42,8 +42,9 @@ struct Extracted {
   std::optional<FilterJudgement> filter;  ///< where one was wanted
 };
 
-/// Events, behind the filter of the options where rate and length of the record allow it and it leaves contacts and openings in, else
-/// without it; `method` says which. A record that was fired for is never lost to a filter. Throws like extract_events.
+/// Events, behind the filter of the options where rate and length of the record allow it and it leaves contacts and
+/// openings in, else without it; `method` says which. A record that was fired for is never lost to a filter. Throws
+/// like extract_events.
 Extracted extract_on_request(const Record&, const ExtractOptions&);
 
 }  // namespace powbench::dsp

@@ -133,7 +133,8 @@ Solution solve(const RingRows& r, const std::vector<Pole>& poles, double referen
     std::complex<double> e = 0;
     for (Index i = 0; i < n; ++i) {
       const auto at = static_cast<std::size_t>(i);
-      // one step of the recurrence where rows are neighbours; afresh behind a gap and often enough to keep its rounding small
+      // one step of the recurrence where rows are neighbours; afresh behind a gap and often enough to keep its
+      // rounding small
       const bool neighbour = i % 128 != 0 && r.t[at] - r.t[at - 1] < 1.5 * r.dt;
       e = neighbour ? e * turn : g * std::exp(pole_s(p) * (r.t[at] - reference));
       s.modes(i, 2 * j) = e.real();

@@ -54,8 +54,8 @@ struct RingInput {
 };
 
 /// Amplitudes by linear least squares, poles by Gauss-Newton on top (variable projection). Modes that are not
-/// significant (amplitude below 5 standard uncertainties) are left out. The onset is `from`. No modes where all of them together
-/// leave more than `hopeless` (reduced sum of squares; twice that before the poles have moved).
+/// significant (amplitude below 5 standard uncertainties) are left out. The onset is `from`. No modes where all of
+/// them together leave more than `hopeless` (reduced sum of squares; twice that before the poles have moved).
 Ring fit_ring(const RingInput&, std::vector<Pole> poles, const ExtractOptions&, double* reduced = nullptr,
               double hopeless = std::numeric_limits<double>::infinity());
 
@@ -68,8 +68,8 @@ std::vector<Pole> tail_poles(const RingInput&, const ExtractOptions&);
 std::optional<Pole> strongest_pole(const RingInput&, const Ring& ring, const ExtractOptions&,
                                    double* gain = nullptr);
 
-/// fit_ring, then modes added one by one by strongest_pole while they are significant. `reduced`: sum of squares left over
-/// variance and degree of freedom. Where `start` is hopeless, nothing is added.
+/// fit_ring, then modes added one by one by strongest_pole while they are significant. `reduced`: sum of squares left
+/// over variance and degree of freedom. Where `start` is hopeless, nothing is added.
 Ring grow_ring(const RingInput&, std::vector<Pole> start, const ExtractOptions&, double* reduced = nullptr,
                double hopeless = std::numeric_limits<double>::infinity());
 

@@ -24,7 +24,8 @@ RingRows ring_rows(const Signal&, const std::vector<std::uint8_t>* usable, doubl
 /// 1/s: -decay + 2 pi i hertz.
 std::complex<double> pole_s(const Pole&);
 
-/// The rows less a smooth settled force: cosines and a few exponential rises from `closed_from` to `to`, fitted to the good rows.
+/// The rows less a smooth settled force: cosines and a few exponential rises from `closed_from` to `to`, fitted to
+/// the good rows.
 std::vector<double> without_smooth(const RingRows&, double closed_from, double to);
 
 }  // namespace powbench::dsp

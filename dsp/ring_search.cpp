@@ -30,7 +30,8 @@ double explained(const RingRows& r, const std::vector<double>& x, const Pole& p)
   return (ss * cx * cx - 2 * cs * cx * sx + cc * sx * sx) / det;
 }
 
-/// Largest |sum x exp(-s t)|^2 / sum exp(-2 decay t) over a grid of three decays and all frequencies: one transform each.
+/// Largest |sum x exp(-s t)|^2 / sum exp(-2 decay t) over a grid of three decays and all frequencies: one transform
+/// each.
 Pole coarse_pole(const RingRows& r, const std::vector<double>& x, double low, double high) {
   const std::size_t n = std::bit_ceil(std::max<std::size_t>(2 * x.size(), 512));
   thread_local std::map<std::size_t, RealFft>

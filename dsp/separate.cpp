@@ -125,8 +125,8 @@ Signal cut(const Signal& s, double t1, double t2) {
   return out;
 }
 
-/// A piece of ring before the onset looks like a contact, and the other way round: a pulse next to the onset goes when the fit
-/// without it, its time open to the onset, explains as much.
+/// A piece of ring before the onset looks like a contact, and the other way round: a pulse next to the onset goes
+/// when the fit without it, its time open to the onset, explains as much.
 void drop_stand_ins(const JointInput& in, JointModel& m) {
   for (std::size_t k = 0; k < m.pulses.size(); ++k) {
     const PulseShape f = m.pulses[k].shape;
@@ -145,9 +145,9 @@ void drop_stand_ins(const JointInput& in, JointModel& m) {
   }
 }
 
-/// The same after the core was seen to land: vibration that its own model did not reach yet crosses the levels as a small
-/// contact, and a fit with that contact keeps the vibration wrong. A pulse smaller than the ring where it lies stays only where it
-/// earns its parameters.
+/// The same after the core was seen to land: vibration that its own model did not reach yet crosses the levels as a
+/// small contact, and a fit with that contact keeps the vibration wrong. A pulse smaller than the ring where it lies
+/// stays only where it earns its parameters.
 void drop_ring_pieces(const JointInput& in, JointModel& m) {
   for (std::size_t k = m.pulses.size(); k-- > 0;) {
     const PulseShape f = m.pulses[k].shape;
@@ -244,8 +244,8 @@ struct Search {
     return out;
   }
 
-  /// A ring that died before its onset was reached is too faint to be carried back: looked for afresh in what the contacts of
-  /// the whole record leave.
+  /// A ring that died before its onset was reached is too faint to be carried back: looked for afresh in what the
+  /// contacts of the whole record leave.
   void look_afresh(Separated& s, double from) const {
     Separated fresh;
     if (!round(fresh, from, range, 8) || !fresh.found) return;

@@ -26,11 +26,11 @@ bool convincing(const Separated&);
 /// The whole record explained without any ring: all contacts of `first` in one joint fit.
 Separated without_ring(const Force&, const Round& first, double t_end, const ExtractOptions&);
 
-/// From the end backwards: the ring is first identified where the contact stays closed, then carried back in steps of 1.5 ms, so
-/// that it is never extrapolated far. In each step contacts are detected on the stripped force and fitted together with the
-/// ring; once the ring's onset lies well inside the window, the rest of the record is free of it. A ring that died before
-/// the contact settled is looked for in what the contacts of each step leave. `first`: contacts before anything is taken out.
-/// `core_seat`: s; when known the ring starts within five standard uncertainties of it.
+/// From the end backwards: the ring is first identified where the contact stays closed, then carried back in steps of
+/// 1.5 ms, so that it is never extrapolated far. In each step contacts are detected on the stripped force and fitted
+/// together with the ring; once the ring's onset lies well inside the window, the rest of the record is free of it. A
+/// ring that died before the contact settled is looked for in what the contacts of each step leave. `first`: contacts
+/// before anything is taken out. `core_seat`: s; when known the ring starts within five standard uncertainties of it.
 Separated separate_ring(const Force&, const Round& first, const Measured& core_seat, double t_end,
                         const ExtractOptions&);
 

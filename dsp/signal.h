@@ -39,9 +39,10 @@ struct Signal {
   std::uint8_t mask_within(double t1, double t2) const;
 };
 
-/// Counts to SI: (raw + offset) scale. The channel's delay shifts the time axis, gaps of the record and of the channel are bridged by a
-/// straight line and masked, samples at the clip limits are masked. Empty when the channel is absent. Throws
-/// std::invalid_argument when the record's rate is not positive or the channel's scale is zero or not finite.
+/// Counts to SI: (raw + offset) scale. The channel's delay shifts the time axis, gaps of the record and of the
+/// channel are bridged by a straight line and masked, samples at the clip limits are masked. Empty when the channel
+/// is absent. Throws std::invalid_argument when the record's rate is not positive or the channel's scale is zero or
+/// not finite.
 Signal to_signal(const Record&, Channel);
 
 /// Masks values that are not finite, and bridges every run of `mask_gap` by a straight line (or by its only

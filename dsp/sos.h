@@ -32,8 +32,8 @@ struct ZeroPhase {
 
 /// Forward, then backward: zero phase, gain |H|^2. Each pass starts from the steady state of its first
 /// sample, and the samples within the filter's memory (to 1e-3 of the peak) of either end are masked, because
-/// no padding rule can know what came before. Values that are not finite are bridged and masked. Throws FilterMemoryError when the record is shorter than that
-/// memory.
+/// no padding rule can know what came before. Values that are not finite are bridged and masked. Throws
+/// FilterMemoryError when the record is shorter than that memory.
 ZeroPhase filter_zero_phase(std::span<const Section>, const Signal&);
 
 }  // namespace powbench::dsp

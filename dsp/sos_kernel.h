@@ -16,7 +16,8 @@
 ///
 /// Rounding: where the processor has fused multiply-add (the avx2 and avx512 versions, which give the same bits)
 /// each of the five lines' products is fused with the addition that follows; the portable version rounds both.
-/// The two differ by rounding errors of the output, below 1e-14 of the peak with 8 poles and 1e-12 with 16 in the tests.
+/// The two differ by rounding errors of the output, below 1e-14 of the peak with 8 poles and 1e-12 with 16 in the
+/// tests.
 
 namespace powbench::dsp {
 

@@ -14,8 +14,8 @@
 #include "dsp/ring.h"
 #include "dsp/signal.h"
 
-/// Core vibration on the films, for the eye: in which band it is, whether a filter could remove it, and the force without it.
-/// No event is decided on these.
+/// Core vibration on the films, for the eye: in which band it is, whether a filter could remove it, and the force
+/// without it. No event is decided on these.
 
 namespace powbench::dsp {
 
@@ -32,7 +32,8 @@ struct FilmVibration {
   double shortest = 1e-3;              ///< s: shortest contact seen: its force must survive a filter
 };
 
-/// `events`: those of the record. The reference is the auxiliary channel (an accelerometer) if it moves at the impact, else the laser.
+/// `events`: those of the record. The reference is the auxiliary channel (an accelerometer) if it moves at the
+/// impact, else the laser.
 FilmVibration film_vibration(const Record&, Channel film, const Events& events, const ExtractOptions&);
 
 /// Bands of one closing, from its fitted modes: each from its frequency minus to plus half its half-power width
@@ -47,8 +48,8 @@ struct Closing {
 /// Nothing when film or reference are missing, or the core's seat is not known.
 std::optional<Closing> closing_of(const Record&, Channel film, const Events&, const ExtractOptions&);
 
-/// Bands from the coherence of reference and force over closings, 0.3 ms before the impact to 5 ms after. Nothing for fewer than
-/// three closings of one rate.
+/// Bands from the coherence of reference and force over closings, 0.3 ms before the impact to 5 ms after. Nothing for
+/// fewer than three closings of one rate.
 std::optional<BandReport> bands_of_closings(std::span<const Closing>, const BandQuestion&);
 
 /// Values at the times of another signal, by straight lines; masks carried over, `mask_edge` outside.
@@ -61,8 +62,8 @@ struct Spectrogram {
   std::size_t frames = 0, bins = 0;
   std::vector<double> density;  ///< (frames, bins) unit^2 / Hz
 };
-/// Windows that reach beyond the record see zeros. Throws std::invalid_argument for an empty signal or span, or a window of
-/// fewer than 8 samples.
+/// Windows that reach beyond the record see zeros. Throws std::invalid_argument for an empty signal or span, or a
+/// window of fewer than 8 samples.
 Spectrogram spectrogram(const Signal&, double from, double to, double window, std::size_t frames);
 
 }  // namespace powbench::dsp

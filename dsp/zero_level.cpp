@@ -18,8 +18,9 @@ constexpr double calm = 1.6;           // scatter of an open block over the nois
 constexpr double before_touch = 2e-3;  // s after switch-on in which nothing touches
 constexpr std::size_t together = 3;    // fewer open blocks tell nothing
 
-/// How far and how fast a zero may go, N and N/s: what 1.1 N of hum at 50 Hz does, but no more than a tenth of the largest force and
-/// no more than twenty times the noise, whichever is larger. A contact that presses little is not to be mistaken for it.
+/// How far and how fast a zero may go, N and N/s: what 1.1 N of hum at 50 Hz does, but no more than a tenth of the
+/// largest force and no more than twenty times the noise, whichever is larger. A contact that presses little is not
+/// to be mistaken for it.
 struct Reach {
   double jump = 1.2;      // at switch-on
   double farthest = 0.6;  // between two open blocks, however far apart
@@ -57,8 +58,8 @@ std::vector<Block> blocks_of(const Signal& s) {
   return out;
 }
 
-/// What the zero does between and beyond open blocks: level, slope and mains, as far as the blocks on one side of switch-on tell.
-/// Amplitudes have Gaussian priors, so that what is not seen is not made up.
+/// What the zero does between and beyond open blocks: level, slope and mains, as far as the blocks on one side of
+/// switch-on tell. Amplitudes have Gaussian priors, so that what is not seen is not made up.
 class ZeroModel {
  public:
   ZeroModel(const std::vector<Block>& open, bool after, double sigma, double hertz) : w_(2 * pi * hertz) {
@@ -125,7 +126,8 @@ std::vector<Block> open_blocks(const std::vector<Block>& blocks, double noise, d
   return open;
 }
 
-/// Rms of what a millisecond adds to the zero beyond its model, without the share of the noise; 0 where it does not stand out of that.
+/// Rms of what a millisecond adds to the zero beyond its model, without the share of the noise; 0 where it does not
+/// stand out of that.
 double wander_of(const std::vector<Block>& quiet, const std::function<double(double)>& expected,
                  double sigma) {
   constexpr double lag = 1e-3;  // s

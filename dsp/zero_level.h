@@ -11,12 +11,12 @@ struct Zero {
       0;  ///< rms: how far it went within a millisecond while nothing touched, beyond model and noise
 };
 
-/// Takes out what moves the zero of a film slowly: hum that jumped at switch-on or could not be fitted, pyroelectric drift, a base line
-/// that wanders. The record is cut into blocks of 0.1 ms. A block is open when its samples and those of a neighbour scatter
-/// like noise and its mean is where the zero may have gone since the last open one. Through the open blocks before and after
-/// switch-on goes a level, a slope and mains with its third harmonic each; what is left of it is followed from block to block in
-/// straight lines and stays after the last. Nothing changes where no millisecond of open
-/// time is off zero by five standard uncertainties and half the noise.
+/// Takes out what moves the zero of a film slowly: hum that jumped at switch-on or could not be fitted, pyroelectric
+/// drift, a base line that wanders. The record is cut into blocks of 0.1 ms. A block is open when its samples and
+/// those of a neighbour scatter like noise and its mean is where the zero may have gone since the last open one.
+/// Through the open blocks before and after switch-on goes a level, a slope and mains with its third harmonic each;
+/// what is left of it is followed from block to block in straight lines and stays after the last. Nothing changes
+/// where no millisecond of open time is off zero by five standard uncertainties and half the noise.
 /// `noise`: N, one sample.
 Zero follow_zero(Signal&, double noise, double mains_hertz);
 

@@ -2,7 +2,8 @@
 
 namespace powbench::firmware {
 
-/// What a capture means for current checks and for arming; a calibration on its way to the memory keeps the bench at rest.
+/// What a capture means for current checks and for arming; a calibration on its way to the memory keeps the bench at
+/// rest.
 void Controller::announce() {
   using Zero = ZeroCapture::State;
   const Zero state = zero_.state();
@@ -23,7 +24,8 @@ void Controller::announce() {
   }
 }
 
-/// In the background: the configuration changes one word at a time, so that the level above may read it between any two.
+/// In the background: the configuration changes one word at a time, so that the level above may read it between any
+/// two.
 void Controller::end_zero_capture() {
   store_shared(zero_ended_, false);
   if (zero_.state() == ZeroCapture::State::done) {

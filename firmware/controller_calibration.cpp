@@ -33,7 +33,8 @@ struct Rescale {
   }
 };
 
-/// By how much the edge comes earlier than with the nominal front end, 1/256 sample: mains is shown later, the switch is slow.
+/// By how much the edge comes earlier than with the nominal front end, 1/256 sample: mains is shown later, the switch
+/// is slow.
 std::int64_t edge_advance(const ControllerConfig& nominal, const StoredCalibration& stored) {
   const std::size_t mains = index(Channel::mains_voltage);
   return ratio(stored.rows[mains].delay_ns - nominal.calibration[mains].delay_ns + stored.switch_delay_ns,

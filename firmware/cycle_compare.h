@@ -10,8 +10,8 @@ namespace powbench::firmware {
 
 /// d = x(t) - x(t - one cycle), averaged over a millisecond: offset, harmonics and notches cancel, what is above
 /// 1 kHz is averaged out, and a jump, a dip or a step of the frequency stands out within a fraction of a cycle. Judged
-/// by d over the last millisecond and by its rms over the last ten; the limit of the latter is three times what is usual
-/// on this mains, between two bounds.
+/// by d over the last millisecond and by its rms over the last ten; the limit of the latter is three times what is
+/// usual on this mains, between two bounds.
 ///
 /// Over the last cycle, and over its newer half, d is split into q cos of the fundamental and a rest: a jump of the
 /// phase is a q and soon nothing else; a tone that comes or goes, or another amplitude, is a rest.

@@ -76,7 +76,8 @@ class FireControl {
   /// Time from the coil's voltage to the contact's touch, us. 0: the coil is switched at the closing angle;
   /// otherwise it is switched so much earlier that the contact touches there.
   Refusal set_touch_delay_us(std::int64_t us);
-  /// No edge is committed unless three standard uncertainties of the phase at the closing angle are within this, 0.001 deg.
+  /// No edge is committed unless three standard uncertainties of the phase at the closing angle are within this,
+  /// 0.001 deg.
   Refusal set_angle_tolerance(std::int64_t millidegrees);
 
   /// Why a shot cannot begin yet, found by the controller; empty: it may. The text lives as long as the program.

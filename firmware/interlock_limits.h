@@ -6,15 +6,16 @@
 #include "core/channels.h"
 #include "firmware/interlocks.h"
 
-/// What the bench watches, in SI, and the one way from there to counts and samples. Every port and the simulated rig take
-/// their thresholds from interlock_config(); a channel that exists is watched.
+/// What the bench watches, in SI, and the one way from there to counts and samples. Every port and the simulated rig
+/// take their thresholds from interlock_config(); a channel that exists is watched.
 
 namespace powbench::firmware {
 
 /// Error budget behind the defaults. Current: 6 mA are 10 % of the holding current of a small contactor's coil, and 90
-/// counts of the board's 67 uA; zero drift after a capture stays below 1 mA, noise below 0.3 mA rms (20 standard deviations).
-/// Contact: half of the 6 V of the open pole, so that a supply and a divider of 10 % each leave 2.4 V on either side.
-/// Travel: an open contact touches between 2.5 and 2.9 mm in every specimen file; 0.5 mm and 3.2 mm leave 2.0 mm and 0.3 mm.
+/// counts of the board's 67 uA; zero drift after a capture stays below 1 mA, noise below 0.3 mA rms (20 standard
+/// deviations). Contact: half of the 6 V of the open pole, so that a supply and a divider of 10 % each leave 2.4 V on
+/// either side. Travel: an open contact touches between 2.5 and 2.9 mm in every specimen file; 0.5 mm and 3.2 mm
+/// leave 2.0 mm and 0.3 mm.
 struct InterlockLimits {
   double trip_ampere = 1.8;            ///< two samples beyond it trip
   double no_current_ampere = 0.006;    ///< below it no current flows
@@ -51,8 +52,8 @@ constexpr std::int64_t nearest(double x) {
 }
 }  // namespace detail
 
-/// Thresholds in counts and samples. What does not fit into 16 bits, or a channel that a shot cannot do without, is found by
-/// config_error().
+/// Thresholds in counts and samples. What does not fit into 16 bits, or a channel that a shot cannot do without, is
+/// found by config_error().
 constexpr InterlockConfig interlock_config(const InterlockLimits& limits, const CountScales& scales,
                                            double sample_rate) {
   const auto span = [&](Channel c, double si) {

@@ -73,7 +73,8 @@ class Interlocks {
   bool contact_open(std::int64_t sample) const {
     return config_->contact_open_counts == 0 || sample - last_closed_ > config_->contact_open_samples;
   }
-  /// The relay has been closed without coil current for longer than a switch that is stuck on could hide: the switch is off.
+  /// The relay has been closed without coil current for longer than a switch that is stuck on could hide: the switch
+  /// is off.
   bool switch_proven(std::int64_t sample) const {
     return config_->relay_samples == 0 ||
            sample - (relay_out_ > last_current_ ? relay_out_ : last_current_) > config_->stuck_on_samples;

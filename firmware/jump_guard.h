@@ -8,10 +8,10 @@
 
 namespace powbench::firmware {
 
-/// d = x(t) - x(t - one cycle), without waiting for the repair of notches. An alarm is raised at the third point in a row
-/// at which d has one sign and exceeds both `least_limit` and `usual_factor` times its usual rms. It lasts `hold` points:
-/// by then CycleCompare, which waits for the repair and a whole millisecond, has judged. A further alarm needs a quiet
-/// cycle before it.
+/// d = x(t) - x(t - one cycle), without waiting for the repair of notches. An alarm is raised at the third point in a
+/// row at which d has one sign and exceeds both `least_limit` and `usual_factor` times its usual rms. It lasts `hold`
+/// points: by then CycleCompare, which waits for the repair and a whole millisecond, has judged. A further alarm
+/// needs a quiet cycle before it.
 class JumpGuard {
  public:
   static constexpr float least_limit = 0.05F;  ///< of nominal amplitude

@@ -19,9 +19,9 @@ class Lease {
   /// `samples_per_second`: of the clock that pass() counts.
   explicit Lease(std::int64_t samples_per_second) : rate_(samples_per_second) {}
 
-  /// Grants the lease for `ms` (shortest_ms .. longest_ms; checked by the caller) if it is free or already this token's.
-  /// `owner` is the name that others see; it may be empty. Malformed: a token or name that is too long or not printable;
-  /// forbidden: a token that does not begin with the secret.
+  /// Grants the lease for `ms` (shortest_ms .. longest_ms; checked by the caller) if it is free or already this
+  /// token's. `owner` is the name that others see; it may be empty. Malformed: a token or name that is too long or
+  /// not printable; forbidden: a token that does not begin with the secret.
   Claim claim(std::string_view token, std::int64_t ms, std::string_view owner) {
     if (!usable(token, longest_token) || (!owner.empty() && !usable(owner, longest_owner)))
       return Claim::malformed;

@@ -104,9 +104,9 @@ void PhaseBank::push_late(PhaseWord phase, int after) {
   if (history_.late_count < phase_memory) ++history_.late_count;
 }
 
-/// The window has come to a place that was predicted. If the windows swing to and fro from cycle to cycle, what it was is
-/// the mean of the two half a cycle before and after it, less what the mains bends meanwhile: a tone half an order away
-/// from the fundamental has its zero there, and would else be taken for a movement that repeats itself.
+/// The window has come to a place that was predicted. If the windows swing to and fro from cycle to cycle, what it
+/// was is the mean of the two half a cycle before and after it, less what the mains bends meanwhile: a tone half an
+/// order away from the fundamental has its zero there, and would else be taken for a movement that repeats itself.
 void PhaseBank::judge() {
   const float half = 0.5F * 4294967296.0F / static_cast<float>(step_);
   const auto whole = static_cast<std::int32_t>(half) + 1;

@@ -6,9 +6,9 @@
 #include "firmware/iiod/model.h"
 #include "firmware/source_device.h"
 
-/// What a shot was, as one text with a checksum: `key=value` separated by blanks, closed by ` seal=` and the CRC-32 of all
-/// before that, eight hexadecimal digits. Numbers are integers, the unit stands in the key. Texts have every character
-/// but letters, digits and ._:+- as % and two hexadecimal digits.
+/// What a shot was, as one text with a checksum: `key=value` separated by blanks, closed by ` seal=` and the CRC-32
+/// of all before that, eight hexadecimal digits. Numbers are integers, the unit stands in the key. Texts have every
+/// character but letters, digits and ._:+- as % and two hexadecimal digits.
 ///
 ///   powbench_shot=1 stage=armed boot= shot= model= serial= firmware= calibration= angle_centideg= hold_ms= touch_us=
 ///   tolerance_mdeg=

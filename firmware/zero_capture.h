@@ -6,8 +6,8 @@
 
 namespace powbench::firmware {
 
-/// How the zero of the coil's channels is found: with the gate off and the safety relay open no current can flow, so the
-/// mean of the readings is the zero. 0 samples: the front end has no offset, nothing is captured.
+/// How the zero of the coil's channels is found: with the gate off and the safety relay open no current can flow, so
+/// the mean of the readings is the zero. 0 samples: the front end has no offset, nothing is captured.
 struct ZeroConfig {
   std::int32_t samples = 0;       ///< of a capture: whole periods of 50 and 60 Hz, 0.1 s
   std::int32_t most_counts = 0;   ///< an offset beyond it is a damaged front end

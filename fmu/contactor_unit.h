@@ -64,8 +64,8 @@ struct UnitOutput {
 
 class ContactorUnit {
  public:
-  /// At rest at time t, the coil without current. Throws std::invalid_argument for settings or an input that are not valid,
-  /// std::runtime_error where there is no equilibrium.
+  /// At rest at time t, the coil without current. Throws std::invalid_argument for settings or an input that are not
+  /// valid, std::runtime_error where there is no equilibrium.
   ContactorUnit(const UnitSettings&, double t, const UnitInput&);
 
   double now() const { return now_; }  ///< s
@@ -77,9 +77,9 @@ class ContactorUnit {
     double reached = 0;  ///< s
     bool event = false;  ///< a contact touched or parted within (before, reached]
   };
-  /// Integrates to `t_end` or, with `stop`, to the first event of a contact before it. The voltage of the input counts from now().
-  /// While the input goes on as it was, where a call ends has no influence on the solution. Throws std::runtime_error where the
-  /// step becomes too small.
+  /// Integrates to `t_end` or, with `stop`, to the first event of a contact before it. The voltage of the input
+  /// counts from now(). While the input goes on as it was, where a call ends has no influence on the solution. Throws
+  /// std::runtime_error where the step becomes too small.
   Advance advance(double t_end, const UnitInput&, bool stop);
 
   // Model exchange: the owner integrates.

@@ -8,8 +8,8 @@
 #include "fmu/contactor_unit.h"
 #include "fmu/variables.h"
 
-/// One instance of the unit behind the functions of FMI: the modes of the standard's state machine, the variables by value
-/// reference. What is refused is thrown as std::invalid_argument and changes nothing; a failed integration is a
+/// One instance of the unit behind the functions of FMI: the modes of the standard's state machine, the variables by
+/// value reference. What is refused is thrown as std::invalid_argument and changes nothing; a failed integration is a
 /// std::runtime_error and ends the instance.
 
 namespace powbench::fmu {

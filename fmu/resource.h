@@ -5,8 +5,8 @@
 
 #include "sim/specimen.h"
 
-/// The specimen as the unit carries it with it: resources/contactor.txt. Its numbers are SI with all digits, so that the
-/// unit computes with the same bits as the native simulation.
+/// The specimen as the unit carries it with it: resources/contactor.txt. Its numbers are SI with all digits, so that
+/// the unit computes with the same bits as the native simulation.
 
 namespace powbench::fmu {
 

@@ -32,8 +32,8 @@ std::string unit_of_key(std::string_view key) {
   return "1";
 }
 
-/// A number of the specimen that may be set: neither one that changes how many variables there are nor the drawing of the
-/// magnet, which the circuit does not read.
+/// A number of the specimen that may be set: neither one that changes how many variables there are nor the drawing of
+/// the magnet, which the circuit does not read.
 bool may_be_set(const sim::SpecimenField& f) {
   return !f.whole && f.section != "shape";
 }

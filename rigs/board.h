@@ -46,7 +46,8 @@ class Board {
   /// Wall time that passed, ms: it counts for the lease alone.
   virtual void rest(std::int64_t ms) = 0;
 
-  /// The firmware itself where it runs in this process, for whoever feeds it as another kind of port would; else nullptr.
+  /// The firmware itself where it runs in this process, for whoever feeds it as another kind of port would; else
+  /// nullptr.
   virtual firmware::Bench* native() { return nullptr; }
 
   /// The calling thread is the one that will drive the board for long.

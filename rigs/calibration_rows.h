@@ -2,7 +2,8 @@
 
 #include "firmware/calibration.h"
 
-/// What a host sees of a rig's calibration: the firmware's own rows, their checksum, and what it takes for a day and a name.
+/// What a host sees of a rig's calibration: the firmware's own rows, their checksum, and what it takes for a day and
+/// a name.
 
 namespace powbench::rigs {
 

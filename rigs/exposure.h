@@ -10,8 +10,8 @@ struct Exposure {
   std::string secret{};     ///< what every owner's token must begin with, with a dot behind it
 };
 
-/// Throws std::invalid_argument, in one sentence, unless `address` is a loopback address, or the network is asked for and
-/// there is a secret of 8 to 30 printable characters.
+/// Throws std::invalid_argument, in one sentence, unless `address` is a loopback address, or the network is asked for
+/// and there is a secret of 8 to 30 printable characters.
 void check_exposure(const std::string& address, const Exposure&);
 
 /// What a token must begin with: the secret and a dot, or nothing.

@@ -10,9 +10,9 @@
 #include "core/channels.h"
 #include "rigs/rig.h"
 
-/// One libiio context of a bench, and nothing above it. Written against libiio 0.24: a context whose answer came late or
-/// damaged is out of step (every later answer would be that of the request before), and nothing on the wire tells. So
-/// whoever finds an answer that does not fit throws the link away.
+/// One libiio context of a bench, and nothing above it. Written against libiio 0.24: a context whose answer came late
+/// or damaged is out of step (every later answer would be that of the request before), and nothing on the wire tells.
+/// So whoever finds an answer that does not fit throws the link away.
 
 namespace powbench::rigs {
 

@@ -17,8 +17,8 @@
 #include "rigs/sealed_shot.h"
 
 /// A shot over a line that may break at any byte. Before the coil is energised the rig's own sealed account of the
-/// set-points is compared with those asked for; afterwards the sealed account of the shot decides whether a record is that
-/// of this shot. When the link breaks in between, boot id and shot number tell what became of it.
+/// set-points is compared with those asked for; afterwards the sealed account of the shot decides whether a record is
+/// that of this shot. When the link breaks in between, boot id and shot number tell what became of it.
 
 namespace powbench::rigs {
 namespace {
@@ -251,8 +251,8 @@ void IioRig::give_up() {
   throw Failed{Outcome::timeout, "the rig did not finish in time"};
 }
 
-/// The record of a shot that has failed, where the rig has completed it all the same: in the moment between the last look
-/// and the stop, or behind an answer that arrived as a refusal.
+/// The record of a shot that has failed, where the rig has completed it all the same: in the moment between the last
+/// look and the stop, or behind an answer that arrived as a refusal.
 std::optional<Record> IioRig::kept(const OpenShot& shot) {
   if (!shot.may_have_fired) return std::nullopt;
   if (!link_) throw LinkBroken{0, "the rig went away while it was told to stop"};

@@ -57,9 +57,9 @@ class Rig {
  public:
   virtual ~Rig() = default;
   virtual const RigInfo& info() const = 0;
-  /// Arms, fires and reads one closing. A connection that breaks is made anew as long as `limit` allows, and a shot that
-  /// was fired before that is fetched, not fired again. Returns within `limit` and a few seconds (the time-outs of one
-  /// request and one connection); never throws for what a rig may do.
+  /// Arms, fires and reads one closing. A connection that breaks is made anew as long as `limit` allows, and a shot
+  /// that was fired before that is fetched, not fired again. Returns within `limit` and a few seconds (the time-outs
+  /// of one request and one connection); never throws for what a rig may do.
   virtual Shot fire(const Conditions&, std::chrono::milliseconds limit) = 0;
   /// Coil off, whatever the state. False when the rig does not answer.
   virtual bool abort() = 0;

@@ -18,8 +18,9 @@ struct RigStatus {
   std::string phase;       ///< of the mains
   std::string owner;       ///< who has the lease, or "free"
   std::string last_error;  ///< why the rig last refused or tripped
-  /// The phase tracker in numbers; "" = an older rig: Hz; standard uncertainty of the phase now and 20 ms ahead, 0.001 deg ("4 6");
-  /// what is wrong with the mains ("144 cross_check disturbed"); tolerance of the closing angle, 0.001 deg.
+  /// The phase tracker in numbers; "" = an older rig: Hz; standard uncertainty of the phase now and 20 ms ahead,
+  /// 0.001 deg ("4 6"); what is wrong with the mains ("144 cross_check disturbed"); tolerance of the closing angle,
+  /// 0.001 deg.
   std::string hertz, phase_u, phase_faults, tolerance;
 
   /// The coil is on, or could be without another command of its owner.
@@ -27,7 +28,8 @@ struct RigStatus {
   bool operator==(const RigStatus&) const = default;
 };
 
-/// A second line to a rig, for whoever looks on. It takes no lease and can do one thing: switch the coil off. One thread at a time.
+/// A second line to a rig, for whoever looks on. It takes no lease and can do one thing: switch the coil off. One
+/// thread at a time.
 class RigWatch {
  public:
   /// Throws RigError within `limit`. `request`: time for one answer.

@@ -9,8 +9,8 @@
 #include "core/record.h"
 #include "firmware/source_device.h"
 
-/// The rig's own word on a shot: one line of text under a checksum, as firmware/sealed_shot.h writes it. The host's half:
-/// it believes nothing that the seal does not cover.
+/// The rig's own word on a shot: one line of text under a checksum, as firmware/sealed_shot.h writes it. The host's
+/// half: it believes nothing that the seal does not cover.
 
 namespace powbench::rigs {
 

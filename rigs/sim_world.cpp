@@ -131,8 +131,8 @@ void SimWorld::connect_reference(const firmware::SetPoints& s) {
       1e-6 * static_cast<double>(s.reference_micro));
 }
 
-/// A shot that was cut short ends before the next request, and a relay that does not open is found out: beyond that no time
-/// passes while nothing goes on.
+/// A shot that was cut short ends before the next request, and a relay that does not open is found out: beyond that
+/// no time passes while nothing goes on.
 bool SimWorld::at_rest() const {
   const auto& report = board_->report();
   if (report.state == firmware::State::firing) return true;

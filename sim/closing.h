@@ -59,8 +59,8 @@ PlantOptions closing_options(const Conditions&,
 Trajectory simulate(const Specimen&, const Conditions&, double duration, double sample_dt,
                     double relative_tolerance = PlantOptions{}.relative_tolerance, const Supply& bench = {});
 
-/// The truth of a specimen that a search tries: empty, as if nothing closed, where the specimen is not usable or the integration
-/// fails.
+/// The truth of a specimen that a search tries: empty, as if nothing closed, where the specimen is not usable or the
+/// integration fails.
 ClosingTruth tried_closing(const Specimen&, const Conditions&, double duration,
                            double relative_tolerance = PlantOptions{}.relative_tolerance);
 

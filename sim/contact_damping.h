@@ -13,8 +13,8 @@
 /// | seat    | one bridge, core                              | damping ratio z, c = 2 z sqrt(k mu)           |
 ///
 /// A restitution e is what a drop test shows: speed of separation over speed of approach. With exponent 1 the force is
-/// F = max(0, k d + c d'), and e = rebound_ratio(c / (2 sqrt(k mu))) at any speed. With another exponent n it is Hunt and
-/// Crossley's F = k d0 (d / d0)^n (1 + lambda d'), and e holds at the speed of the specimen.
+/// F = max(0, k d + c d'), and e = rebound_ratio(c / (2 sqrt(k mu))) at any speed. With another exponent n it is Hunt
+/// and Crossley's F = k d0 (d / d0)^n (1 + lambda d'), and e holds at the speed of the specimen.
 
 namespace powbench::sim {
 
@@ -32,8 +32,9 @@ double stop_rest_depth(const Specimen&);
 /// What of a specimen only the rigid rung knows, in one sentence with the key and what to take instead; empty: nothing.
 std::string rigid_only(const Specimen&);
 
-/// A specimen whose restitutions and seat damping have the meaning of files before version 0.1: restitutions of the damping
-/// ratio -ln e / sqrt(pi^2 + ln^2 e) (0 gave 1) at the full mass of core and bridge. The result moves as those did.
+/// A specimen whose restitutions and seat damping have the meaning of files before version 0.1: restitutions of the
+/// damping ratio -ln e / sqrt(pi^2 + ln^2 e) (0 gave 1) at the full mass of core and bridge. The result moves as
+/// those did.
 Specimen with_rebounds(Specimen);
 
 }  // namespace powbench::sim

@@ -57,8 +57,8 @@ inline Remanence remanence(const Specimen& s) {
           m.remanence};
 }
 
-/// The state without coil and ring current that an offset i_h leaves at a gap: dW/dpsi = -i_h, dW/dphi_s = 0. Its pull is
-/// what holds a closed core when the coil is off.
+/// The state without coil and ring current that an offset i_h leaves at a gap: dW/dpsi = -i_h, dW/dphi_s = 0. Its
+/// pull is what holds a closed core when the coil is off.
 MagneticState remanent_state(const MagneticPotential&, double offset, double gap);
 
 }  // namespace powbench::sim

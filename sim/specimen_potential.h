@@ -3,9 +3,9 @@
 #include "sim/fields/potential.h"
 #include "sim/magnetic_circuit.h"
 
-/// The lumped circuit of `sim/magnetic_circuit.h` behind the one interface of magnetics: the states are the flux linkage
-/// of the coil with its leakage, psi = N phi + L i, and the flux through the shading ring. Also defined for a gap below
-/// zero, faces pressed together.
+/// The lumped circuit of `sim/magnetic_circuit.h` behind the one interface of magnetics: the states are the flux
+/// linkage of the coil with its leakage, psi = N phi + L i, and the flux through the shading ring. Also defined for a
+/// gap below zero, faces pressed together.
 
 namespace powbench::sim {
 

@@ -18,8 +18,8 @@
 #include "dsp/event_stream.h"
 #include "dsp/extract.h"
 
-/// Are the events and their uncertainties true on records that the extraction was not made with? Impacts from an equation of motion,
-/// disturbances one at a time, and records in which nothing touches. Prints one table.
+/// Are the events and their uncertainties true on records that the extraction was not made with? Impacts from an
+/// equation of motion, disturbances one at a time, and records in which nothing touches. Prints one table.
 /// Usage: bench_event_calibration [--records N] [--seed FIRST] [--class SUBSTRING] [--json PATH] [--list all|wrong]
 /// --list prints the records whose sequence is wrong or whose times lie beyond 3 u, contact by contact.
 
@@ -149,7 +149,8 @@ std::array<Row, 2> rig_rows(const Arguments& a) {
   return rows;
 }
 
-/// The streaming form on impacts with restitution: what a sample costs, and its touches beside those of the whole record.
+/// The streaming form on impacts with restitution: what a sample costs, and its touches beside those of the whole
+/// record.
 nlohmann::json streamed(const Arguments& a) {
   double cpu = 0, latest = 0, samples = 0;
   QuantityErrors apart, error;

@@ -6,8 +6,9 @@
 
 #include "bench/dsp_synth.h"
 
-/// A contact that closes, as an ordinary differential equation: a bridge of mass m, pressed by its spring, meets a pad. Nothing
-/// here is shared with the extraction or its pulse shapes; touch and release are where the equation makes and breaks contact.
+/// A contact that closes, as an ordinary differential equation: a bridge of mass m, pressed by its spring, meets a
+/// pad. Nothing here is shared with the extraction or its pulse shapes; touch and release are where the equation
+/// makes and breaks contact.
 
 namespace powbench::bench {
 

@@ -12,9 +12,10 @@
 #include "dsp/extract.h"
 #include "dsp/statistics.h"
 
-/// The extraction on recordings of impacts that nobody here made: columns of numbers (.lvm, .csv), time first, in a folder. Each is a single
-/// blow seen by accelerometers, so a list of contacts is wrong, and the verdict has to say so; where the first touch is listed, its time
-/// over the sensors of one shot should agree within what u says and the wave's running time.
+/// The extraction on recordings of impacts that nobody here made: columns of numbers (.lvm, .csv), time first, in a
+/// folder. Each is a single blow seen by accelerometers, so a list of contacts is wrong, and the verdict has to say
+/// so; where the first touch is listed, its time over the sensors of one shot should agree within what u says and the
+/// wave's running time.
 /// Usage: real_impacts FOLDER
 
 namespace {

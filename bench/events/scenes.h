@@ -7,8 +7,8 @@
 #include "bench/events/impact.h"
 #include "core/record.h"
 
-/// Records of one film for judging the extraction: impacts from their equation of motion, and what else a film shows. Each class
-/// changes one thing. Reproducible bit for bit from the seed.
+/// Records of one film for judging the extraction: impacts from their equation of motion, and what else a film shows.
+/// Each class changes one thing. Reproducible bit for bit from the seed.
 
 namespace powbench::bench {
 

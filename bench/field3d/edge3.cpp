@@ -16,8 +16,8 @@ std::size_t at(int i) {
   return static_cast<std::size_t>(i);
 }
 
-/// Edges of a brick: 0 .. 3 along x (by y, then z), 4 .. 7 along y (by x, then z), 8 .. 11 along z (by x, then y). Faces:
-/// lower and upper normal to x, y, z. Flux through a face = sum of +- its four edges.
+/// Edges of a brick: 0 .. 3 along x (by y, then z), 4 .. 7 along y (by x, then z), 8 .. 11 along z (by x, then y).
+/// Faces: lower and upper normal to x, y, z. Flux through a face = sum of +- its four edges.
 struct Curl {
   struct Term {
     int edge, sign;

@@ -6,18 +6,19 @@
 #include "sim/field3d/mesh3.h"
 #include "sim/fields/steel.h"
 
-/// The other bound: a vector potential on the edges of a graded grid, first order, for a problem that the scalar potential of
-/// sim/field3d solves too. It makes
+/// The other bound: a vector potential on the edges of a graded grid, first order, for a problem that the scalar
+/// potential of sim/field3d solves too. It makes
 ///
 ///   E(a) - I psi(a),   E = integral of w(|B|),   B = curl A,   psi = integral of B . T
 ///
-/// least (T: source field of the winding for 1 A, curl T = J). div B = 0 holds exactly and curl H = J in the mean, so the
-/// flux linkage lies below the exact one and rises with the mesh; that of the scalar potential lies above and falls.
+/// least (T: source field of the winding for 1 A, curl T = J). div B = 0 holds exactly and curl H = J in the mean, so
+/// the flux linkage lies below the exact one and rises with the mesh; that of the scalar potential lies above and
+/// falls.
 
 namespace powbench::bench {
 
-/// Bricks between the lines; z.front() is a plane with H x n = 0, x.front() is tied to itself turned by 180 degrees about z
-/// (y symmetric about 0), and no flux leaves through the other sides.
+/// Bricks between the lines; z.front() is a plane with H x n = 0, x.front() is tied to itself turned by 180 degrees
+/// about z (y symmetric about 0), and no flux leaves through the other sides.
 struct EdgeProblem {
   std::vector<double> x, y, z;                         ///< m, rising
   std::function<bool(const sim::Vec3& centre)> steel;  ///< of a brick; else air

@@ -242,7 +242,8 @@ void core(Table& table, bool fine) {
     }
 }
 
-/// The plane problem by scalar potential here and by vector potential in the plane rung: one from above, one from below.
+/// The plane problem by scalar potential here and by vector potential in the plane rung: one from above, one from
+/// below.
 void plane(Table& table) {
   sim::MagnetField reference({}, {sim::CoreMeshSizes{}.scaled(0.4), 2, 6e-3, {}});
   for (const double size : {2.0, 1.0}) {

@@ -6,8 +6,8 @@
 
 namespace powbench::bench {
 
-/// |B| of a solved core as an SVG: the plane y = 0 through the middle of the stack, and the plane x through the middle of
-/// the window, where the stack ends and the coil's heads stand out.
+/// |B| of a solved core as an SVG: the plane y = 0 through the middle of the stack, and the plane x through the
+/// middle of the window, where the stack ends and the coil's heads stand out.
 std::string core_picture(const sim::MagnetField3&, const sim::FieldPoint3&, const sim::MagnetDesign&,
                          double gap);
 

@@ -1,5 +1,6 @@
-// The reference contactor on every rung of the fields, over the whole range of current and gap: flux linkage and pull of the
-// magnetic circuit, of the plane rung, of the plane table with the ends of three dimensions, beside three dimensions.
+// The reference contactor on every rung of the fields, over the whole range of current and gap: flux linkage and pull
+// of the magnetic circuit, of the plane rung, of the plane table with the ends of three dimensions, beside three
+// dimensions.
 //   field_range [--json PATH] [--fine]      --fine: finer cells in three dimensions (minutes)
 
 #include <algorithm>

@@ -1,5 +1,5 @@
-// Errors of the finite elements and of the tables: closed solutions, the fifteen rows of the E-E contactor, cold starts with
-// a steep steel, convergence with the mesh, and tables against a finer field.
+// Errors of the finite elements and of the tables: closed solutions, the fifteen rows of the E-E contactor, cold
+// starts with a steep steel, convergence with the mesh, and tables against a finer field.
 //   fields_accuracy [--json PATH]
 
 #include <cmath>

@@ -22,8 +22,8 @@ std::vector<AnalyticResult> static_cases();
 /// Skin effect in a wire, a lamination, a cylinder and a sphere; a ring in an alternating field.
 std::vector<AnalyticResult> alternating_cases();
 
-/// Steel in a close coil and a magnet whose coil fills its gap from pole to pole; flux doubling at switch-on; a shaded pole
-/// of gaps alone.
+/// Steel in a close coil and a magnet whose coil fills its gap from pole to pole; flux doubling at switch-on; a
+/// shaded pole of gaps alone.
 std::vector<AnalyticResult> circuit_cases();
 
 }  // namespace powbench::bench

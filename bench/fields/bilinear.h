@@ -4,8 +4,9 @@
 
 #include "sim/fields/magnet_field.h"
 
-/// The usual way to keep a field: two tables of flux linkage and pull over (current, gap), each linear in both variables.
-/// The nodes are those that suit it: current by the power 1.5, gap by its logarithm as in the potential's tables.
+/// The usual way to keep a field: two tables of flux linkage and pull over (current, gap), each linear in both
+/// variables. The nodes are those that suit it: current by the power 1.5, gap by its logarithm as in the potential's
+/// tables.
 
 namespace powbench::bench {
 
@@ -19,8 +20,8 @@ class BilinearTables final : public sim::MagneticPotential {
 
   bool has_ring() const override { return false; }
 
-  /// The current is found from psi; beyond the last one the last cell goes on. There is no energy behind two tables: it stays
-  /// 0, and the derivatives by the gap too.
+  /// The current is found from psi; beyond the last one the last cell goes on. There is no energy behind two tables:
+  /// it stays 0, and the derivatives by the gap too.
   sim::MagneticResponse at(const sim::MagneticState&) const override;
 
  private:

@@ -9,8 +9,8 @@
 ///   W = s(g) W_large + (1 - s(g)) W_small,   s from 0 to 1 over [from, to], quintic (C2)
 ///   F = s F_large + (1 - s) F_small + s' (W_large - W_small)
 ///
-/// The last term is what switching between two tables leaves out, and why that creates energy. Published models take finite
-/// elements above 1.5 mm and a magnetic circuit with shading ring below.
+/// The last term is what switching between two tables leaves out, and why that creates energy. Published models take
+/// finite elements above 1.5 mm and a magnetic circuit with shading ring below.
 
 namespace powbench::bench {
 

@@ -1,5 +1,5 @@
-// U- and C-cores: states of the own grid beside FreeFem++ on its own mesh, beside a finer own grid, and beside the own elements on
-// FreeFem++'s mesh.
+// U- and C-cores: states of the own grid beside FreeFem++ on its own mesh, beside a finer own grid, and beside the
+// own elements on FreeFem++'s mesh.
 //   fields_cores [--json PATH]
 
 #include <cmath>

@@ -19,8 +19,8 @@ using FieldStates = std::vector<FieldState>;
 FieldStates states_of(const sim::MagnetDesign&, const sim::FieldOptions&);
 FieldStates states_of(const sim::MagnetDesign&, const sim::CoreMeshSizes3&);
 
-/// On a potential: the fluxes where W - i psi is least, from those of `guess`. Throws std::runtime_error where Newton does
-/// not arrive.
+/// On a potential: the fluxes where W - i psi is least, from those of `guess`. Throws std::runtime_error where Newton
+/// does not arrive.
 FieldStates states_of(const sim::MagneticPotential&, const FieldStates& guess);
 
 /// Largest relative errors of flux linkage, and of the pull where it is above 1 N. Zero without states.

@@ -1,5 +1,6 @@
-// Own drawings: three magnets from the outlines of docs/examples/own-magnet with other lengths, each drawn once and moved by its air,
-// beside FreeFem++ and GetDP on meshes of gmsh made anew at every gap. And how long a mesh takes to its table of 24 x 24.
+// Own drawings: three magnets from the outlines of docs/examples/own-magnet with other lengths, each drawn once and
+// moved by its air, beside FreeFem++ and GetDP on meshes of gmsh made anew at every gap. And how long a mesh takes to
+// its table of 24 x 24.
 //   fields_own [--json PATH]
 
 #include <cmath>

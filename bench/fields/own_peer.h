@@ -6,9 +6,10 @@
 
 #include "sim/fields/drawn_magnet.h"
 
-/// Drawings made from the outlines of docs/examples/own-magnet by gmsh, and the same magnets at other gaps by FreeFem++ (quadratic
-/// elements, full Newton steps, pull by the stress weighted with a harmonic function of its own) and, in the plane, by GetDP
-/// (quadratic elements). The steel is `reference`, solid. Everything is written into a temporary folder.
+/// Drawings made from the outlines of docs/examples/own-magnet by gmsh, and the same magnets at other gaps by
+/// FreeFem++ (quadratic elements, full Newton steps, pull by the stress weighted with a harmonic function of its own)
+/// and, in the plane, by GetDP (quadratic elements). The steel is `reference`, solid. Everything is written into a
+/// temporary folder.
 
 namespace powbench::bench {
 

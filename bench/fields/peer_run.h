@@ -26,7 +26,8 @@ struct Corner {
 /// Closed outline as points, lines and the curve loop `loop` of a gmsh script; `point` and `curve` count on.
 void polygon(std::ostream& out, int& point, int& curve, int loop, const std::vector<Corner>& corners);
 
-/// Reads an ASCII mesh of version 2.2: triangles with their physical group as region, A = 0 on lines of the group `rim`.
+/// Reads an ASCII mesh of version 2.2: triangles with their physical group as region, A = 0 on lines of the group
+/// `rim`.
 sim::Mesh read_msh2(const std::string& path, int rim);
 
 /// FreeFem++'s own format; the rim (label 10) are the outer edges between vertices where A = 0.

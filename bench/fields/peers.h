@@ -5,8 +5,8 @@
 
 #include "sim/fields/mesh.h"
 
-/// The E-E contactor on an unstructured mesh of gmsh, given to GetDP and to FreeFem++ with the same law of the steel: linear
-/// elements, full Newton steps from zero, one thread. Everything is written into a temporary folder.
+/// The E-E contactor on an unstructured mesh of gmsh, given to GetDP and to FreeFem++ with the same law of the steel:
+/// linear elements, full Newton steps from zero, one thread. Everything is written into a temporary folder.
 
 namespace powbench::bench {
 

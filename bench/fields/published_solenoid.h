@@ -8,9 +8,10 @@
 #include "sim/fields/solenoid_field.h"
 #include "sim/magnetic_circuit.h"
 
-/// The solenoid of the Modelica Standard Library 4.1, Magnetic.FluxTubes.Examples.SolenoidActuator: its parameters, and what its two
-/// comparison models hold as results of finite elements (ComparisonQuasiStatic, ComparisonPullInStroke; Modelica Association, BSD
-/// 3-clause). The pull-in there is by look-up tables of static finite elements. 12 V and 10 ohm, no spring, 26.04 g.
+/// The solenoid of the Modelica Standard Library 4.1, Magnetic.FluxTubes.Examples.SolenoidActuator: its parameters,
+/// and what its two comparison models hold as results of finite elements (ComparisonQuasiStatic,
+/// ComparisonPullInStroke; Modelica Association, BSD 3-clause). The pull-in there is by look-up tables of static
+/// finite elements. 12 V and 10 ohm, no spring, 26.04 g.
 
 namespace powbench::bench {
 

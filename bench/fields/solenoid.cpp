@@ -1,5 +1,5 @@
-// Solenoids: the published one of the Modelica Standard Library, static and at its pull-in; faces that are not flat beside FreeFem++ on
-// its own mesh; what eddy currents in solid iron add.
+// Solenoids: the published one of the Modelica Standard Library, static and at its pull-in; faces that are not flat
+// beside FreeFem++ on its own mesh; what eddy currents in solid iron add.
 //   fields_solenoid [--json PATH]
 
 #include <cmath>

@@ -5,8 +5,9 @@
 
 #include "sim/fields/solenoid_field.h"
 
-/// A solenoid by FreeFem++: its own unstructured mesh of gmsh, quadratic elements for the flux function r A, full Newton
-/// steps, pull by Maxwell's stress with the same weight, or for faces that are not flat with a harmonic one. Steel `reference` only.
+/// A solenoid by FreeFem++: its own unstructured mesh of gmsh, quadratic elements for the flux function r A, full
+/// Newton steps, pull by Maxwell's stress with the same weight, or for faces that are not flat with a harmonic one.
+/// Steel `reference` only.
 
 namespace powbench::bench {
 

@@ -1,5 +1,5 @@
-// CPU time of a Newton iteration beside GetDP and FreeFem++ on the same unstructured mesh, linear elements, one thread; the
-// own quadratic elements on the own grid; and what a table costs to build and to ask.
+// CPU time of a Newton iteration beside GetDP and FreeFem++ on the same unstructured mesh, linear elements, one
+// thread; the own quadratic elements on the own grid; and what a table costs to build and to ask.
 //   fields_speed [--json PATH]
 
 #include <chrono>

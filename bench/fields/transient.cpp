@@ -1,4 +1,5 @@
-// What a closing on a table costs: 40 ms in steps of 10 us, and the steps one by one as a rig in the loop would see them.
+// What a closing on a table costs: 40 ms in steps of 10 us, and the steps one by one as a rig in the loop would see
+// them.
 //   fields_transient [--json PATH]
 
 #include <algorithm>
@@ -19,8 +20,8 @@ namespace {
 using namespace powbench;
 using Json = nlohmann::ordered_json;
 
-/// A closing on a table, 4000 steps of 10 us: implicit midpoint rule, mechanics included. The cheapest of a few, and every
-/// step by itself, as a rig in the loop would see it.
+/// A closing on a table, 4000 steps of 10 us: implicit midpoint rule, mechanics included. The cheapest of a few, and
+/// every step by itself, as a rig in the loop would see it.
 Json transient(const char* name, const sim::MagneticPotential& p) {
   sim::TransientSetup s;
   s.resistance = 250;

@@ -9,8 +9,8 @@
 #include "bench/link/link_trials.h"
 
 /// The table of the link: what becomes of shots when the line or another host misbehaves.
-/// Usage: bench_link_faults [--tcp N] [--serial N] [--schedules N] [--connections N] [--flood MB] [--seed N] [--json PATH]
-/// A part with 0 is left out. Ends with 1 when anything happened that must not.
+/// Usage: bench_link_faults [--tcp N] [--serial N] [--schedules N] [--connections N] [--flood MB] [--seed N] [--json
+/// PATH] A part with 0 is left out. Ends with 1 when anything happened that must not.
 
 namespace {
 

@@ -10,8 +10,8 @@
 
 #include "rigs/fault_line.h"
 
-/// What becomes of shots when the line to the rig, or the other host on it, misbehaves. Each trial is one shot of the real
-/// client at the real server, and everything in it follows from a seed.
+/// What becomes of shots when the line to the rig, or the other host on it, misbehaves. Each trial is one shot of the
+/// real client at the real server, and everything in it follows from a seed.
 
 namespace powbench::bench {
 

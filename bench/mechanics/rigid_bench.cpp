@@ -30,8 +30,9 @@ struct Row {
   sim::BounceError error;
 };
 
-/// The reference closing and four like it, masses and gaps changed by up to 1e-6, each with its exact events. The error of
-/// one closing depends on where steps happen to fall and scatters by a factor of ten; the median of five does not.
+/// The reference closing and four like it, masses and gaps changed by up to 1e-6, each with its exact events. The
+/// error of one closing depends on where steps happen to fall and scatters by a factor of ten; the median of five
+/// does not.
 struct Scene {
   sim::RigidParts parts;
   std::vector<sim::RigidEvent> exact;
@@ -47,7 +48,8 @@ std::vector<Scene> scenes() {
   return list;
 }
 
-/// Every scene by one method: the scene with the median error (a lost sequence counts as the largest), the least CPU time.
+/// Every scene by one method: the scene with the median error (a lost sequence counts as the largest), the least CPU
+/// time.
 template <class Run>
 Row median_row(const std::vector<Scene>& all, const Run& run) {
   std::vector<Row> rows;
@@ -96,8 +98,8 @@ const Row* cheapest(const std::vector<Row>& rows, double error) {
   return best;
 }
 
-/// Fewest right-hand-side calls of a method at `error`, interpolated between its settings in the logarithms, so that the
-/// spacing of the tolerances decides nothing. 0: never reaches it.
+/// Fewest right-hand-side calls of a method at `error`, interpolated between its settings in the logarithms, so that
+/// the spacing of the tolerances decides nothing. 0: never reaches it.
 double calls_at(const std::vector<Row>& rows, const std::string& method, double error) {
   const Row* above = nullptr;
   for (const auto& r : rows) {

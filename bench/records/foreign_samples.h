@@ -4,7 +4,8 @@
 #include <string>
 #include <vector>
 
-/// Files as other instruments write them, made here, of two channels with known numbers. Tests, fuzz and benchmark use them.
+/// Files as other instruments write them, made here, of two channels with known numbers. Tests, fuzz and benchmark
+/// use them.
 
 namespace powbench::host {
 

@@ -18,8 +18,8 @@
 #include "host/import/wvf.h"
 #include "host/store/store.h"
 
-/// Every format's rate, read and write, in MB of the file a CPU second, beside a plain copy of a file of that size; and samples a second.
-/// Files stand in memory (/dev/shm) where the machine has that.
+/// Every format's rate, read and write, in MB of the file a CPU second, beside a plain copy of a file of that size;
+/// and samples a second. Files stand in memory (/dev/shm) where the machine has that.
 /// Usage: bench_formats [--json PATH]
 
 namespace {

@@ -13,8 +13,8 @@
 #include "dsp/extract.h"
 #include "host/store/store.h"
 
-/// What a list, a query for one shot and its events cost in stores of many shots: CPU seconds with the opening of the store, all seals
-/// checked. Events are whole, records short (a list reads none).
+/// What a list, a query for one shot and its events cost in stores of many shots: CPU seconds with the opening of the
+/// store, all seals checked. Events are whole, records short (a list reads none).
 /// Usage: bench_store_list [--json PATH] [SHOTS...]   (1000, 20 000 and 100 000 if left out)
 
 namespace {

@@ -15,8 +15,8 @@
 #include "host/store/hash.h"
 #include "host/store/packing.h"
 
-/// Ways to keep the samples of a record without loss: share of the bare bytes, CPU rate of packing and unpacking, in MB of bare
-/// samples a second. Records of the simulated rig with the noise of its sensors, at twelve angles.
+/// Ways to keep the samples of a record without loss: share of the bare bytes, CPU rate of packing and unpacking, in
+/// MB of bare samples a second. Records of the simulated rig with the noise of its sensors, at twelve angles.
 /// Usage: bench_store_packing [--json PATH]
 
 namespace {

@@ -90,7 +90,8 @@ Plane quarter_disc(int n) {
   return plane;
 }
 
-/// Of one part. Each face is cut from its lowest-numbered corner, so neighbours fit whatever the order of their corners.
+/// Of one part. Each face is cut from its lowest-numbered corner, so neighbours fit whatever the order of their
+/// corners.
 SolidMesh tetrahedra_around_middles(const SolidMesh& hexes) {
   static constexpr std::size_t faces[6][4] = {{0, 3, 2, 1}, {4, 5, 6, 7}, {0, 1, 5, 4},
                                               {1, 2, 6, 5}, {2, 3, 7, 6}, {3, 0, 4, 7}};

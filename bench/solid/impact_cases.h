@@ -36,7 +36,8 @@ struct SphereImpact {
   double depth = 0, force = 0, time = 0;  ///< m, N, s
   long cells = 0, steps = 0;
 };
-/// Steel body with the face and the mass of a ball R = 10 mm on a steel half-space at 1 m/s, a quarter of it; `finest` cell at the pole, m.
+/// Steel body with the face and the mass of a ball R = 10 mm on a steel half-space at 1 m/s, a quarter of it;
+/// `finest` cell at the pole, m.
 SphereImpact sphere_on_half_space(double finest, int workers);
 
 struct CylinderContact {
@@ -58,8 +59,8 @@ TaylorBar taylor_bar(int across, int along, bool held, TaylorCells = TaylorCells
 /// The mesh of it, for the peer.
 sim::SolidMesh taylor_mesh(int across, int along);
 
-/// A copper contact bridge (24 x 6 x 1.5 mm) that falls flat with 0.6 m/s on two rigid pads with springs of 3e6 N/m each at
-/// its ends: reduced against explicit, over the first contact.
+/// A copper contact bridge (24 x 6 x 1.5 mm) that falls flat with 0.6 m/s on two rigid pads with springs of 3e6 N/m
+/// each at its ends: reduced against explicit, over the first contact.
 struct BridgeOnPads {
   double worst = 0;       ///< largest difference of the forces over the peak force
   double rms = 0;         ///< root mean square of the difference over the peak

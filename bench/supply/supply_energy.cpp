@@ -1,6 +1,6 @@
-// What the energy balance of a switch-on misses, u i = R i^2 + stored + mechanical + ring loss, over the closing angles:
-// both models on the specimen's circuit, other rungs of fields under the rigid one, real supplies and switches, and the
-// field itself in the loop.
+// What the energy balance of a switch-on misses, u i = R i^2 + stored + mechanical + ring loss, over the closing
+// angles: both models on the specimen's circuit, other rungs of fields under the rigid one, real supplies and
+// switches, and the field itself in the loop.
 //   supply [--json PATH]
 
 #include <cstdio>

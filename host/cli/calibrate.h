@@ -36,9 +36,9 @@ struct Walk {
   std::string report;         ///< TOML: every channel's points, counts, gain before and after
 };
 
-/// Asks for two points of each electrical input and of the laser, for the films' sensitivities and for the switch's delay; an
-/// empty answer keeps what is there. `token`: of the lease that is held. Where the rig has a programmable source it is told
-/// to apply the quantity, else the person is.
+/// Asks for two points of each electrical input and of the laser, for the films' sensitivities and for the switch's
+/// delay; an empty answer keeps what is there. `token`: of the lease that is held. Where the rig has a programmable
+/// source it is told to apply the quantity, else the person is.
 Walk walk(rigs::IioLink&, const std::string& token, const Ask&);
 
 /// Writes the rows and the certificate to the rig and waits until it says that they are stored. `day` as 20301231.

@@ -35,8 +35,8 @@ inline void add_progress(CLI::App* app, std::string& progress) {
       ->capture_default_str();
 }
 
-/// --shard and --slurm of a verb whose points do not know of each other, and --points-db where it has no other store for them.
-/// `of`: what a point is, for the help.
+/// --shard and --slurm of a verb whose points do not know of each other, and --points-db where it has no other store
+/// for them. `of`: what a point is, for the help.
 void add_shard_options(CLI::App*, ShardArgs&, const char* of, const char* store = "--points-db");
 
 /// info, rigs, calibrate, rig, bridge.

@@ -114,8 +114,8 @@ sim::LadderTimes input_error_of(const std::vector<sim::Rung>& rungs, const sim::
                           thread_cpu_seconds);
 }
 
-/// Model error of a rung: the largest difference to a rung above it, in the order fields and mechanics are named in; NaN at the
-/// top and where none was run.
+/// Model error of a rung: the largest difference to a rung above it, in the order fields and mechanics are named in;
+/// NaN at the top and where none was run.
 sim::LadderTimes model_error_of(std::size_t rung, const std::vector<sim::Rung>& rungs,
                                 const sim::Ladder& ladder) {
   const auto place = [](const auto& names, const std::string& name) {
@@ -208,8 +208,8 @@ Exit choose(const sim::Case& c, const std::vector<sim::Rung>& rungs, double accu
   return choice.met ? Exit::not_known : Exit::outside_limits;
 }
 
-/// Pairs of fields and mechanics. Without a name only one physics and no pair that takes seconds; with --all every pair that
-/// ends within minutes.
+/// Pairs of fields and mechanics. Without a name only one physics and no pair that takes seconds; with --all every
+/// pair that ends within minutes.
 std::vector<sim::Rung> rungs_of(const LadderArgs& args, const sim::Specimen& specimen) {
   FieldCache cache;
   cache.folder = args.cache;

@@ -7,11 +7,13 @@ namespace CLI {
 class App;
 }
 
-/// What is made of the command tree itself, so that it cannot differ from `--help`: manual pages, shell completion, the reference.
+/// What is made of the command tree itself, so that it cannot differ from `--help`: manual pages, shell completion,
+/// the reference.
 
 namespace powbench::host {
 
-/// The verbs of `app` that a person is shown, by their words: "run", "plan check"; "" is the program itself. In the order of the help.
+/// The verbs of `app` that a person is shown, by their words: "run", "plan check"; "" is the program itself. In the
+/// order of the help.
 std::map<std::string, const CLI::App*> shown_verbs(const CLI::App& app);
 
 /// Text of the manual page of one verb (roff, section 1); `words` as in shown_verbs.
@@ -23,7 +25,8 @@ std::string command_reference(const CLI::App& program);
 /// Every key of the four kinds of file: the commented templates, as one Markdown page.
 std::string file_reference();
 
-/// help, and the hidden verb `manual` that writes all of the above into a folder. Last: they look at the verbs that are there.
+/// help, and the hidden verb `manual` that writes all of the above into a folder. Last: they look at the verbs that
+/// are there.
 void add_manual_verbs(CLI::App& program);
 
 }  // namespace powbench::host

@@ -54,7 +54,8 @@ Exit run_plan(const RunArgs& args) {
     return Exit::pass;
   }
   const StopOnSignal stop;
-  // the rig before a store is made: a campaign that could not begin leaves no trace; one that cannot be used is refused before
+  // the rig before a store is made: a campaign that could not begin leaves no trace; one that cannot be used is
+  // refused before
   std::optional<Store> there;
   std::error_code ignored;
   if (std::filesystem::exists(args.database, ignored)) there.emplace(args.database);

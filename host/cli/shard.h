@@ -30,10 +30,10 @@ Points open_points(const ShardArgs&);
 /// One line to stderr: points computed and found, and, of a part, how the parts are put together.
 void say_points(const Points&, const ShardArgs&);
 
-/// A bash script for the login node of a cluster: submits the shards of the command as job arrays no longer than the cluster's
-/// MaxArraySize allows, each with a store of its own in DATABASE.shards, and one job behind them that merges the stores into `database`
-/// and runs the command on that, which computes what is missing, nothing as a rule, and prints the result. A part that is run again goes
-/// on where it was. Throws BadInput where no store is named.
+/// A bash script for the login node of a cluster: submits the shards of the command as job arrays no longer than the
+/// cluster's MaxArraySize allows, each with a store of its own in DATABASE.shards, and one job behind them that
+/// merges the stores into `database` and runs the command on that, which computes what is missing, nothing as a rule,
+/// and prints the result. A part that is run again goes on where it was. Throws BadInput where no store is named.
 std::string slurm_script(const ShardArgs&, const std::string& database);
 
 }  // namespace powbench::host

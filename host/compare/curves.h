@@ -16,9 +16,10 @@ struct Curve {
   std::span<const float> values;
 };
 
-/// Where two curves differ most, as paper A states it for coil current (i_m) and travel (x_m): both values at that instant,
-/// their distance, and that over the measured one. Near a zero of the measured value that share says nothing: the rms of the
-/// difference over the span of the measured curve and the delay that explains most of it stand beside it.
+/// Where two curves differ most, as paper A states it for coil current (i_m) and travel (x_m): both values at that
+/// instant, their distance, and that over the measured one. Near a zero of the measured value that share says
+/// nothing: the rms of the difference over the span of the measured curve and the delay that explains most of it
+/// stand beside it.
 struct CurveDeviation {
   static constexpr double none = std::numeric_limits<double>::quiet_NaN();
   double largest = none;    ///< |simulated - measured|, unit of the curves
@@ -35,8 +36,8 @@ struct CurveDeviation {
 /// Both curves are averaged over this, s: the largest difference of two noisy curves would else be their noise.
 inline constexpr double curve_bin = 0.1e-3;
 
-/// Over 0 .. `end` s after switch-on, each curve counted from its mean over the 2 ms before. All unknown where the curves have
-/// fewer than ten bins in common. Throws std::invalid_argument for a dt that is not above 0.
+/// Over 0 .. `end` s after switch-on, each curve counted from its mean over the 2 ms before. All unknown where the
+/// curves have fewer than ten bins in common. Throws std::invalid_argument for a dt that is not above 0.
 CurveDeviation curve_deviation(const Curve& measured, const Curve& simulated, double end);
 
 /// One curve at one closing angle.

@@ -16,13 +16,13 @@ struct Limit {
   double low = std::numeric_limits<double>::quiet_NaN();
   double high = std::numeric_limits<double>::quiet_NaN();
 
-  /// PASS or FAIL by the rule; NOT OBSERVED for a value that is not known, NOT JUDGED where the rule needs an uncertainty
-  /// that is not known.
+  /// PASS or FAIL by the rule; NOT OBSERVED for a value that is not known, NOT JUDGED where the rule needs an
+  /// uncertainty that is not known.
   Outcome of(const Measured&, Decision = Decision::simple) const;
 };
 
-/// The closing angle reached against the one commanded, rad: PASS within the tolerance, guarded by U = 2 u where the rule says so;
-/// NOT OBSERVED where none is known.
+/// The closing angle reached against the one commanded, rad: PASS within the tolerance, guarded by U = 2 u where the
+/// rule says so; NOT OBSERVED where none is known.
 Outcome judge_angle(const Measured& reached, double commanded, double tolerance, Decision);
 
 struct Judgement {

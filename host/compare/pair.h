@@ -26,8 +26,9 @@ struct PairRow {
   double over_U() const;
 };
 
-/// u of the difference is sqrt(u1^2 + u2^2): errors that both campaigns share, such as one calibration, are counted twice, so U errs to
-/// the safe side. Degrees of freedom after Welch-Satterthwaite (JCGM 100:2008, G.4), k from Student's t.
+/// u of the difference is sqrt(u1^2 + u2^2): errors that both campaigns share, such as one calibration, are counted
+/// twice, so U errs to the safe side. Degrees of freedom after Welch-Satterthwaite (JCGM 100:2008, G.4), k from
+/// Student's t.
 std::vector<PairRow> compare_pair(const Comparison& first, const Comparison& second);
 
 }  // namespace powbench::host

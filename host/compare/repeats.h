@@ -12,7 +12,7 @@ namespace powbench::host {
 /// After the Guide to the expression of uncertainty in measurement (JCGM 100:2008), clauses 4.2, 5.1 and G.4:
 ///   mean   x = sum x_i / n,  scatter s with n - 1
 ///   u_A    s / sqrt(n), n - 1 degrees of freedom; none for n = 1
-///   u_B    root mean square of the events' own u: taken as common to all repeats (calibration, delay, threshold), so it
+///   u_B root mean square of the events' own u: taken as common to all repeats (calibration, delay, threshold), so it
 ///          does not shrink with n. Its random share is in s as well: u errs to the safe side
 ///   u      sqrt(u_A^2 + u_B^2)
 ///   dof    Welch-Satterthwaite with u_B of infinite dof: (n - 1) (u / u_A)^4

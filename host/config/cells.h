@@ -39,7 +39,8 @@ bool is_missing(std::string_view cell);
 /// The whole cell as a number, or nothing. Beyond the range of doubles: infinity, or 0.
 std::optional<double> cell_number(std::string_view cell, bool decimal_comma);
 
-/// Magnitudes from here on are over-range codes of instruments (SCPI: 9.9E37 stands for infinity, 9.91E37 for not a number).
+/// Magnitudes from here on are over-range codes of instruments (SCPI: 9.9E37 stands for infinity, 9.91E37 for not a
+/// number).
 inline constexpr double over_range_code = 9.9e37;
 
 /// Refuses, by BadInput, UTF-16 and binary data; returns the text without the UTF-8 byte order mark.

@@ -28,9 +28,10 @@ inline constexpr std::size_t most_rows = 20'000'000;
 /// - comma, semicolon or tab between the cells; decimal comma where the separator is not a comma;
 /// - line ends LF, CRLF or CR; a UTF-8 byte order mark; empty lines and lines that begin with `#` anywhere;
 /// - cells in double quotes; blanks around cells; one empty cell at the end of each line;
-/// - no value: an empty cell, nan, na, n/a, null, -, in any case. inf and magnitudes from 9.9e37 on (the over-range codes of
-///   instruments) count as no value too and are counted in `over_range`.
-/// All else is refused: throws BadInput with the first mistakes, each with `file`, line, column, value and what is allowed.
+/// - no value: an empty cell, nan, na, n/a, null, -, in any case. inf and magnitudes from 9.9e37 on (the over-range
+///   codes of instruments) count as no value too and are counted in `over_range`.
+/// All else is refused: throws BadInput with the first mistakes, each with `file`, line, column, value and what is
+/// allowed.
 CsvTable read_csv(std::string_view text, const std::string& file);
 
 }  // namespace powbench::host

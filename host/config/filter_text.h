@@ -21,7 +21,8 @@ std::string read_filter(std::string_view text, dsp::EventFilter& filter);
 std::string read_phase(std::string_view text, dsp::FilterPhase&);
 std::string read_band(std::string_view text, dsp::Band&);
 
-/// All three into the options; an empty text leaves what is there. Says what is wrong with the whole, too: `plain` is zero phase.
+/// All three into the options; an empty text leaves what is there. Says what is wrong with the whole, too: `plain` is
+/// zero phase.
 struct FilterWords {
   std::string filter, phase, band;
 };

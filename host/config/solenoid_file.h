@@ -10,8 +10,8 @@
 
 namespace powbench::host {
 
-/// True if the file says ahead of its first section that it is no contactor: `kind = "solenoid"`, or a word that `read_solenoid`
-/// refuses. A file that cannot be read says nothing.
+/// True if the file says ahead of its first section that it is no contactor: `kind = "solenoid"`, or a word that
+/// `read_solenoid` refuses. A file that cannot be read says nothing.
 bool is_solenoid_file(const std::filesystem::path&);
 
 /// Throws BadInput that names the file where it is that of a solenoid: what only takes contactors asks here first.

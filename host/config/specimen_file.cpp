@@ -54,8 +54,8 @@ void add_drawing(FileKind& kind, sim::Magnet& m, Writes writes) {
   kind.text("drawing_hash", m.drawing_hash, "of what was in the drawing; written into stored specimens");
 }
 
-/// The measured steel of a magnet. Its rows are written only where there are any: a file names a sheet, a stored specimen holds
-/// what was in it.
+/// The measured steel of a magnet. Its rows are written only where there are any: a file names a sheet, a stored
+/// specimen holds what was in it.
 void add_steel(FileKind& kind, sim::Magnet& m, Writes writes) {
   kind.text(
       "steel", m.steel,

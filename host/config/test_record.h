@@ -6,8 +6,8 @@
 #include <string_view>
 #include <vector>
 
-/// Who tested what, for whom and with which instruments: what a report needs to be signed. Part of the plan, completed later by
-/// annotations of the campaign.
+/// Who tested what, for whom and with which instruments: what a report needs to be signed. Part of the plan,
+/// completed later by annotations of the campaign.
 
 namespace powbench::host {
 
@@ -53,8 +53,8 @@ bool is_day(std::string_view);
 /// Today's, UTC.
 std::string utc_today();
 
-/// Completes the record: a later word replaces an earlier one; remarks and instruments are added. Throws BadInput for a key that is
-/// none, an empty text, a day that is none, or an instrument that cannot be read.
+/// Completes the record: a later word replaces an earlier one; remarks and instruments are added. Throws BadInput for
+/// a key that is none, an empty text, a day that is none, or an instrument that cannot be read.
 void complete(TestRecord&, std::string_view key, const std::string& text);
 
 /// Instruments whose last day lies before `day` (2030-12-31).

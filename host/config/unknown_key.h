@@ -6,8 +6,8 @@
 
 namespace powbench::host {
 
-/// What to say of a key that a section of this kind of file does not have: the key that was meant here or elsewhere, the section that is
-/// named like it, or the keys that there are.
+/// What to say of a key that a section of this kind of file does not have: the key that was meant here or elsewhere,
+/// the section that is named like it, or the keys that there are.
 std::string unknown_key(const FileKind&, const std::string& section, const std::string& key);
 
 /// The same of a section.

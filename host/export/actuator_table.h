@@ -21,19 +21,20 @@ struct ActuatorTable {
   std::size_t at(std::size_t i, std::size_t x) const { return i * position.size() + x; }
 };
 
-/// Currents 0 .. `largest_current` and positions 0 .. `travel`, denser towards 0 and towards the closed core. The potential
-/// has no ring. Throws BadInput where no current of that size is reached.
+/// Currents 0 .. `largest_current` and positions 0 .. `travel`, denser towards 0 and towards the closed core. The
+/// potential has no ring. Throws BadInput where no current of that size is reached.
 ActuatorTable actuator_table(const sim::MagneticPotential&, double largest_current, double travel,
                              std::size_t currents = 81, std::size_t positions = 61);
 
 /// One line a state: current, position, flux linkage, force, both derivatives, with units in the header.
 std::string actuator_csv(const ActuatorTable&);
 
-/// Text file of Modelica's table blocks: the matrices `flux_linkage` and `force`, current down (u1), position across (u2).
+/// Text file of Modelica's table blocks: the matrices `flux_linkage` and `force`, current down (u1), position across
+/// (u2).
 std::string actuator_modelica(const ActuatorTable&, const std::string& title);
 
-/// MAT-file of level 5. For Simscape's FEM-Parameterized Linear Actuator the vectors i, x and the matrices Phi, dPhi_di,
-/// dPhi_dx, F; for Modelica's table blocks the matrices `flux_linkage` and `force` with their axes.
+/// MAT-file of level 5. For Simscape's FEM-Parameterized Linear Actuator the vectors i, x and the matrices Phi,
+/// dPhi_di, dPhi_dx, F; for Modelica's table blocks the matrices `flux_linkage` and `force` with their axes.
 std::string actuator_mat(const ActuatorTable&);
 
 }  // namespace powbench::host

@@ -10,8 +10,8 @@ namespace {
 
 static_assert(std::endian::native == std::endian::little, "Arrow buffers are written as they lie in memory");
 
-/// A FlatBuffer, built from its end to its front as the format wants it: an offset points towards the end. A position is the
-/// distance from the end.
+/// A FlatBuffer, built from its end to its front as the format wants it: an offset points towards the end. A position
+/// is the distance from the end.
 class Flat {
  public:
   using At = std::uint32_t;

@@ -5,8 +5,9 @@
 
 namespace powbench::host {
 
-/// A plane or axisymmetric solution as a grid of its own triangles, quadratic ones with six points, the strip at its true
-/// height: A [Wb/m] at the points; B [T] as a vector, |B| [T] and the region in each triangle. `a` as Newton left it.
+/// A plane or axisymmetric solution as a grid of its own triangles, quadratic ones with six points, the strip at its
+/// true height: A [Wb/m] at the points; B [T] as a vector, |B| [T] and the region in each triangle. `a` as Newton
+/// left it.
 VtuGrid field_grid(const sim::FieldProblem&, const std::vector<double>& a);
 
 }  // namespace powbench::host

@@ -8,7 +8,8 @@
 
 namespace powbench::host {
 
-/// From `low` to `high`. A `bend` above 0 stretches small values: steps are even in log(1 + |x| / bend), and `low` is 0 then.
+/// From `low` to `high`. A `bend` above 0 stretches small values: steps are even in log(1 + |x| / bend), and `low` is
+/// 0 then.
 struct SurfaceAxis {
   std::string label;  ///< with unit
   double low = 0, high = 1;
@@ -19,8 +20,8 @@ struct SurfaceAxis {
   std::vector<double> ticks(int most) const;  ///< round values within the axis, about that many, ascending
 };
 
-/// The corner of both largest values is behind, that of both smallest in front, so that `z` should rise along x and y. Cells are
-/// filled from the back to the front, each over what it hides.
+/// The corner of both largest values is behind, that of both smallest in front, so that `z` should rise along x and
+/// y. Cells are filled from the back to the front, each over what it hides.
 struct SurfacePlot {
   std::string title;
   SurfaceAxis x, y;  ///< along the left and the right edge in front

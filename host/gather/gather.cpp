@@ -184,8 +184,8 @@ std::vector<CurveRow> gather_curves(const Store& store, const CampaignInfo& c) {
   return rows;
 }
 
-/// Shots whose waveforms the report draws: the first of each angle, fewer where there are many angles, so that the page of a long
-/// campaign stays small. Only these are read from the store.
+/// Shots whose waveforms the report draws: the first of each angle, fewer where there are many angles, so that the
+/// page of a long campaign stays small. Only these are read from the store.
 std::set<std::int64_t> shots_to_draw(const std::vector<StoredShot>& shots) {
   constexpr std::size_t most_angles = 36, most_traces = 60, most_repeats = 5;
   std::map<double, std::pair<std::size_t, std::size_t>> seen;  // by angle: measured, simulated; NaN as -1

@@ -7,8 +7,8 @@
 
 namespace powbench::host {
 
-/// In what two campaigns were not alike beside their closings: specimen, rig, supply, temperature, extraction. One line each, as
-/// "supply voltage: 230 V, then 200 V"; none where they were alike.
+/// In what two campaigns were not alike beside their closings: specimen, rig, supply, temperature, extraction. One
+/// line each, as "supply voltage: 230 V, then 200 V"; none where they were alike.
 std::vector<std::string> unlike(const Store&, const CampaignInfo& first, const CampaignInfo& second);
 
 }  // namespace powbench::host

@@ -6,8 +6,8 @@
 
 namespace powbench::host {
 
-/// A stored shot judged by the plan that is stored, so that a store of an earlier program says what is known today. Without events, or
-/// without a measurement: as it was stored.
+/// A stored shot judged by the plan that is stored, so that a store of an earlier program says what is known today.
+/// Without events, or without a measurement: as it was stored.
 Judgement judged_anew(const StoredShot&, const std::optional<Events>&, const RunOptions&);
 
 /// The campaign in one word, as its report has it, without reading a record.

@@ -50,7 +50,8 @@ void set_rule(dsp::ExtractOptions&, const LabRule&);
 void apply_rule(Events&, const Record&, const dsp::ExtractOptions&, const LabRule&);
 
 /// Bands of one closing alone as JSON text, one entry a film: {"film", "modes_hertz": [], "contact_hertz",
-/// "ring_in_contact_db", "pulse_in_core_db", "overlaps", "filter", "canceller"}; without vibration only "film" and no modes.
+/// "ring_in_contact_db", "pulse_in_core_db", "overlaps", "filter", "canceller"}; without vibration only "film" and no
+/// modes.
 std::string bands_json(const Record&, const Events&, const dsp::ExtractOptions&);
 
 /// The same, one line a film, for the terminal.

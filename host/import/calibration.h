@@ -10,8 +10,8 @@
 #include "core/record.h"
 #include "host/import/column.h"
 
-/// The calibration file: what a waveform's numbers cannot say by themselves. TOML, beside the waveform: the same name with
-/// the ending `.toml`. Owner: whoever recorded the waveform.
+/// The calibration file: what a waveform's numbers cannot say by themselves. TOML, beside the waveform: the same name
+/// with the ending `.toml`. Owner: whoever recorded the waveform.
 
 namespace powbench::host {
 
@@ -49,8 +49,9 @@ struct Calibration {
 /// `shot.csv` -> `shot.toml`.
 std::filesystem::path calibration_path(const std::filesystem::path& waveform);
 
-/// With the gains of the certificates that it names, which lie beside it (host/import/dcc.h): where [channel] certificate is given, the gain
-/// is the certificate's. Where `calibration` is not given, it is the identifier of the certificates. Throws BadInput with all mistakes.
+/// With the gains of the certificates that it names, which lie beside it (host/import/dcc.h): where [channel]
+/// certificate is given, the gain is the certificate's. Where `calibration` is not given, it is the identifier of the
+/// certificates. Throws BadInput with all mistakes.
 Calibration read_calibration(const std::filesystem::path&);
 Calibration parse_calibration(std::string text, std::string file);
 

@@ -33,15 +33,15 @@ struct StampMistake {
 /// Stamps must rise and be finite.
 StampMistake check_stamps(std::span<const double> seconds);
 
-/// The clock behind rising `seconds` (two at least). Stamps that lie on ticks to within a twentieth of the interval, or to
-/// within half the last digit they were written with, make an even clock with dropped ticks as gaps. Others get a
-/// clock of their typical interval; ticks further than 1.5 such intervals from every stamp are gaps. A rate within the
-/// error of a round number is that number.
+/// The clock behind rising `seconds` (two at least). Stamps that lie on ticks to within a twentieth of the interval,
+/// or to within half the last digit they were written with, make an even clock with dropped ticks as gaps. Others get
+/// a clock of their typical interval; ticks further than 1.5 such intervals from every stamp are gaps. A rate within
+/// the error of a round number is that number.
 UniformClock find_clock(std::span<const double> seconds);
 
 /// Values at the ticks from values at the stamps, by the cubic through the four nearest stamps (a straight line where
-/// their intervals differ by more than 3). NaN values are skipped. `correction`: the largest distance of a result from the
-/// straight line between its neighbours, an upper bound of the error made by interpolating.
+/// their intervals differ by more than 3). NaN values are skipped. `correction`: the largest distance of a result
+/// from the straight line between its neighbours, an upper bound of the error made by interpolating.
 std::vector<double> resample(const UniformClock&, std::span<const double> seconds,
                              std::span<const double> values, double& correction);
 

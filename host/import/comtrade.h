@@ -27,9 +27,9 @@ struct Comtrade {
   std::vector<Channel> channels;
 };
 
-/// From the text of the configuration and the bytes of the data: ASCII, BINARY, BINARY32 or FLOAT32; any number of sampling
-/// rates, or time stamps (in us, or ns where the start has more than six decimals, times the multiplier). The names stand
-/// in messages. Throws BadInput naming file, line or row, value and what is allowed.
+/// From the text of the configuration and the bytes of the data: ASCII, BINARY, BINARY32 or FLOAT32; any number of
+/// sampling rates, or time stamps (in us, or ns where the start has more than six decimals, times the multiplier).
+/// The names stand in messages. Throws BadInput naming file, line or row, value and what is allowed.
 Comtrade parse_comtrade(std::string_view configuration, std::string_view data,
                         const std::string& configuration_file, const std::string& data_file);
 

@@ -32,8 +32,8 @@ struct CertifiedGain {
   double expanded = std::numeric_limits<double>::quiet_NaN();  ///< of the gain, same unit
   double coverage = std::numeric_limits<double>::quiet_NaN();
 };
-/// The one quantity that is `unit` (N, m, A) per volt or volts per `unit`, with decimal prefixes. Throws BadInput where there is none, or
-/// more than one: then none can be chosen.
+/// The one quantity that is `unit` (N, m, A) per volt or volts per `unit`, with decimal prefixes. Throws BadInput
+/// where there is none, or more than one: then none can be chosen.
 CertifiedGain gain_of(const Certificate&, std::string_view unit, const std::string& file);
 
 }  // namespace powbench::host

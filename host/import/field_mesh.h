@@ -8,7 +8,8 @@
 
 /// A plane mesh drawn elsewhere, with the materials named by its physical groups (gmsh, MSH 2.2 or 4.1):
 ///
-///   surfaces  air, steel (the specimen's, stacked), armature (the same steel, whose pull is wanted), any built-in steel by its
+///   surfaces air, steel (the specimen's, stacked), armature (the same steel, whose pull is wanted), any built-in
+///   steel by its
 ///             name, coil+ and coil- (out of the plane, into it); the turns spread evenly over each
 ///   lines     A=0: no flux leaves through them. Other edges: flux leaves at a right angle
 
@@ -27,8 +28,8 @@ struct FieldMesh {
   std::vector<double> armature;  ///< weight of the force by vertex: 1 on the armature; empty without one
 };
 
-/// Throws BadInput, all mistakes at once, each with the name `where`: what read_msh refuses, groups without a known name, no
-/// coil+, no line A=0, an extent outside 5 mm .. 5 m (a slip of unit), steel that touches the armature.
+/// Throws BadInput, all mistakes at once, each with the name `where`: what read_msh refuses, groups without a known
+/// name, no coil+, no line A=0, an extent outside 5 mm .. 5 m (a slip of unit), steel that touches the armature.
 FieldMesh read_field_mesh(std::string_view content, const std::string& where, const FieldMeshOptions&);
 
 }  // namespace powbench::host

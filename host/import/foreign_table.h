@@ -10,8 +10,8 @@
 
 namespace powbench::host {
 
-/// By the bytes, then by the ending of `file`: TDMS, MAT 5, WAV, LVM, CSV of an oscilloscope, CSV with a header line. Not those that
-/// need a second file. Throws BadInput.
+/// By the bytes, then by the ending of `file`: TDMS, MAT 5, WAV, LVM, CSV of an oscilloscope, CSV with a header line.
+/// Not those that need a second file. Throws BadInput.
 CsvTable parse_table(std::string_view bytes, const std::string& file);
 
 /// Also COMTRADE (x.cfg, x.dat, x.cff) and Yokogawa (x.hdr, x.wvf), with the file beside. Throws BadInput.

@@ -10,9 +10,9 @@
 
 namespace powbench::host {
 
-/// Columns `time [s]`, then one a channel with its label and unit: `Force [N]`, `ch2 [V]`. Times from the first column, or from X0 and
-/// Delta_X where the file has no such column. One segment; comments behind the channels are passed over. Throws BadInput naming
-/// file, line, value and what is allowed.
+/// Columns `time [s]`, then one a channel with its label and unit: `Force [N]`, `ch2 [V]`. Times from the first
+/// column, or from X0 and Delta_X where the file has no such column. One segment; comments behind the channels are
+/// passed over. Throws BadInput naming file, line, value and what is allowed.
 CsvTable parse_lvm(std::string_view text, const std::string& file);
 
 /// By its ending.

@@ -7,7 +7,8 @@
 #include "core/channels.h"
 #include "host/config/csv_table.h"
 
-/// Which column of a foreign file may be which channel. A suggestion is for a person to confirm; nothing is imported by it.
+/// Which column of a foreign file may be which channel. A suggestion is for a person to confirm; nothing is imported
+/// by it.
 
 namespace powbench::host {
 
@@ -34,7 +35,8 @@ struct Suggested {
 
 Suggested suggest_columns(const CsvTable&);
 
-/// The calibration file that the suggestion makes: [columns], and for each channel in volts the gain that is missing, as a comment.
+/// The calibration file that the suggestion makes: [columns], and for each channel in volts the gain that is missing,
+/// as a comment.
 std::string suggested_file(const CsvTable&, const Suggested&, const std::string& waveform);
 
 }  // namespace powbench::host

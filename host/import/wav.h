@@ -10,8 +10,8 @@
 
 namespace powbench::host {
 
-/// Columns `time [s]` from 0, then `ch1 [V]`, `ch2 [V]` ...: full scale is 1 V. Throws BadInput naming file, what is wrong and what
-/// is allowed; a file that ends before its data is refused.
+/// Columns `time [s]` from 0, then `ch1 [V]`, `ch2 [V]` ...: full scale is 1 V. Throws BadInput naming file, what is
+/// wrong and what is allowed; a file that ends before its data is refused.
 CsvTable parse_wav(std::string_view bytes, const std::string& file);
 
 /// By its ending.

@@ -23,12 +23,13 @@ struct Imported {
   std::vector<std::string> notes;  ///< what was done to the numbers, one sentence each
 };
 
-/// From the text of a waveform file: header, samples, time stamps, counts. Throws BadInput naming file, line, column, value and what
-/// is allowed. `today` as `2030-12-31`, for the calibration's last day; `calibration_file` names it in messages.
+/// From the text of a waveform file: header, samples, time stamps, counts. Throws BadInput naming file, line, column,
+/// value and what is allowed. `today` as `2030-12-31`, for the calibration's last day; `calibration_file` names it in
+/// messages.
 ///
-/// Stamps become a uniform clock (clock.h). Above 2.5 MS/s neighbouring samples are averaged down to 1 MS/s .. 2.5 MS/s. Cells
-/// without a number are gaps of their channel; a channel that has one number every few rows is a slower one, bridged by
-/// straight lines. Force and travel outside what a contactor can show are refused: the unit is wrong.
+/// Stamps become a uniform clock (clock.h). Above 2.5 MS/s neighbouring samples are averaged down to 1 MS/s .. 2.5
+/// MS/s. Cells without a number are gaps of their channel; a channel that has one number every few rows is a slower
+/// one, bridged by straight lines. Force and travel outside what a contactor can show are refused: the unit is wrong.
 Imported import_waveform(std::string_view text, const std::string& file, const Calibration&,
                          const std::string& calibration_file, const std::string& today);
 

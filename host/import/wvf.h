@@ -9,8 +9,9 @@
 
 namespace powbench::host {
 
-/// Columns `time [s]`, `CH1 [V]`, ... of all groups, which must have one clock and one length; data in traces or in blocks, of either byte
-/// order; value = VResolution x sample + VOffset. Names stand in messages. Throws BadInput, one sentence.
+/// Columns `time [s]`, `CH1 [V]`, ... of all groups, which must have one clock and one length; data in traces or in
+/// blocks, of either byte order; value = VResolution x sample + VOffset. Names stand in messages. Throws BadInput,
+/// one sentence.
 CsvTable parse_wvf(std::string_view header, std::string_view data, const std::string& header_file,
                    const std::string& data_file);
 

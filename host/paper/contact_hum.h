@@ -19,8 +19,8 @@ struct HumLine {
   std::size_t lifts;  ///< releases of the core in the last 100 ms
 };
 
-/// The compliances: the pole faces as they are and more compliant ones; then a ring too weak to hold the core through the pull's minimum.
-/// Each closing at 0 deg under the paper's conditions is held for 0.4 s.
+/// The compliances: the pole faces as they are and more compliant ones; then a ring too weak to hold the core through
+/// the pull's minimum. Each closing at 0 deg under the paper's conditions is held for 0.4 s.
 std::vector<HumLine> hum_lines(const sim::Specimen&);
 
 }  // namespace powbench::host

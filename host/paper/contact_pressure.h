@@ -6,8 +6,8 @@
 #include "sim/closing.h"
 #include "sim/specimen.h"
 
-/// Contact pressure of both breaks of the measured pole as the second paper describes it: a train of pulses, then a pulsation
-/// with the pull.
+/// Contact pressure of both breaks of the measured pole as the second paper describes it: a train of pulses, then a
+/// pulsation with the pull.
 
 namespace powbench::host {
 
@@ -34,7 +34,8 @@ struct PressureTrain {
 /// Openings shorter than this count as closed: the paper's force is filtered.
 inline constexpr double shortest_opening = 0.1e-3;  // s
 
-/// Of break A or B, from samples. A pulse is a stretch of force > 0; pulsation never reaches 0 and is therefore no bounce.
+/// Of break A or B, from samples. A pulse is a stretch of force > 0; pulsation never reaches 0 and is therefore no
+/// bounce.
 PressureTrain pressure_train(const std::vector<sim::PlantSample>&, bool break_b, double mains_hertz);
 
 inline constexpr double pressure_sample_dt = 10e-6;  // s: pulses on soft pads last half a millisecond
@@ -44,8 +45,9 @@ Conditions pressure_conditions(double theta_deg);
 /// A closing under them.
 sim::Trajectory pressure_closing(const sim::Specimen&, double theta_deg, double share_of_volts = 1);
 
-/// The published statements beside two specimens: `level`, both breaks alike and softly padded, against the printed simulation;
-/// `tilted`, against the printed measurement. Angles: those of the level and of the tilted train, degrees.
+/// The published statements beside two specimens: `level`, both breaks alike and softly padded, against the printed
+/// simulation; `tilted`, against the printed measurement. Angles: those of the level and of the tilted train,
+/// degrees.
 struct PressurePage {
   sim::Specimen level, tilted;
   double level_deg = 0, tilted_deg = 0;

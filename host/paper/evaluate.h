@@ -49,8 +49,8 @@ struct TableRow {
 /// predicts an angle from closings at the others; its views may be NaN.
 std::vector<TableRow> evaluate_tables(const ClosingProvider&, const ClosingProvider& held_out = {});
 
-/// Mean and largest error of one quantity over the rows that are not excluded: in its unit over all of them, in per cent over
-/// those whose measured value is not 0.
+/// Mean and largest error of one quantity over the rows that are not excluded: in its unit over all of them, in per
+/// cent over those whose measured value is not 0.
 struct TableSummary {
   std::string quantity;
   int rows = 0;  ///< rows behind the means in the unit

@@ -14,8 +14,8 @@ namespace powbench::host {
 std::string tables_text(const std::vector<TableRow>&);
 
 /// A list of objects {paper, table, theta_deg, quantity, unit, published_simulation, published_measurement,
-/// published_error_percent, ours, error_percent, held_out, held_out_error_percent, excluded, recomputed_published_error_percent, note}.
-/// What is unknown is null; table is null for statements in the text.
+/// published_error_percent, ours, error_percent, held_out, held_out_error_percent, excluded,
+/// recomputed_published_error_percent, note}. What is unknown is null; table is null for statements in the text.
 std::string tables_json(const std::vector<TableRow>&);
 
 }  // namespace powbench::host

@@ -107,8 +107,9 @@ std::string simulated_of(const ReportInput& input) {
   return text;
 }
 
-/// Quantities that are simulated off to one side at every angle, whether each is within U or not. Scatter alone does so at six angles
-/// once in 32 for each quantity; what all angles share, such as the scale of a channel, does it every time: so it is told, not judged.
+/// Quantities that are simulated off to one side at every angle, whether each is within U or not. Scatter alone does
+/// so at six angles once in 32 for each quantity; what all angles share, such as the scale of a channel, does it
+/// every time: so it is told, not judged.
 std::string one_sided(const ReportInput& input) {
   constexpr int fewest = 6;
   std::string text;

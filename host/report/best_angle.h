@@ -11,8 +11,9 @@ struct BestAngle {
   double angle = 0;  ///< rad: of the smallest mean bounce time
   Measured bounce;   ///< there, s
   double coverage = std::numeric_limits<double>::quiet_NaN();
-  /// Probability that none of the other angles has a smaller mean, at least: 1 - sum P(other < best), each by Student's t of the
-  /// difference with both uncertainties. NaN when an angle has fewer than two repeats: its scatter is not known.
+  /// Probability that none of the other angles has a smaller mean, at least: 1 - sum P(other < best), each by
+  /// Student's t of the difference with both uncertainties. NaN when an angle has fewer than two repeats: its scatter
+  /// is not known.
   double confidence = std::numeric_limits<double>::quiet_NaN();
   double runner_up = std::numeric_limits<double>::quiet_NaN();  ///< rad: the next best angle
   Measured

@@ -5,8 +5,8 @@
 #include "host/report/closing_json.h"
 #include "host/report/sections.h"
 
-/// Single closings to zoom into: raw films, what was stripped of them, and the rest of the channels, by a charting library that
-/// is part of the page.
+/// Single closings to zoom into: raw films, what was stripped of them, and the rest of the channels, by a charting
+/// library that is part of the page.
 
 namespace powbench::host {
 namespace {

@@ -8,7 +8,8 @@
 #include "host/report/markup.h"
 #include "host/report/ticks.h"
 
-/// Small SVG plots: one panel with axes, to be put alone or stacked into an <svg>. Lengths are in user units of the SVG.
+/// Small SVG plots: one panel with axes, to be put alone or stacked into an <svg>. Lengths are in user units of the
+/// SVG.
 
 namespace powbench::host {
 
@@ -54,7 +55,8 @@ class Plot {
 
   Plot(Box box, Range x, Range y);
 
-  // Drawn in the order of the calls; everything but labels is clipped to the box. Points that are not finite are left out.
+  // Drawn in the order of the calls; everything but labels is clipped to the box. Points that are not finite are left
+  // out.
   void grid(const Ticks& x_ticks, const Ticks& y_ticks);
   void shade_x(double from, double to, std::string_view color, double opacity);
   void shade_y(double from, double to, std::string_view color, double opacity);
@@ -62,7 +64,8 @@ class Plot {
   void horizontal(double y, const Stroke&);
   void trace(const std::vector<TracePoint>&, double y_scale, const Stroke&);
   void line(const std::vector<XY>&, const Stroke&);
-  /// Filled between y - half[i] and y + half[i] around each point; a point that is not finite ends an area and begins the next.
+  /// Filled between y - half[i] and y + half[i] around each point; a point that is not finite ends an area and begins
+  /// the next.
   void band(const std::vector<XY>&, const std::vector<double>& half, std::string_view color, double opacity);
   void error_bar(XY at, double half_height, const Stroke&);
   void point(XY at, const Marker&);

@@ -125,8 +125,8 @@ struct Counts {
 };
 Counts count(const ReportInput&);
 
-/// The campaign in one word: the worst of its shots and limits, ABORTED when planned shots are missing or there is none. PASS only
-/// where at least one limit was judged.
+/// The campaign in one word: the worst of its shots and limits, ABORTED when planned shots are missing or there is
+/// none. PASS only where at least one limit was judged.
 Outcome verdict(const ReportInput&);
 
 /// The first reason for a verdict that is none of PASS and NOT JUDGED, with how many more there are; or empty.
@@ -135,21 +135,22 @@ std::string verdict_reason(const ReportInput&);
 /// What the course of the campaign says last, with its time; empty where it says nothing.
 std::string last_of_course(const ReportInput&);
 
-/// Instruments whose calibration had ended on the day of the test; of an import on the day on which it was recorded, none where that
-/// is not known.
+/// Instruments whose calibration had ended on the day of the test; of an import on the day on which it was recorded,
+/// none where that is not known.
 std::vector<Instrument> expired_then(const ReportInput&);
 
-/// One self-contained HTML page: no network, inline SVG, made to be printed on A4. Scripts, for the closer look alone, are part of it.
-/// Also well-formed XML.
+/// One self-contained HTML page: no network, inline SVG, made to be printed on A4. Scripts, for the closer look
+/// alone, are part of it. Also well-formed XML.
 std::string render_html(const ReportInput&);
 
-/// The first shot of the input and the simulation of its angle: all channels over one time axis, as SVG or as a page of its own.
+/// The first shot of the input and the simulation of its angle: all channels over one time axis, as SVG or as a page
+/// of its own.
 std::string render_shot_svg(const ReportInput&);
 std::string render_shot_html(const ReportInput&);
 
-/// JUnit XML: one suite; a case per shot, per limit, for the number of shots done and for the calibrations of the instruments that the
-/// test record names (skipped where one had expired). FAIL and NOT OBSERVED are failures;
-/// ERROR, TIMEOUT, ABORTED are errors; NOT JUDGED is skipped.
+/// JUnit XML: one suite; a case per shot, per limit, for the number of shots done and for the calibrations of the
+/// instruments that the test record names (skipped where one had expired). FAIL and NOT OBSERVED are failures; ERROR,
+/// TIMEOUT, ABORTED are errors; NOT JUDGED is skipped.
 std::string render_junit(const ReportInput&);
 
 }  // namespace powbench::host

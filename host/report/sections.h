@@ -34,10 +34,12 @@ Markup vibration_section(const VibrationView&);
 Markup shot_section(const ReportInput&);
 Markup definitions_section(const ReportInput&);
 
-/// Measured over simulated signals of one angle on one time axis. `short_form`: the panels of the first pages, without the zoom.
+/// Measured over simulated signals of one angle on one time axis. `short_form`: the panels of the first pages,
+/// without the zoom.
 Markup waveform_figure(const ReportInput&, const AngleView&, const Range& window_ms, bool short_form = false);
 
-/// The simulated value of a row in the unit people read, to the digits of its own uncertainty, else of the measured one.
+/// The simulated value of a row in the unit people read, to the digits of its own uncertainty, else of the measured
+/// one.
 std::string simulated_text(const ComparisonRow&);
 
 }  // namespace powbench::host

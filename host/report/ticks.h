@@ -13,7 +13,8 @@ struct Range {
   double span() const { return high - low; }
   /// Grows to hold `value`; ignores what is not finite.
   void include(double value);
-  /// Grown by `share` of the span on both ends. A range of one point grows by `least` each way; an empty one becomes 0..1.
+  /// Grown by `share` of the span on both ends. A range of one point grows by `least` each way; an empty one becomes
+  /// 0..1.
   Range padded(double share, double least = 1.0) const;
 };
 

@@ -20,8 +20,8 @@ struct AngleView {
 /// Every angle with a shot or a simulation, ascending.
 std::vector<AngleView> angles_of(const ReportInput&);
 
-/// How far coil current (i_m) and travel (x_m) of the simulation are from the measured ones, from switch-on to 2 ms after the last
-/// landing of either; only curves that were recorded and simulated.
+/// How far coil current (i_m) and travel (x_m) of the simulation are from the measured ones, from switch-on to 2 ms
+/// after the last landing of either; only curves that were recorded and simulated.
 std::vector<CurveRow> curve_rows(const AngleView&);
 
 /// Row of the comparison, or nullptr.

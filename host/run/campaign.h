@@ -71,7 +71,8 @@ struct RunSummary {
 std::vector<StoredShot> recorded_shots(const Store&, std::int64_t campaign);
 
 /// Fires what is still to do (a shot that gave a record before is not fired again) and stores each shot in one
-/// transaction; one that failed stays as an earlier attempt. A rig that goes away is looked for again; a rig that stays away ends the run, never the data.
+/// transaction; one that failed stays as an earlier attempt. A rig that goes away is looked for again; a rig that
+/// stays away ends the run, never the data.
 RunSummary run_campaign(Store&, std::int64_t campaign, std::span<const PlannedShot>, rigs::Rig&,
                         const RunOptions&, Progress&);
 
@@ -79,8 +80,8 @@ RunSummary run_campaign(Store&, std::int64_t campaign, std::span<const PlannedSh
 StoredShot stored(std::int64_t campaign, ShotKind, const PlannedShot&);
 ExtractionInfo extraction_info(const RunOptions&);
 
-/// The verdict on a shot with a record: angle tolerance, then limits. NOT JUDGED without a limit; NOT OBSERVED where an angle was
-/// commanded within a tolerance and the record does not show the one reached.
+/// The verdict on a shot with a record: angle tolerance, then limits. NOT JUDGED without a limit; NOT OBSERVED where
+/// an angle was commanded within a tolerance and the record does not show the one reached.
 Judgement judge_shot(const Events&, const Conditions&, const RunOptions&);
 
 /// Events of a record with the checks that need its conditions: closing angle within tolerance.

@@ -11,9 +11,9 @@ namespace powbench::host {
 /// What a request may do, in rising order.
 enum class Right : std::uint8_t { none, read, fire };
 
-/// Who may do what. A browser sends a foreign page's requests here too: Host must be one of ours (a foreign name that was made to
-/// point here is refused), Origin, where there is one, must be that host, and whatever changes something is JSON, which no foreign
-/// page can send. Reading is free without a token file; firing always wants the token.
+/// Who may do what. A browser sends a foreign page's requests here too: Host must be one of ours (a foreign name that
+/// was made to point here is refused), Origin, where there is one, must be that host, and whatever changes something
+/// is JSON, which no foreign page can send. Reading is free without a token file; firing always wants the token.
 class Access {
  public:
   struct Token {
@@ -28,7 +28,8 @@ class Access {
 
   /// A sentence where the request comes from elsewhere; empty: it does not.
   std::string foreign(const Request&) const;
-  /// By the header what its token may do; by the address reading at most, for an address is kept in histories and passed on.
+  /// By the header what its token may do; by the address reading at most, for an address is kept in histories and
+  /// passed on.
   Right right(const Request&) const;
   /// A token for addresses: it may read, until the program ends. Empty: reading wants none.
   const std::string& link_token() const { return link_token_; }

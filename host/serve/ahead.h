@@ -14,8 +14,9 @@
 
 namespace powbench::host {
 
-/// The simulation beside a single closing, made before it is needed: while a person still looks at the angle, else while the rig
-/// fires. One thread; of several wishes the newest counts. Every function may be called from any thread.
+/// The simulation beside a single closing, made before it is needed: while a person still looks at the angle, else
+/// while the rig fires. One thread; of several wishes the newest counts. Every function may be called from any
+/// thread.
 class Ahead {
  public:
   /// All that the simulation depends on: equal keys give the same closing, bit for bit.

@@ -9,8 +9,8 @@
 
 namespace powbench::host {
 
-/// Every HTTP call of the live bench; docs/how-to/serve.md lists them, `GET /api` describes them as OpenAPI. No text of a client ever becomes the
-/// name of a file.
+/// Every HTTP call of the live bench; docs/how-to/serve.md lists them, `GET /api` describes them as OpenAPI. No text
+/// of a client ever becomes the name of a file.
 class Api {
  public:
   /// `plan_file`: that the bench was started with, "" = none; saving a plan writes there and nowhere else.

@@ -121,7 +121,8 @@ std::string Bench::Impl::run_job(const Job& now) {
   options.clock = &clock;
   options.how_to_go_on = "go on with the button 'Fire the rest' on the page Documents";
   Progress silent("", now.shots.size(), Progress::Style::none);
-  // a single closing is simulated as asked, which is known beforehand: beside the shot at the latest, and once for an angle
+  // a single closing is simulated as asked, which is known beforehand: beside the shot at the latest, and once for an
+  // angle
   const StoredShot beside = powbench::host::stored(campaign, ShotKind::simulated, now.shots.front());
   bool wanting = now.single && !simulated(store, beside);
   if (wanting) simulate_ahead(now);

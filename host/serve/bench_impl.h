@@ -18,8 +18,8 @@
 
 namespace powbench::host {
 
-/// The state of a bench and its threads: one that fires, the looker's, and whoever calls. Parts in bench.cpp (firing and stopping),
-/// bench_single.cpp (single closings) and bench_state.cpp (what others see).
+/// The state of a bench and its threads: one that fires, the looker's, and whoever calls. Parts in bench.cpp (firing
+/// and stopping), bench_single.cpp (single closings) and bench_state.cpp (what others see).
 struct Bench::Impl final : RunWatcher {
   struct Job {
     Scene scene;

@@ -18,7 +18,8 @@ std::optional<StoredShot> Bench::Impl::simulated(const Store& store, const Store
   return std::nullopt;
 }
 
-/// What the uncertainties of the closing's conditions move its simulation by: eight closings more, so after the picture.
+/// What the uncertainties of the closing's conditions move its simulation by: eight closings more, so after the
+/// picture.
 void Bench::Impl::predict_later(const Store& store, const Job& single) {
   const PlannedShot& shot = single.shots.front();
   std::int64_t campaign = 0, measured_shot = 0;

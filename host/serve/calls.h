@@ -9,8 +9,8 @@
 #include "host/serve/documents.h"
 #include "host/serve/message.h"
 
-/// The calls of the live bench as tables: calls_bench.cpp (rig and job), calls_files.cpp (plan, specimen and rig file), calls_documents.cpp
-/// (what the store holds). api.cpp finds the row, checks the right and parses the body.
+/// The calls of the live bench as tables: calls_bench.cpp (rig and job), calls_files.cpp (plan, specimen and rig
+/// file), calls_documents.cpp (what the store holds). api.cpp finds the row, checks the right and parses the body.
 
 namespace powbench::host {
 

@@ -32,7 +32,8 @@ std::string text(const Json& j) {
   return j.dump(-1, ' ', false, Json::error_handler_t::replace);
 }
 
-/// What a shot shows of a quantity. Of a simulated one u is what its inputs leave open, not how well its curve could be read.
+/// What a shot shows of a quantity. Of a simulated one u is what its inputs leave open, not how well its curve could
+/// be read.
 class Shown {
  public:
   Shown(const Store& store, const StoredShot& shot)
@@ -58,8 +59,8 @@ class Shown {
   std::map<std::string, double> inputs_;
 };
 
-/// One closing against the simulation of its angle, by the rule of the report; simulated values at the angle, voltage and frequency
-/// that this closing reached, where it was simulated under these.
+/// One closing against the simulation of its angle, by the rule of the report; simulated values at the angle, voltage
+/// and frequency that this closing reached, where it was simulated under these.
 std::map<std::string, ComparisonRow> differences(const Store& store, const StoredShot& shot,
                                                  const Events& measured, const Events& simulated,
                                                  const StoredShot& simulation) {

@@ -7,8 +7,8 @@
 
 namespace powbench::host {
 
-/// The file that a person would write for these values: the required keys, and what differs from the default, with meaning and range
-/// behind each.
+/// The file that a person would write for these values: the required keys, and what differs from the default, with
+/// meaning and range behind each.
 std::string written_file(const std::string& kind, const std::vector<KeyLine>& values,
                          const std::vector<KeyLine>& defaults);
 

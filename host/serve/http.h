@@ -12,8 +12,8 @@ namespace powbench::host {
 /// Where the two kinds of WebSocket are.
 inline constexpr const char *state_stream = "/api/live", *record_stream = "/api/scope";
 
-/// HTTP/1.1 and two kinds of WebSocket, which only send: the newest state, and the newest record, whenever it has changed. One thread for the sockets, one
-/// for stops, two for everything else.
+/// HTTP/1.1 and two kinds of WebSocket, which only send: the newest state, and the newest record, whenever it has
+/// changed. One thread for the sockets, one for stops, two for everything else.
 class HttpServer {
  public:
   struct Handlers {
@@ -27,7 +27,8 @@ class HttpServer {
   };
   static constexpr std::size_t most_clients = 2000, largest_body = 262'144;
 
-  /// Listens at once on "127.0.0.1:8080"; port 0: any free one. Throws RigError-like std::runtime_error with one sentence.
+  /// Listens at once on "127.0.0.1:8080"; port 0: any free one. Throws RigError-like std::runtime_error with one
+  /// sentence.
   HttpServer(const std::string& address, std::uint16_t port, Handlers);
   ~HttpServer();
   HttpServer(const HttpServer&) = delete;

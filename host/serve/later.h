@@ -10,8 +10,8 @@
 
 namespace powbench::host {
 
-/// Tasks one after another, on a thread that the machine runs after all others: nobody waits for them. Every function may be called
-/// from any thread.
+/// Tasks one after another, on a thread that the machine runs after all others: nobody waits for them. Every function
+/// may be called from any thread.
 class Later {
  public:
   static constexpr std::size_t most_waiting = 50;

@@ -15,11 +15,12 @@
 
 namespace powbench::host {
 
-/// Looks at the rig ten times a second, on a line and a thread of its own, and counts how the line fares. Every function may be called
-/// from any thread.
+/// Looks at the rig ten times a second, on a line and a thread of its own, and counts how the line fares. Every
+/// function may be called from any thread.
 class Looker {
  public:
-  /// `changed`: something that look() returns is different; `said`: a sentence for the log, when the rig is found and lost.
+  /// `changed`: something that look() returns is different; `said`: a sentence for the log, when the rig is found and
+  /// lost.
   Looker(std::string uri, std::function<void()> changed, std::function<void(const std::string&)> said);
   ~Looker();
   Looker(const Looker&) = delete;

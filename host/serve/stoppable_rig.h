@@ -10,8 +10,8 @@
 
 namespace powbench::host {
 
-/// A rig that fires nothing once a stop is asked for. `inside` is raised before the stop is looked at: whoever sets the stop first
-/// and then finds nobody inside knows that nothing will be fired.
+/// A rig that fires nothing once a stop is asked for. `inside` is raised before the stop is looked at: whoever sets
+/// the stop first and then finds nobody inside knows that nothing will be fired.
 class StoppableRig final : public rigs::Rig {
  public:
   StoppableRig(std::unique_ptr<rigs::Rig> rig, const std::atomic<bool>& stop, std::atomic<bool>& inside)

@@ -7,13 +7,13 @@
 
 namespace powbench::host {
 
-/// Closing at touch: the closing angle at which the contacts touch at a wanted angle of the mains. The time from switch-on to the first
-/// touch depends on the closing angle itself, so with t(a) from the simulator
+/// Closing at touch: the closing angle at which the contacts touch at a wanted angle of the mains. The time from
+/// switch-on to the first touch depends on the closing angle itself, so with t(a) from the simulator
 ///
 ///     a + 2 pi f t(a) = wanted   (mod 2 pi)
 ///
-/// is solved for a: t at 24 angles, then the secant within the interval that holds the solution. Of several solutions the one where an
-/// error of the mains' phase moves the touch least.
+/// is solved for a: t at 24 angles, then the secant within the interval that holds the solution. Of several solutions
+/// the one where an error of the mains' phase moves the touch least.
 class TouchAim {
  public:
   struct Aim {

@@ -6,7 +6,8 @@
 #include "host/store/rows.h"
 #include "host/store/sweep_rows.h"
 
-/// The content of a store without the numbers that depend on the order of writing. Readers throw StoreError for a damaged row.
+/// The content of a store without the numbers that depend on the order of writing. Readers throw StoreError for a
+/// damaged row.
 
 namespace powbench::host {
 
@@ -36,8 +37,8 @@ std::string events_key(const EventsRow&);
 std::string annotation_key(const Annotation&);
 
 bool same_annotations(const std::vector<Annotation>&, const std::vector<Annotation>&);
-/// The annotations of one campaign from two stores: the longer list where it begins with the other, else all in the order in which they
-/// were written, each once.
+/// The annotations of one campaign from two stores: the longer list where it begins with the other, else all in the
+/// order in which they were written, each once.
 std::vector<Annotation> united(const std::vector<Annotation>&, const std::vector<Annotation>&);
 
 /// Of one campaign with all that belongs to it.

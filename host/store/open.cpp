@@ -182,8 +182,8 @@ Database open_store(const std::string& path, Store::Mode mode) {
   Database db =
       mode == Store::Mode::read_only ? open_for_reading(path) : Database(path, SQLITE_OPEN_READWRITE);
   if (has_log) db.write_log_back(false);  // nothing goes from the log into a file that may still be refused
-  // a flipped bit in an index must not hide a campaign or a shot; the other tables are checked before their indices are used, and
-  // channels are under the seal of their record
+  // a flipped bit in an index must not hide a campaign or a shot; the other tables are checked before their indices
+  // are used, and channels are under the seal of their record
   for (const char* table : {"campaign", "shot"}) check_table(db, table);
   refuse_newer(path, static_cast<int>(db.number("PRAGMA user_version")));  // it may stand in the log only
   db.write_log_back(true);

@@ -9,7 +9,8 @@ namespace powbench::host {
 /// so that a refused file stays as it was.
 sqlite::Database open_store(const std::string& path, Store::Mode mode);
 
-/// Where a file is made aside before it gets its name `path`: path + mark + the process. What one that was killed left there goes first.
+/// Where a file is made aside before it gets its name `path`: path + mark + the process. What one that was killed
+/// left there goes first.
 std::string aside_file(const std::string& path, const std::string& mark);
 
 /// Gives the finished file `aside` its name; false where another file with content has it already.

@@ -8,7 +8,8 @@
 
 #include "host/store/store.h"
 
-/// Content of a point as bytes: numbers as they lie in memory (little-endian, every bit kept), lists and texts behind their length.
+/// Content of a point as bytes: numbers as they lie in memory (little-endian, every bit kept), lists and texts behind
+/// their length.
 
 namespace powbench::host {
 

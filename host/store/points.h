@@ -32,9 +32,9 @@ class Points {
   /// Only some of the points are wanted, and no result.
   bool part() const { return shard_.of > 1; }
 
-  /// Content of the point that is a function of `basis` (specimen, conditions, seed, options, as text) and of the program's version;
-  /// not there: from `compute`, and kept. Nothing: point `number`, from 0, is of another shard. Throws StoreError where a stored one does not
-  /// match its seal.
+  /// Content of the point that is a function of `basis` (specimen, conditions, seed, options, as text) and of the
+  /// program's version; not there: from `compute`, and kept. Nothing: point `number`, from 0, is of another shard.
+  /// Throws StoreError where a stored one does not match its seal.
   std::optional<std::string> get(std::int64_t number, const std::string& basis,
                                  const std::function<std::string()>& compute);
 

@@ -9,7 +9,8 @@
 #include "host/store/sqlite.h"
 #include "host/store/store.h"
 
-/// Rows of the store and their seals, read and written in one place. All readers throw StoreError for a row that does not match.
+/// Rows of the store and their seals, read and written in one place. All readers throw StoreError for a row that does
+/// not match.
 
 namespace powbench::host {
 

@@ -11,8 +11,8 @@
 
 namespace powbench::host {
 
-/// Checksum of one row: SHA-256 over its values, each with its length, in a fixed order. Kept in the row and checked when
-/// it is read, so that a flipped bit is reported as damage and never read as a result.
+/// Checksum of one row: SHA-256 over its values, each with its length, in a fixed order. Kept in the row and checked
+/// when it is read, so that a flipped bit is reported as damage and never read as a result.
 class Seal {
  public:
   Seal& add(std::string_view text) {

@@ -16,8 +16,9 @@ namespace powbench::host::sqlite {
 /// Throws StoreError in words for `code`; `path` names the file, `disk_error` is the errno behind it (0: unknown).
 [[noreturn]] void fail(int code, const std::string& path, const std::string& detail, int disk_error = 0);
 
-/// The first bytes of a file into `into`; how many there are, 0 where it cannot be opened. Read through SQLite's own files: POSIX takes
-/// all locks of a process off a file as soon as it closes any other descriptor of it, and the store may be in use on another thread.
+/// The first bytes of a file into `into`; how many there are, 0 where it cannot be opened. Read through SQLite's own
+/// files: POSIX takes all locks of a process off a file as soon as it closes any other descriptor of it, and the
+/// store may be in use on another thread.
 std::size_t first_bytes(const std::string& path, std::span<unsigned char> into);
 
 class Database {

@@ -15,8 +15,8 @@
 #include "core/record.h"
 #include "host/store/input_spread.h"
 
-/// The store: one SQLite file (WAL, STRICT tables) that holds campaigns, shots, raw records and events. A shot is written
-/// in one transaction; raw samples are never changed.
+/// The store: one SQLite file (WAL, STRICT tables) that holds campaigns, shots, raw records and events. A shot is
+/// written in one transaction; raw samples are never changed.
 
 namespace powbench::host {
 
@@ -75,7 +75,8 @@ struct Annotation {
   std::string key, text;
 };
 
-/// Key of the annotations that the program makes by itself: that a campaign stopped early, and that it was gone on with.
+/// Key of the annotations that the program makes by itself: that a campaign stopped early, and that it was gone on
+/// with.
 inline constexpr const char* course_key = "course";
 
 /// No store is there, or what is there is none: the name is wrong, nothing is damaged.
@@ -113,8 +114,9 @@ class Store {
   std::optional<CampaignInfo> find_campaign(const std::string& plan_hash,
                                             const std::string& specimen_hash) const;
 
-  /// Shot, record and events in one transaction. id, record_hash and attempt of `shot` are ignored. Returns the shot's id.
-  /// A shot that is there already (same campaign, kind, number) gets another attempt, a measured one only if it has no valid record.
+  /// Shot, record and events in one transaction. id, record_hash and attempt of `shot` are ignored. Returns the
+  /// shot's id. A shot that is there already (same campaign, kind, number) gets another attempt, a measured one only
+  /// if it has no valid record.
   std::int64_t store_shot(const StoredShot& shot, const Record* record, const Events* events,
                           const ExtractionInfo& extraction);
   /// All shots of a campaign, by kind, then number; of each the last attempt.

@@ -35,8 +35,8 @@ std::vector<BounceRow> bounces_of(std::span<const sim::Rung>, const sim::Case&,
                                   const sim::BounceStudyOptions&);
 
 /// One line a closing: events that agree with the truth's, largest time difference among them, for how long contact
-/// states differ, and the condition; below a line that is not computable its ensemble. Above them the times and stages of the closings
-/// that have any.
+/// states differ, and the condition; below a line that is not computable its ensemble. Above them the times and
+/// stages of the closings that have any.
 std::string bounce_text(const std::vector<BounceRow>&, const sim::BounceStudyOptions&);
 std::string bounce_json(const std::vector<BounceRow>&);
 

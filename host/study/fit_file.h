@@ -16,8 +16,8 @@ namespace powbench::host {
 struct FitFold {
   std::optional<double> held_out;
   double misfit = 0;
-  /// Values of the free numbers in the units of the specimen file, eight digits; the best first, then the ensemble; of a
-  /// posterior, its samples.
+  /// Values of the free numbers in the units of the specimen file, eight digits; the best first, then the ensemble;
+  /// of a posterior, its samples.
   std::vector<std::vector<double>> members;
   std::optional<sim::BounceCalibration>
       bounce{};  ///< of a posterior: from the closings it was conditioned on

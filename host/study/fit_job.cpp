@@ -81,8 +81,8 @@ std::optional<FitFold> blind_fold(const FitJob& job, std::size_t k, sim::Team& t
   return fold;
 }
 
-/// A fit that is to describe, not to predict: relative errors in units of what is wanted of their means. Bounds rule out; beyond
-/// that the middle of a range is no better than its ends.
+/// A fit that is to describe, not to predict: relative errors in units of what is wanted of their means. Bounds rule
+/// out; beyond that the middle of a range is no better than its ends.
 sim::FitProblem describing(sim::FitProblem problem) {
   constexpr double touch = 0.02, seat = 0.02, bounce = 0.08, settled = 0.03;
   constexpr double share = 0.5;  // of the wanted error that weighs as much as a range left by one deviation

@@ -9,8 +9,8 @@
 #include "sim/study/fit.h"
 #include "sim/study/posterior.h"
 
-/// A whole identification. To describe: a fit to all closings (sim/study/fit.h). To predict angles that it must not see: a posterior of the
-/// others (sim/study/posterior.h).
+/// A whole identification. To describe: a fit to all closings (sim/study/fit.h). To predict angles that it must not
+/// see: a posterior of the others (sim/study/posterior.h).
 
 namespace powbench::host {
 
@@ -23,9 +23,9 @@ struct FitJob {
   std::vector<sim::Parameter> posterior_parameters;
   sim::FitOptions options;  ///< of every search of the fit to all; `evaluations` each
   int searches = 3;         ///< independent ones: their members together are its ensemble
-  /// Above 0 the fit to everything describes: no prior, deviations half of what is wanted on average (2 % of touch and seat, 8 % of
-  /// bounce, 3 % of settled), so many evaluations of each of its searches, and as many of a last one, from what the others found, on the sum of absolute
-  /// deviations.
+  /// Above 0 the fit to everything describes: no prior, deviations half of what is wanted on average (2 % of touch
+  /// and seat, 8 % of bounce, 3 % of settled), so many evaluations of each of its searches, and as many of a last
+  /// one, from what the others found, on the sum of absolute deviations.
   long finish = 0;
   std::vector<std::vector<double>> start;  ///< points that the searches begin from; posteriors have none
 };
@@ -49,8 +49,8 @@ std::size_t blind_fits(const FitJob&);
 std::string problem_hash(const FitJob&);
 
 /// Runs the fits in order; goes on from `state` when its problem is this one.
-/// Throws BadInput when it belongs to another. Posteriors and searches, the last one left out because it begins from what the others
-/// found, are points: what `points` knows is not computed.
+/// Throws BadInput when it belongs to another. Posteriors and searches, the last one left out because it begins from
+/// what the others found, are points: what `points` knows is not computed.
 FitReport run_fits(const FitJob&, sim::Team&, const FitProgress&, const FitState&, Points& points);
 
 }  // namespace powbench::host

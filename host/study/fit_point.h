@@ -6,7 +6,8 @@
 #include "sim/study/fit.h"
 #include "sim/study/posterior.h"
 
-/// A posterior or a search of a fit as a point (host/store/points.h): what it depends on, and its result, every bit kept.
+/// A posterior or a search of a fit as a point (host/store/points.h): what it depends on, and its result, every bit
+/// kept.
 
 namespace powbench::host {
 

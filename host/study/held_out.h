@@ -16,17 +16,18 @@ struct Band {
   double low = unknown, median = unknown, high = unknown;
 };
 
-/// Touch and seat: median over the specimens, 16 % and 84 % quantiles. Bounce and settled time the same; but with a calibration,
-/// of which each specimen has a factor, the bounce is pooled (sim/study/bounce_calibration.h), one deviation to either side, or, where the
-/// calibration has no deviations, quantiles of factor x simulated; settled time is touch and bounce added up, the sides as independent ones.
+/// Touch and seat: median over the specimens, 16 % and 84 % quantiles. Bounce and settled time the same; but with a
+/// calibration, of which each specimen has a factor, the bounce is pooled (sim/study/bounce_calibration.h), one
+/// deviation to either side, or, where the calibration has no deviations, quantiles of factor x simulated; settled
+/// time is touch and bounce added up, the sides as independent ones.
 struct Prediction {
   Band touch, bounce, settled, seat;
 };
 Prediction predict(std::span<const sim::Specimen>, const Conditions&,
                    const std::optional<sim::BounceCalibration>& = {});
 
-/// At each angle, the prediction of the fold that has not seen it; the view is all NaN where there is none. Core bounce and forces
-/// are not predicted.
+/// At each angle, the prediction of the fold that has not seen it; the view is all NaN where there is none. Core
+/// bounce and forces are not predicted.
 ClosingProvider held_out_provider(const FitFile&, const Conditions& = {});
 
 }  // namespace powbench::host

@@ -11,9 +11,9 @@
 
 namespace powbench::host {
 
-/// Standard deviations that a model of this kind deserves beside those of the measurement; relative but for the last. Defaults:
-/// what one published closing is worth. The paper's two tables print one and the same core time 0.8 ms apart (rms over the
-/// angles, 90 deg left out), so that one value is good to 0.6 ms, 3 .. 5 %.
+/// Standard deviations that a model of this kind deserves beside those of the measurement; relative but for the last.
+/// Defaults: what one published closing is worth. The paper's two tables print one and the same core time 0.8 ms
+/// apart (rms over the angles, 90 deg left out), so that one value is good to 0.6 ms, 3 .. 5 %.
 struct ModelDeviation {
   double touch = 0.03;
   double seat = 0.03;

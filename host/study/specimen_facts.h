@@ -20,8 +20,8 @@ struct SpecimenFact {
   std::string note;
 };
 
-/// Inrush and holding power, pick-up and drop-out voltage, pull against load, natural frequencies (each body on its own spring, others at
-/// rest), time scales and rebounds. Takes some tens of closings: a fraction of a second.
+/// Inrush and holding power, pick-up and drop-out voltage, pull against load, natural frequencies (each body on its
+/// own spring, others at rest), time scales and rebounds. Takes some tens of closings: a fraction of a second.
 std::vector<SpecimenFact> specimen_facts(const sim::Specimen&, const Conditions& rated);
 
 std::string facts_text(const sim::Specimen&, const Conditions& rated, const std::vector<SpecimenFact>&);

@@ -11,8 +11,8 @@
 
 namespace powbench::host {
 
-/// Touch and bounce of every point over one variable, the closing angle where it varies, else the first: what is bistable shows
-/// as two branches.
+/// Touch and bounce of every point over one variable, the closing angle where it varies, else the first: what is
+/// bistable shows as two branches.
 std::string sweep_svg(const sim::Design&, const std::vector<std::vector<double>>& rows);
 
 /// How far each variable moves the metric: largest change over all angles to either side, and the median one.

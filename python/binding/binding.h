@@ -31,7 +31,8 @@ struct ClosingArgs {
   std::string specimen;  ///< specimen file; "" = the built-in reference
 };
 
-/// A plan of this one closing, with the plan file's own checks. Throws BadInput with all mistakes; `caller` stands in front.
+/// A plan of this one closing, with the plan file's own checks. Throws BadInput with all mistakes; `caller` stands in
+/// front.
 host::Scene one_closing(const ClosingArgs&, const std::string& caller);
 
 /// The channel of this name. Throws BadInput with the names there are.

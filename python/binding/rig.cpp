@@ -14,8 +14,8 @@
 #include "rigs/registry.h"
 #include "rigs/rig_watch.h"
 
-/// A rig for Python: the functions of `powbench run`, so the same lease, interlocks and limits. A second line does nothing but
-/// look on and stop; it works while a shot is under way, and Ctrl-C uses it.
+/// A rig for Python: the functions of `powbench run`, so the same lease, interlocks and limits. A second line does
+/// nothing but look on and stop; it works while a shot is under way, and Ctrl-C uses it.
 
 namespace py = pybind11;
 
@@ -148,8 +148,8 @@ class OpenRig {
     }
   }
 
-  /// Runs body(stop) on another thread, without the interpreter, and looks for Ctrl-C: then the coil is switched off, the body ends
-  /// and KeyboardInterrupt is raised. One body at a time.
+  /// Runs body(stop) on another thread, without the interpreter, and looks for Ctrl-C: then the coil is switched off,
+  /// the body ends and KeyboardInterrupt is raised. One body at a time.
   template <class Body>
   void work(const Body& body) {
     check_open();

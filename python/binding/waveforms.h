@@ -21,9 +21,9 @@ struct WaveformClock {
 
 WaveformClock clock_of(const host::Store&, std::int64_t shot);
 
-/// Row i of to[k] (ids.size() rows of clock.samples values) becomes channel k of shot i, SI; NaN where samples were lost or the record
-/// has no such channel. clocks[i] is that of shot i. Throws BadInput when rate, length or fire sample of a shot differ from `clock`, and
-/// what the store throws.
+/// Row i of to[k] (ids.size() rows of clock.samples values) becomes channel k of shot i, SI; NaN where samples were
+/// lost or the record has no such channel. clocks[i] is that of shot i. Throws BadInput when rate, length or fire
+/// sample of a shot differ from `clock`, and what the store throws.
 template <class Float>
 void fill_waveforms(const std::string& path, std::span<const std::int64_t> ids,
                     std::span<const Channel> channels, const WaveformClock& clock, std::span<Float* const> to,

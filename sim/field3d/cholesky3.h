@@ -3,8 +3,8 @@
 #include <memory>
 #include <vector>
 
-/// Cholesky factors of a sparse symmetric positive definite matrix whose pattern stays: ordered and analysed once (nested
-/// dissection by METIS, supernodes), factored again for every set of values. CHOLMOD behind it.
+/// Cholesky factors of a sparse symmetric positive definite matrix whose pattern stays: ordered and analysed once
+/// (nested dissection by METIS, supernodes), factored again for every set of values. CHOLMOD behind it.
 
 namespace powbench::sim {
 

@@ -5,8 +5,9 @@
 #include "sim/field3d/problem3.h"
 #include "sim/fields/magnet_field.h"
 
-/// The core of a `MagnetShape` in three dimensions: of three legs a quarter (x >= 0, y >= 0), of two the half y >= 0, with
-/// the stack along y, the coil with its heads and the shading rings with theirs, in air. z is the direction of motion; z = 0 is the fixed pole face.
+/// The core of a `MagnetShape` in three dimensions: of three legs a quarter (x >= 0, y >= 0), of two the half y >= 0,
+/// with the stack along y, the coil with its heads and the shading rings with theirs, in air. z is the direction of
+/// motion; z = 0 is the fixed pole face.
 
 namespace powbench::sim {
 
@@ -32,7 +33,8 @@ struct CoreMeshSizes3 {
 /// std::invalid_argument by `check_shape`, and for a closed leg, which only the plane has.
 Problem3 core_problem3(const MagnetDesign&, const CoreMeshSizes3&, double gap);
 
-/// How far each node moves with the moving half: 0 up to the fixed pole face, 1 above the moving one. Weight of the pull.
+/// How far each node moves with the moving half: 0 up to the fixed pole face, 1 above the moving one. Weight of the
+/// pull.
 std::vector<double> core_motion3(const Mesh3&, double gap);
 
 /// 0 below and 1 above the middle layer of the strip.

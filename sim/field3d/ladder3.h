@@ -22,8 +22,8 @@ struct EndCorrection {
 std::vector<EndCorrection> end_corrections(const MagnetDesign&, const CoreMeshSizes3&, double current,
                                            const std::vector<double>& gaps);
 
-/// The table W(psi, gap) of the field in three dimensions, the ring without current, with the nodes of `plan_table`. Takes
-/// about four factorisations a node. Throws std::runtime_error where Newton does not converge.
+/// The table W(psi, gap) of the field in three dimensions, the ring without current, with the nodes of `plan_table`.
+/// Takes about four factorisations a node. Throws std::runtime_error where Newton does not converge.
 PotentialTable build_table3(const MagnetDesign&, const CoreMeshSizes3&, const TableOptions&,
                             TableReport* report = nullptr);
 

@@ -7,9 +7,9 @@
 #include "sim/field3d/newton3.h"
 #include "sim/fields/potential.h"
 
-/// The rung `field3d`: the core with stack ends, coil heads and ring heads, by finite elements in three dimensions. What the
-/// plane rung calls `end_leakage` is part of the field here; MagnetDesign::end_leakage is read only where the mesh has no
-/// ends.
+/// The rung `field3d`: the core with stack ends, coil heads and ring heads, by finite elements in three dimensions.
+/// What the plane rung calls `end_leakage` is part of the field here; MagnetDesign::end_leakage is read only where
+/// the mesh has no ends.
 
 namespace powbench::sim {
 
@@ -37,7 +37,8 @@ class MagnetField3 {
   /// m, >= 0; the residual gap is added. The nodes of the strip move; cells and their numbering stay.
   void set_gap(double gap);
 
-  /// Flux linkages given; without a ring, and with `ring_open`, the ring carries no current. `start`: a solution near by.
+  /// Flux linkages given; without a ring, and with `ring_open`, the ring carries no current. `start`: a solution near
+  /// by.
   FieldPoint3 at_flux(double psi, double ring, const State3& start = {}, bool ring_open = false);
 
   /// Currents given.

@@ -8,7 +8,8 @@
 namespace powbench::sim {
 namespace {
 
-/// Nodes of the 27-node hexahedron on the reference cube, gmsh's order; the first 8 and 20 are those of the lesser ones.
+/// Nodes of the 27-node hexahedron on the reference cube, gmsh's order; the first 8 and 20 are those of the lesser
+/// ones.
 constexpr signed char hex_nodes[27][3] = {
     {-1, -1, -1}, {1, -1, -1}, {1, 1, -1},  {-1, 1, -1}, {-1, -1, 1}, {1, -1, 1}, {1, 1, 1},
     {-1, 1, 1},   {0, -1, -1}, {-1, 0, -1}, {-1, -1, 0}, {1, 0, -1},  {1, -1, 0}, {0, 1, -1},

@@ -5,8 +5,9 @@
 
 #include "sim/field3d/coenergy3.h"
 
-/// Newton's method on the co-energy. Each winding has a given current or a given flux linkage; for the latter its current
-/// is one more unknown, and W'(u, I) - sum psi_k I_k is what becomes least. Convex, so every step is downhill.
+/// Newton's method on the co-energy. Each winding has a given current or a given flux linkage; for the latter its
+/// current is one more unknown, and W'(u, I) - sum psi_k I_k is what becomes least. Convex, so every step is
+/// downhill.
 
 namespace powbench::sim {
 

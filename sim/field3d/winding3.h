@@ -8,8 +8,8 @@
 
 namespace powbench::sim {
 
-/// A coil round a vertical axis: rectangular in plan with rounded corners, of uniform current density (turns / section).
-/// Seen from above, a positive current runs counter-clockwise. Lengths in m.
+/// A coil round a vertical axis: rectangular in plan with rounded corners, of uniform current density (turns /
+/// section). Seen from above, a positive current runs counter-clockwise. Lengths in m.
 struct BoxCoil {
   double x = 0, y = 0;            ///< of the axis
   double half_x = 0, half_y = 0;  ///< of the opening
@@ -19,8 +19,8 @@ struct BoxCoil {
   double turns = 1;
 };
 
-/// T = e_z (turns / height) f(x, y) for z between low and high: f is 1 in the opening and falls to 0 across the section.
-/// Throws std::invalid_argument for an opening smaller than its corners or an empty section.
+/// T = e_z (turns / height) f(x, y) for z between low and high: f is 1 in the opening and falls to 0 across the
+/// section. Throws std::invalid_argument for an opening smaller than its corners or an empty section.
 std::function<Vec3(const Vec3&)> coil_field(const BoxCoil&);
 
 }  // namespace powbench::sim

@@ -13,8 +13,9 @@ namespace {
 constexpr double vacuum = 4e-7 * pi;  // V s/(A m)
 constexpr double half_cylinder = 0.26;
 
-/// Fluxes F and -F through the shares a and 1 - a of a leg's width w become none along the leg, each wave of their difference
-/// as exp(-n pi y / w). The energy is that of this length, over w, in which they stay as they are; 0.271 for equal halves.
+/// Fluxes F and -F through the shares a and 1 - a of a leg's width w become none along the leg, each wave of their
+/// difference as exp(-n pi y / w). The energy is that of this length, over w, in which they stay as they are; 0.271
+/// for equal halves.
 double mixing_length(double a) {
   double sum = 0;
   for (int n = 1; n <= 50; ++n) {
@@ -39,7 +40,8 @@ CircuitPotential::CircuitPotential(const MagnetShape& s, const Steel& steel, dou
   const bool ring = s.ring_share > 0;
   const double tip = ring ? s.ring_depth : 0;
 
-  // iron: the outer legs, likewise the parts of each yoke, as one path; half of the flux comes from half of the centre leg
+  // iron: the outer legs, likewise the parts of each yoke, as one path; half of the flux comes from half of the
+  // centre leg
   const int sides = s.outer_legs();
   const double centre = s.centre_width * s.stack;
   const double outer = sides * s.outer_width * s.stack;

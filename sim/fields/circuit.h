@@ -17,15 +17,16 @@
 ///
 ///   P = mu0 (A / g + sum over edges of length (0.26 + ln(1 + 2 flank / g) / pi))
 ///
-/// The ring's slot of width s adds half of what Carter found for a slot opposite to a smooth face to the face at either side
-/// of it:
+/// The ring's slot of width s adds half of what Carter found for a slot opposite to a smooth face to the face at
+/// either side of it:
 ///
 ///   P_slot = mu0 length (s / g - gamma) / 2,   gamma = (4 / pi) (x atan x - ln(1 + x^2) / 2),   x = s / (2 g)
 ///
-/// With three legs the outer ones and both halves of the yokes are parallel; with two there is one of each. A closed leg has no
-/// gap, and its iron gets longer with that of the other leg: A (gap + residual gap) w(phi / A).
+/// With three legs the outer ones and both halves of the yokes are parallel; with two there is one of each. A closed
+/// leg has no gap, and its iron gets longer with that of the other leg: A (gap + residual gap) w(phi / A).
 ///
-/// Source of the edge terms: H. C. Roters, Electromagnetic Devices (Wiley 1941), chapter V. All derivatives are analytic.
+/// Source of the edge terms: H. C. Roters, Electromagnetic Devices (Wiley 1941), chapter V. All derivatives are
+/// analytic.
 
 namespace powbench::sim {
 
@@ -46,13 +47,13 @@ class CircuitPotential final : public MagneticPotential {
   /// Leakage inductance that is in series with the core, H.
   double leakage() const { return leakage_; }
 
-  /// R_e of the eddy currents in the sheets, ohm (`TransientSetup::sheet_resistance`), for a sheet's thickness in m and its
-  /// conductivity in S/m, both above 0:
+  /// R_e of the eddy currents in the sheets, ohm (`TransientSetup::sheet_resistance`), for a sheet's thickness in m
+  /// and its conductivity in S/m, both above 0:
   ///
   ///   1 / R_e = sigma d^2 / (12 N^2) sum of l / A_iron over the sections that carry phi
   ///
-  /// The first term of the law of a sheet, H = B / mu z coth z with z = (1 + j) d / (2 delta), in j omega: good while the
-  /// skin depth delta is above half of the thickness. Throws std::invalid_argument for values that cannot be.
+  /// The first term of the law of a sheet, H = B / mu z coth z with z = (1 + j) d / (2 delta), in j omega: good while
+  /// the skin depth delta is above half of the thickness. Throws std::invalid_argument for values that cannot be.
   double sheet_resistance(double thickness, double conductivity) const;
 
   /// Flux through the centre leg for given flux linkages, Wb.

@@ -6,9 +6,9 @@
 #include "sim/fields/magnet_shape.h"
 #include "sim/fields/mesh.h"
 
-/// The mesh of a `MagnetShape` in its air: the half x >= 0 of a core with three legs, the whole one with two; one topology for
-/// every gap. The strip
-/// between the pole faces is meshed with the height `strip_height`; the true gap scales it (FieldProblem::set_gap).
+/// The mesh of a `MagnetShape` in its air: the half x >= 0 of a core with three legs, the whole one with two; one
+/// topology for every gap. The strip between the pole faces is meshed with the height `strip_height`; the true gap
+/// scales it (FieldProblem::set_gap).
 
 namespace powbench::sim {
 

@@ -6,9 +6,9 @@
 
 namespace powbench::sim {
 
-/// Edges of the core, m: of its half with three legs, of the whole with two, where what is named here at x lies around the
-/// centre leg at -x, too. x = 0: middle of the centre leg; height 0: outer pole faces of the fixed half; `face`:
-/// those of the moving half.
+/// Edges of the core, m: of its half with three legs, of the whole with two, where what is named here at x lies
+/// around the centre leg at -x, too. x = 0: middle of the centre leg; height 0: outer pole faces of the fixed half;
+/// `face`: those of the moving half.
 struct CoreOutline {
   bool half;          ///< x < 0 is the mirror image
   bool closed_leg;    ///< the outer leg goes through the gap

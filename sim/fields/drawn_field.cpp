@@ -19,7 +19,8 @@ FieldSetup drawn_setup(const DrawnMagnet& d) {
   f.axisymmetric = d.axisymmetric;
   f.depth = d.copies * d.depth;
   f.steels = d.steels;
-  // of an armature mirrored at the gap, each copy of a winding links its own flux: all in series, as `copies` counts them
+  // of an armature mirrored at the gap, each copy of a winding links its own flux: all in series, as `copies` counts
+  // them
   Winding coil, ring;
   for (std::size_t k = 0; k < d.parts.size(); ++k) {
     const auto& p = d.parts[k];
@@ -46,8 +47,8 @@ double linked_flux(const std::vector<double>& winding, const std::vector<double>
   return sum;
 }
 
-/// Maxwell's stress in the air where `weight` varies, F = a^T (values) a with the lower triangle by `space.pattern`: the
-/// force against y on what has the weight 1.
+/// Maxwell's stress in the air where `weight` varies, F = a^T (values) a with the lower triangle by `space.pattern`:
+/// the force against y on what has the weight 1.
 std::vector<double> pull_form(const FieldSpace& space, const std::vector<double>& weight) {
   const Mesh& m = space.mesh;
   std::vector<double> values(space.pattern.row.size() + 1, 0);

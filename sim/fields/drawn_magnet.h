@@ -9,8 +9,8 @@
 #include "sim/fields/magnet_field.h"
 #include "sim/fields/table_build.h"
 
-/// A magnet on a mesh that was drawn elsewhere, in the plane or around an axis. The armature moves along y as a rigid body; air
-/// that is named for it stretches. SI.
+/// A magnet on a mesh that was drawn elsewhere, in the plane or around an axis. The armature moves along y as a rigid
+/// body; air that is named for it stretches. SI.
 
 namespace powbench::sim {
 
@@ -44,19 +44,20 @@ struct DrawnMagnet {
       const;  ///< of the device: all that go out of the plane, or into it, whichever is more; a quarter has two coils
 };
 
-/// How far each vertex rises when the gap grows by 1 m: 1 in the armature and what is joined to it by parts that do not stretch
-/// (1/2 in a quarter, whose other armature moves, too), 0 in the rest, and in the air that stretches
+/// How far each vertex rises when the gap grows by 1 m: 1 in the armature and what is joined to it by parts that do
+/// not stretch (1/2 in a quarter, whose other armature moves, too), 0 in the rest, and in the air that stretches
 ///
 ///   m = d_0 / (d_0 + d_1),   d_0, d_1: distance to what stands still and to what moves.
 ///
 /// |grad m| <= 1 / (d_0 + d_1) is nowhere above 1 / drawn gap, so that no point of the air turns inside out down to a
 /// gap of 0. Triangles, in which m is linear, may need a little more: their free vertices are moved until none turns
-/// over from the closed magnet to 1.5 times the travel, if that can be. Vertices on outer edges along y slide, those on other outer edges of that air stand still. Throws
-/// std::invalid_argument where there is no armature or no air that stretches, and where armature and fixed iron are joined by what does not.
+/// over from the closed magnet to 1.5 times the travel, if that can be. Vertices on outer edges along y slide, those
+/// on other outer edges of that air stand still. Throws std::invalid_argument where there is no armature or no air
+/// that stretches, and where armature and fixed iron are joined by what does not.
 std::vector<double> drawn_motion(const DrawnMagnet&);
 
-/// Smallest distance of the armature from the fixed iron below it, along y, m; in a quarter twice that from the lower edge of
-/// the mesh. Infinity: nothing below.
+/// Smallest distance of the armature from the fixed iron below it, along y, m; in a quarter twice that from the lower
+/// edge of the mesh. Infinity: nothing below.
 double measured_gap(const DrawnMagnet&);
 
 /// Gaps (faces, residual gap included) over which no triangle turns over, m: from (>= 0), to (may be infinite).
@@ -65,7 +66,8 @@ std::pair<double, double> usable_gaps(const DrawnMagnet&);
 /// Least angle of the triangles that stretch at such a gap, rad.
 double least_angle(const DrawnMagnet&, double face_gap);
 
-/// States of a drawn magnet. The pull is the exact derivative of the discrete energy: Maxwell's stress weighted with `motion`.
+/// States of a drawn magnet. The pull is the exact derivative of the discrete energy: Maxwell's stress weighted with
+/// `motion`.
 class DrawnField {
  public:
   DrawnField(std::shared_ptr<const DrawnMagnet>, const NewtonOptions&);
@@ -110,13 +112,15 @@ class DrawnField {
 /// The same drawing with every triangle cut into four.
 DrawnMagnet refined(const DrawnMagnet&);
 
-/// Flux linkage, Wb, at which the closed magnet's differential inductance has come down to 1.25 times that of air: with steel
-/// beyond saturation everywhere on the path. Throws std::invalid_argument where the steel does not saturate.
+/// Flux linkage, Wb, at which the closed magnet's differential inductance has come down to 1.25 times that of air:
+/// with steel beyond saturation everywhere on the path. Throws std::invalid_argument where the steel does not
+/// saturate.
 double saturated_flux(const std::shared_ptr<const DrawnMagnet>&);
 
-/// W(psi, gap) or W(psi, ring, gap) of a drawn magnet. `largest_field` and the sizes of `options` do not count: the mesh is that of
-/// the drawing. `mesh_error` is what one halving of all triangles changes in current and pull of the closed and of the open
-/// magnet at half of the largest flux. Throws as build_table, and where the mesh turns over up to the largest gap.
+/// W(psi, gap) or W(psi, ring, gap) of a drawn magnet. `largest_field` and the sizes of `options` do not count: the
+/// mesh is that of the drawing. `mesh_error` is what one halving of all triangles changes in current and pull of the
+/// closed and of the open magnet at half of the largest flux. Throws as build_table, and where the mesh turns over up
+/// to the largest gap.
 PotentialTable build_table(const std::shared_ptr<const DrawnMagnet>&, const TableOptions& options, Team&,
                            TableReport* report = nullptr);
 std::uint64_t table_hash(const DrawnMagnet&, const TableOptions&);

@@ -62,7 +62,8 @@ struct Motion {
     return {m.x[at(e.first)], m.y[at(e.first)], m.x[at(e.second)], m.y[at(e.second)]};
   }
 
-  /// Vertices of the armature and all that is joined to it: 1; joined to something else: 0; only within air that stretches: -1.
+  /// Vertices of the armature and all that is joined to it: 1; joined to something else: 0; only within air that
+  /// stretches: -1.
   std::vector<int> bodies() const {
     Joined joined(m.x.size());
     for (std::size_t t = 0; t < m.triangle.size(); ++t)
@@ -139,9 +140,9 @@ struct Motion {
     return out;
   }
 
-  /// Between vertices m is linear, and on crooked triangles may rise faster than it does itself. There the free vertices are
-  /// moved, triangle by triangle, until each keeps half of what an even stretch leaves of its area in the closed magnet, and a
-  /// tenth at the largest gap; what is left of this is for usable_gaps to find.
+  /// Between vertices m is linear, and on crooked triangles may rise faster than it does itself. There the free
+  /// vertices are moved, triangle by triangle, until each keeps half of what an even stretch leaves of its area in
+  /// the closed magnet, and a tenth at the largest gap; what is left of this is for usable_gaps to find.
   void smooth(std::vector<double>& out, const std::vector<int>& body) const {
     const double share = d.copies == 4 ? 0.5 : 1, closed = d.residual_gap,
                  open = d.residual_gap + 1.5 * d.travel;

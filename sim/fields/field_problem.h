@@ -12,8 +12,9 @@
 ///
 /// A field with prescribed fluxes minimises E under c_k^T a = psi_k; the multipliers are the currents. One strip of air
 /// may be stretched: its part of K is (g/h) K_y + (h/g) K_x with the height h as meshed and the true height g, so that
-/// the derivatives by g at fixed a are exact: the pull by virtual work. Steel may go through the strip (a closed leg): its
-/// B_x is h/g times, its volume g/h times the meshed one, so dE/dg = int (w - H_x B_x) dV / g there. J, Wb, A, m.
+/// the derivatives by g at fixed a are exact: the pull by virtual work. Steel may go through the strip (a closed
+/// leg): its B_x is h/g times, its volume g/h times the meshed one, so dE/dg = int (w - H_x B_x) dV / g there. J, Wb,
+/// A, m.
 
 namespace powbench::sim {
 
@@ -90,8 +91,8 @@ class FieldProblem {
                                   const double* a) const;
 
   /// Force on the body moved with `weight` (by vertex; 1 on the body, 0 on what stands still, between them in air):
-  /// int T . grad(weight), in y. Only triangles over which the weight varies count: air, or steel that stretches, where T
-  /// is the tensor of virtual work with H = dw/dB.
+  /// int T . grad(weight), in y. Only triangles over which the weight varies count: air, or steel that stretches,
+  /// where T is the tensor of virtual work with H = dw/dB.
   double stress_force(const double* a, const std::vector<double>& weight) const;
 
  private:

@@ -6,7 +6,8 @@
 #include "sim/fields/mesh.h"
 #include "sim/fields/ordering.h"
 
-/// Finite elements for A on straight triangles: linear (order 1) or quadratic (order 2), planar A_z or axisymmetric A_phi.
+/// Finite elements for A on straight triangles: linear (order 1) or quadratic (order 2), planar A_z or axisymmetric
+/// A_phi.
 ///
 ///   planar        B = (dA/dy, -dA/dx),                 volume element depth dx dy
 ///   axisymmetric  B = (B_r, B_z) = (-dA/dz, A/r + dA/dr), volume element 2 pi r dr dz

@@ -10,8 +10,9 @@
 ///
 ///   c_k^T (a_1 - a_0) = dt (u_k - R_k i_k),   H(a_m) = C i - M (a_1 - a_0) / dt,   a_m = (a_0 + a_1) / 2,
 ///
-/// is one bordered Newton solution a step, and exact for the energy of a linear field. The gap follows the pull at its own
-/// midpoint, so what the field gives the core takes. Slow: a check of tables, and the reference for solid cores.
+/// is one bordered Newton solution a step, and exact for the energy of a linear field. The gap follows the pull at
+/// its own midpoint, so what the field gives the core takes. Slow: a check of tables, and the reference for solid
+/// cores.
 
 namespace powbench::sim {
 

@@ -15,8 +15,8 @@ struct GridStop {
   double size = 0;  ///< m; 0: the line sets no size
 };
 
-/// Lines through all stops, which must ascend strictly. The cell size grows from each stop's size by the factor `growth`
-/// from cell to cell, up to `largest`.
+/// Lines through all stops, which must ascend strictly. The cell size grows from each stop's size by the factor
+/// `growth` from cell to cell, up to `largest`.
 std::vector<double> graded_lines(const std::vector<GridStop>& stops, double growth, double largest);
 
 /// Two triangles a cell, with alternating diagonals. `region(x, y)` is asked at the middle of each cell; a negative

@@ -32,8 +32,8 @@ struct FieldOptions {
 /// Sizes for a wanted relative error of psi and pull, 0.0002 .. 0.05; throws std::invalid_argument otherwise.
 CoreMeshSizes sizes_for(double accuracy);
 
-/// The finite elements of a design. Winding 0 is the coil, winding 1 the ring where there is one; `iron_conductivity` in
-/// S/m lets eddy currents flow in solid cores (0: laminated).
+/// The finite elements of a design. Winding 0 is the coil, winding 1 the ring where there is one; `iron_conductivity`
+/// in S/m lets eddy currents flow in solid cores (0: laminated).
 FieldProblem magnet_problem(const MagnetDesign&, const FieldOptions&, double iron_conductivity = 0);
 
 /// One solved state.

@@ -17,8 +17,8 @@
 ///
 /// The ring encloses the inner `ring_share` of each outer leg's width, in a slot `ring_depth` below the pole face.
 ///
-/// Two legs: the right half of that picture with the whole centre leg, so the coil lies outside of it, too. A U-core; with a
-/// `closed_leg` a C-core: the outer leg goes through, its iron gets longer with the gap, and one gap is left.
+/// Two legs: the right half of that picture with the whole centre leg, so the coil lies outside of it, too. A U-core;
+/// with a `closed_leg` a C-core: the outer leg goes through, its iron gets longer with the gap, and one gap is left.
 ///
 ///             +--------+--------------+                +--------+--------------+
 ///             | centre |  window      |                |        |              |

@@ -5,9 +5,9 @@
 #include <string_view>
 #include <vector>
 
-/// Meshes from gmsh: file formats MSH 2.2 and 4.1, text or binary (little endian), from memory to nodes, elements and physical
-/// groups. Format: gmsh reference manual, "MSH file format version 4.1" and "version 2 (Legacy)". In version 2.2 an element of
-/// two physical groups stands there twice. Coordinates are passed on as they stand in the file;
+/// Meshes from gmsh: file formats MSH 2.2 and 4.1, text or binary (little endian), from memory to nodes, elements and
+/// physical groups. Format: gmsh reference manual, "MSH file format version 4.1" and "version 2 (Legacy)". In version
+/// 2.2 an element of two physical groups stands there twice. Coordinates are passed on as they stand in the file;
 /// whoever knows the unit scales them to m.
 
 namespace powbench::sim {

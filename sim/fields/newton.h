@@ -11,8 +11,8 @@
 ///
 /// The circuits border the sparse matrix: one factorisation and one more solve a circuit. The first step meets the
 /// circuits (they are linear), every later one keeps them and is cut until the energy falls (Armijo). It ends on the
-/// Newton decrement, lambda^2 <= tolerance E, after the step of that iteration: the relative error of the energy is then
-/// far below the tolerance squared.
+/// Newton decrement, lambda^2 <= tolerance E, after the step of that iteration: the relative error of the energy is
+/// then far below the tolerance squared.
 
 namespace powbench::sim {
 

@@ -31,7 +31,8 @@ struct PotentialTable {
   std::vector<double> current_error, pull_error;
   double mesh_error = 0;
 
-  /// Largest flux density in the steel by node, T; empty: not known. `data_end`: where the rows of its curve end, T; 0: no end.
+  /// Largest flux density in the steel by node, T; empty: not known. `data_end`: where the rows of its curve end, T;
+  /// 0: no end.
   std::vector<double> steel_field;
   double data_end = 0;
 
@@ -63,11 +64,11 @@ class TablePotential final : public MagneticPotential {
   /// Beyond the last node of psi, of the ring flux or of the gap W goes on twice continuously differentiable, with
   /// o = |psi| - |psi_e|, x = gap - gap_e, and the answer is flagged `beyond`:
   ///
-  ///   d2W/dpsi2 = g + (S_e - g) / (1 + o / p)^2     the saturation law: from the edge's S_e to the inverse inductance of air, g
-  ///   F         = F_e (3 u^2 - 2 u^3) + F_e' d (u^2 - u^3),   u = 1 / (1 + x / d);    F_e u^2 where F_e' = -2 F_e / d
+  ///   d2W/dpsi2 = g + (S_e - g) / (1 + o / p)^2 the saturation law: from the edge's S_e to the inverse inductance of
+  ///   air, g F = F_e (3 u^2 - 2 u^3) + F_e' d (u^2 - u^3), u = 1 / (1 + x / d); F_e u^2 where F_e' = -2 F_e / d
   ///
-  /// with the lengths p and d of the whole table, so that W stays one potential. Below gap 0 (faces pressed together) W goes on
-  /// linearly. W(-psi, -ring, gap) = W(psi, ring, gap) to the last bit. NaN in, NaN out.
+  /// with the lengths p and d of the whole table, so that W stays one potential. Below gap 0 (faces pressed together)
+  /// W goes on linearly. W(-psi, -ring, gap) = W(psi, ring, gap) to the last bit. NaN in, NaN out.
   MagneticResponse at(const MagneticState&) const override;
 
   const PotentialTable& table() const { return table_; }

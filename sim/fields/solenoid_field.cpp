@@ -68,8 +68,8 @@ SolenoidField::SolenoidField(const SolenoidDesign& design, const FieldOptions& o
   if (iron_conductivity > 0) find_columns();
 }
 
-/// B = mu0 mu_r H + B_r has the energy (B - B_r)^2 / (2 mu0 mu_r): beside that of a linear material a load, constant because the
-/// magnet stands still.
+/// B = mu0 mu_r H + B_r has the energy (B - B_r)^2 / (2 mu0 mu_r): beside that of a linear material a load, constant
+/// because the magnet stands still.
 void SolenoidField::magnetise() {
   const auto& space = problem_.space();
   const double strength = design_.remanence / (mu0 * design_.magnet_permeability);

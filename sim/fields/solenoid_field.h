@@ -5,8 +5,8 @@
 #include "sim/fields/solenoid_mesh.h"
 #include "sim/fields/table_build.h"
 
-/// A solenoid by finite elements around its axis: states, table and closing. Eddy currents flow in a closing with the field in
-/// the loop, on wish; states and tables leave them out.
+/// A solenoid by finite elements around its axis: states, table and closing. Eddy currents flow in a closing with the
+/// field in the loop, on wish; states and tables leave them out.
 
 namespace powbench::sim {
 
@@ -21,9 +21,10 @@ struct SolenoidDesign {
   double largest_gap = 10e-3;         ///< m, of the closing: with the residual gap, the reach of the grid
 };
 
-/// One state at a time. The grid moves with the gap; parts slide past each other, so the pull is Maxwell's stress weighted
-/// with a motion that bends only air (SolenoidGrid::motion). That is the exact derivative of the discrete energy for
-/// this motion of the vertices; the energies of the grids of two gaps differ by it to the error of the mesh.
+/// One state at a time. The grid moves with the gap; parts slide past each other, so the pull is Maxwell's stress
+/// weighted with a motion that bends only air (SolenoidGrid::motion). That is the exact derivative of the discrete
+/// energy for this motion of the vertices; the energies of the grids of two gaps differ by it to the error of the
+/// mesh.
 class SolenoidField {
  public:
   /// Of `options`, `largest_gap` is taken from the design. Throws std::invalid_argument with key, value and range.
@@ -54,8 +55,9 @@ class SolenoidField {
   /// `start` is a_0, `carried` as `carry` gives it; `response.energy` is without meaning.
   FieldPoint eddy_step(double b, double r, double step, std::vector<double> carried);
 
-  /// What `a`, known at another gap, is on the vertices of the present one, each in the frame of its material: the plunger's move
-  /// with it, so that a rigid motion alone makes no eddy current. Interpolated along the axis by quadratics.
+  /// What `a`, known at another gap, is on the vertices of the present one, each in the frame of its material: the
+  /// plunger's move with it, so that a rigid motion alone makes no eddy current. Interpolated along the axis by
+  /// quadratics.
   std::vector<double> carry(const std::vector<double>& a, double old_gap) const;
 
   /// a^T M a, J/s with `a` the change in a second: the power of eddy currents.
@@ -87,16 +89,16 @@ class SolenoidField {
       columns_;  ///< unknowns in the plunger and on its surface, at equal radius, upwards
 };
 
-/// W(psi, gap) of a solenoid; `options.largest_gap` is taken from the design, and there is no ring. Throws as build_table, and for
-/// a permanent magnet, with which W is not even in psi.
+/// W(psi, gap) of a solenoid; `options.largest_gap` is taken from the design, and there is no ring. Throws as
+/// build_table, and for a permanent magnet, with which W is not even in psi.
 PotentialTable build_table(const SolenoidDesign&, const TableOptions& options, Team&,
                            TableReport* report = nullptr);
 
 /// Hash of everything that table depends on.
 std::uint64_t table_hash(const SolenoidDesign&, const TableOptions&);
 
-/// A closing with the field in the loop (see field_transient.h), with eddy currents where `iron_conductivity` is above 0.
-/// `sheet_resistance` must be 0: the parts are solid. Throws std::invalid_argument otherwise.
+/// A closing with the field in the loop (see field_transient.h), with eddy currents where `iron_conductivity` is
+/// above 0. `sheet_resistance` must be 0: the parts are solid. Throws std::invalid_argument otherwise.
 TransientResult run_transient(const SolenoidDesign&, const FieldOptions&, const TransientSetup&);
 
 }  // namespace powbench::sim

@@ -6,7 +6,8 @@
 
 #include "sim/fields/core_mesh.h"
 
-/// A solenoid around an axis: a plunger slides through the bore of a flange towards a stop inside the coil. Lengths in m.
+/// A solenoid around an axis: a plunger slides through the bore of a flange towards a stop inside the coil. Lengths
+/// in m.
 ///
 ///   z            plunger
 ///   ^           |       |
@@ -18,7 +19,8 @@
 ///   |   +-------+-------+-------+  plate
 ///
 /// The plunger is longer than its way through the flange, so that only the gap at the stop and the end outside change.
-/// Faces that are not flat reach into the stop: z = 0 is the rim of the stop's face then. The gap is measured along the axis:
+/// Faces that are not flat reach into the stop: z = 0 is the rim of the stop's face then. The gap is measured along
+/// the axis:
 ///
 ///   conical   a truncated cone of height (R - tip radius) tan(angle), with the same angle in the stop
 ///   stepped   a pin of a smaller radius in a wider hole of the same depth
@@ -54,8 +56,8 @@ struct SolenoidShape {
 };
 
 /// Throws std::invalid_argument that names the first key whose value cannot be, with its range: lengths of 0.05 mm to
-/// 500 mm, radii that ascend, a plunger that reaches through the flange, a gap that stays 1 mm below the winding's end, a face
-/// that stays 1 mm above the stop's lower end within the winding.
+/// 500 mm, radii that ascend, a plunger that reaches through the flange, a gap that stays 1 mm below the winding's
+/// end, a face that stays 1 mm above the stop's lower end within the winding.
 void check_solenoid(const SolenoidShape&, double largest_gap);
 
 /// Numbers are those of CoreRegion where both have one.
@@ -70,8 +72,8 @@ struct SolenoidRegion {
   };
 };
 
-/// The half plane (r, z) with one topology for every gap: lines of the grid beside the plunger's faces go with it, and lie
-/// along them where they are not flat. What stands still keeps its vertices.
+/// The half plane (r, z) with one topology for every gap: lines of the grid beside the plunger's faces go with it,
+/// and lie along them where they are not flat. What stands still keeps its vertices.
 class SolenoidGrid {
  public:
   /// `largest_gap` sets the layers between plunger and stop. Throws by `check_solenoid`.
@@ -80,18 +82,20 @@ class SolenoidGrid {
   const Mesh& mesh() const { return mesh_; }  ///< at the gap `reference()`
   double reference() const { return reference_; }
 
-  /// z of every vertex at this gap, m, > 0. The plunger's own vertices keep no place in it where it is drawn through the flange.
+  /// z of every vertex at this gap, m, > 0. The plunger's own vertices keep no place in it where it is drawn through
+  /// the flange.
   std::vector<double> heights(double gap) const;
 
   /// How far each vertex goes when the gap grows by one, in air alone: 1 in the plunger, 0 in what stands still, linear
-  /// across the gap at the stop, across the radial gap and over the same length beyond the plunger's outer end. Beside a pin it
-  /// rises across the clearance.
+  /// across the gap at the stop, across the radial gap and over the same length beyond the plunger's outer end.
+  /// Beside a pin it rises across the clearance.
   std::vector<double> motion(double gap) const;
 
  private:
   double moved(double z, double gap) const;
   double height(double r, double z, double gap) const;
-  /// Four levels of a stepped face at this radius: hole, rim, pin, shoulder, as meshed and at `gap`; their weights in `motion`.
+  /// Four levels of a stepped face at this radius: hole, rim, pin, shoulder, as meshed and at `gap`; their weights in
+  /// `motion`.
   struct Levels {
     std::array<double, 4> meshed, at, weight;
   };

@@ -88,7 +88,8 @@ std::vector<double> knot_slopes(const std::vector<BhRow>& rows, const std::vecto
 
 /// Above the table, with x = H - H_e and the susceptibility k of the table's end: the law of Froehlich and Kennelly,
 ///   B = B_e + mu0 x + k x / (1 + x / h0),   dB/dH = mu0 + k / (1 + x / h0)^2,
-/// whose magnetisation nears saturation as 1/H. h0 is such that the law meets the susceptibility of an earlier row, too.
+/// whose magnetisation nears saturation as 1/H. h0 is such that the law meets the susceptibility of an earlier row,
+/// too.
 void append_tail(std::vector<Steel::Knot>& knots) {
   constexpr int pieces = 60;
   constexpr double reach = 60;    // in h0: 3e-4 of the susceptibility is left

@@ -30,9 +30,9 @@ struct SteelPoint {
 class Steel {
  public:
   /// Monotone cubic through the rows (the origin is added where it is missing). Above the last row
-  /// B = B_e + mu0 x + k x / (1 + x / h0) with x = H - H_e, the law of Froehlich and Kennelly at the rate of the last rows,
-  /// until the slope is 1/mu0. Throws std::invalid_argument that names the row: fewer than 3 rows, B or H not increasing, a slope above 1/mu0, or a slope that falls by more than
-  /// 40 % after it has risen (noise).
+  /// B = B_e + mu0 x + k x / (1 + x / h0) with x = H - H_e, the law of Froehlich and Kennelly at the rate of the last
+  /// rows, until the slope is 1/mu0. Throws std::invalid_argument that names the row: fewer than 3 rows, B or H not
+  /// increasing, a slope above 1/mu0, or a slope that falls by more than 40 % after it has risen (noise).
   static Steel table(std::string name, std::vector<BhRow> rows);
 
   /// A smooth law h(b) with derivative dh_db(b), up to the field where the derivative reaches 1/mu0; straight above.
@@ -78,8 +78,8 @@ class Steel {
   double last_slope_ = 0;
 };
 
-/// A built-in steel; `builtin_steel_source` says of each where its numbers come from. Throws std::invalid_argument that lists
-/// the names for another one.
+/// A built-in steel; `builtin_steel_source` says of each where its numbers come from. Throws std::invalid_argument
+/// that lists the names for another one.
 Steel builtin_steel(std::string_view name);
 
 std::vector<std::string> builtin_steel_names();

@@ -101,9 +101,9 @@ Steel lamination() {
   return Steel::table("lamination", std::move(rows));
 }
 
-/// Measured by T. Roschke and approximated as in the Modelica Standard Library, Magnetic.FluxTubes.Material.SoftMagnetic:
-/// with b = B / b_peak, mu_r = 1 + (initial - 1 + a b) / (1 + c b + b^n). Rows up to `last` T, where the approximation still
-/// saturates as steel does.
+/// Measured by T. Roschke and approximated as in the Modelica Standard Library,
+/// Magnetic.FluxTubes.Material.SoftMagnetic: with b = B / b_peak, mu_r = 1 + (initial - 1 + a b) / (1 + c b + b^n).
+/// Rows up to `last` T, where the approximation still saturates as steel does.
 struct Approximated {
   std::string_view name;
   double initial, b_peak, a, c, n, last;

@@ -42,7 +42,8 @@ void carry_gap(double& f, double& slope, double& bend, double x, double d) {
   bend = -6 * s * u2 * u * (1 - u) / d + bend * u2 * u * (3 * u - 2);
 }
 
-/// From currents at both ends of the last cell and the stiffness at its end: the length in which the steel gives way to air.
+/// From currents at both ends of the last cell and the stiffness at its end: the length in which the steel gives way
+/// to air.
 double reach_of(double width, double first, double last, double stiffness, double air) {
   const double ratio = (air - (last - first) / width) / (air - stiffness);
   return air > stiffness && ratio > 1 ? width * ratio / (ratio - 1) : 0;

@@ -41,13 +41,14 @@ struct TableSlice {
   double stress_distance = 0;  ///< N: largest |pull by stress - pull by virtual work|
 };
 
-/// Takes the place of the solutions of gap number `gap`: calls `solve`, or knows what it would return. Nothing: this gap is not
-/// wanted. Called by several threads.
+/// Takes the place of the solutions of gap number `gap`: calls `solve`, or knows what it would return. Nothing: this
+/// gap is not wanted. Called by several threads.
 using SliceSource =
     std::function<std::optional<TableSlice>(std::size_t gap, const std::function<TableSlice()>& solve)>;
 
-/// Gaps are shared out over the team; the result does not depend on the number of workers. Without a gap that `source` does not want
-/// the table is empty. Throws std::invalid_argument for a bad design or options, std::runtime_error where Newton does not converge.
+/// Gaps are shared out over the team; the result does not depend on the number of workers. Without a gap that
+/// `source` does not want the table is empty. Throws std::invalid_argument for a bad design or options,
+/// std::runtime_error where Newton does not converge.
 PotentialTable build_table(const MagnetDesign&, const TableOptions&, Team&, TableReport* report = nullptr,
                            const SliceSource& source = {});
 
@@ -74,8 +75,9 @@ std::uint64_t mixed_hash(std::uint64_t hash, double value);
 /// Sets d3W/dpsi dring dgap at the nodes of a table with a ring: slopes of the parabolas through three gaps.
 void fill_triple(PotentialTable&);
 
-/// Fills in `current_error` and `pull_error` from the table itself: each inner node is predicted from its neighbours along
-/// every axis, over a double cell; in a cell values err by 1/16 of what that misses, slopes by 0.2 of it over the width.
+/// Fills in `current_error` and `pull_error` from the table itself: each inner node is predicted from its neighbours
+/// along every axis, over a double cell; in a cell values err by 1/16 of what that misses, slopes by 0.2 of it over
+/// the width.
 void estimate_errors(PotentialTable&);
 
 }  // namespace powbench::sim

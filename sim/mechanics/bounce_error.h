@@ -8,8 +8,8 @@
 
 /// How far a bounce sequence can be believed. Three numbers belong together: how many events agree with a reference,
 /// the largest time difference among those, and the time for which contact states disagree, which stays meaningful
-/// when a grazing touch appears or vanishes. A condition number gives the amplification of input errors; a sequence that is
-/// not computable is described by an ensemble.
+/// when a grazing touch appears or vanishes. A condition number gives the amplification of input errors; a sequence
+/// that is not computable is described by an ensemble.
 
 namespace powbench::sim {
 

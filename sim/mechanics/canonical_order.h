@@ -16,9 +16,9 @@ struct CanonicalParts {
   std::array<int, most_bridges> number{};
 };
 
-/// `parts` must be valid. Bridges that agree in every number, mode shapes included, are exchangeable. Modes that agree in
-/// frequency, mass and damping are ordered by their shapes over the bridges as ordered without shapes; only parts with
-/// ties in both are left in the order given.
+/// `parts` must be valid. Bridges that agree in every number, mode shapes included, are exchangeable. Modes that
+/// agree in frequency, mass and damping are ordered by their shapes over the bridges as ordered without shapes; only
+/// parts with ties in both are left in the order given.
 CanonicalParts in_canonical_order(const RigidParts& parts);
 
 }  // namespace powbench::sim

@@ -21,8 +21,8 @@ class ChatterLock {
   }
   bool holds(int guard, Real t) const { return t < until_[guard]; }
 
-  /// Time from t to the end of the lock that ends first, at least `window` / 1000; none: 1e300. A step that begins inside
-  /// a lock ends there: beyond it the guard counts again.
+  /// Time from t to the end of the lock that ends first, at least `window` / 1000; none: 1e300. A step that begins
+  /// inside a lock ends there: beyond it the guard counts again.
   Real room(Real t) const {
     Real first = Real(1e300L);
     if (t >= last_end_) return first;

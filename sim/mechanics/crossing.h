@@ -44,8 +44,8 @@ inline bool all_positive(const Bernstein<Real>& b) {
   return b[1] >= 0 && b[2] >= 0 && b[3] >= 0 && b[4] >= 0 && b[5] >= 0;
 }
 
-/// Where the cubic with these values and slopes at 0 and 1 is lowest, if that is inside and below a twentieth of the larger value,
-/// else 2: a function known by its slopes only may be negative there.
+/// Where the cubic with these values and slopes at 0 and 1 is lowest, if that is inside and below a twentieth of the
+/// larger value, else 2: a function known by its slopes only may be negative there.
 template <class Real>
 inline Real lowest_share(Real g0, Real v0, Real g1, Real v1) {
   const Real enough = std::max(g0, g1) / 20;
@@ -113,8 +113,8 @@ inline Crossing<Real> first_crossing(Bernstein<Real> b) {
   return crossing_detail::search(b, Real(0), Real(1), 0, budget);
 }
 
-/// First share, 0 .. most, at which a guard is negative, 2 if it is nowhere. at(share, slope) is its value and, where that
-/// is known, its slope (0 else). The bracket may be off by a little: the quintic is not the guard.
+/// First share, 0 .. most, at which a guard is negative, 2 if it is nowhere. at(share, slope) is its value and, where
+/// that is known, its slope (0 else). The bracket may be off by a little: the quintic is not the guard.
 template <class Real, class At>
 Real first_negative(const Crossing<Real>& bracket, Real most, const At& at) {
   Real low = bracket.low;

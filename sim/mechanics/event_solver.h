@@ -34,11 +34,11 @@ namespace powbench::sim {
 ///
 /// A step may overshoot: modes are locked while it lasts. The earliest crossing is bracketed on the quintic of
 /// each guard and refined on the dense output. A step of that length, repeated, is the start of the next one: the
-/// dense output has an error of about the tolerance inside a step, a thousand times that at the end of a step, and energy
-/// lost there is not recovered. (The end of the followed contact and guards that are only compared in sign take the
-/// dense output.) Everything that
-/// crosses within `simultaneous` switches together, so the order of the guards does not matter. A guard that
-/// keeps switching is ignored for a while that doubles (`ChatterLock`); a step ends where a lock does.
+/// dense output has an error of about the tolerance inside a step, a thousand times that at the end of a step, and
+/// energy lost there is not recovered. (The end of the followed contact and guards that are only compared in sign
+/// take the dense output.) Everything that crosses within `simultaneous` switches together, so the order of the
+/// guards does not matter. A guard that keeps switching is ignored for a while that doubles (`ChatterLock`); a step
+/// ends where a lock does.
 template <class System>
 class EventSolver {
  public:

@@ -108,8 +108,9 @@ class RigidContactor {
   void guards(Real t, const Real* y, const Real* dy, GuardSet&) const;
   void flip(Real& t, Real* y, std::uint64_t which);
   Real guard(int k, Real t, const Real* y, Real& rate) const;
-  /// Share of a step with these guards at its ends where a plain guard may be negative though it is not at the ends, 2 if
-  /// nowhere: a contact that pulls F = k d^n + c d' to zero and presses again within the step, a core that turns back and on.
+  /// Share of a step with these guards at its ends where a plain guard may be negative though it is not at the ends,
+  /// 2 if nowhere: a contact that pulls F = k d^n + c d' to zero and presses again within the step, a core that turns
+  /// back and on.
   Real dip(int k, const GuardSet& begin, const GuardSet& end, const StepEnds<Real>&) const;
   int choose_root(const GuardSet&, const Real* y, Real step, Real& root) const;
   void follow_root(int guard) { lanes_.followed = guard; }
@@ -127,8 +128,8 @@ class RigidContactor {
   /// Commands the coil's switch at time t.
   void set_coil(Real t, Real* y, bool on);
 
-  /// What feeds the coil besides the mains, from now on, and the resistance of coil and source, ohm. An integrator that has
-  /// stepped ahead starts anew.
+  /// What feeds the coil besides the mains, from now on, and the resistance of coil and source, ohm. An integrator
+  /// that has stepped ahead starts anew.
   void state_feed(const StatedVoltage& voltage, double resistance) {
     stated_ = voltage;
     drive_.resistance = resistance;

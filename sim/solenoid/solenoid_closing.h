@@ -44,8 +44,8 @@ struct SolenoidRun {
   std::int64_t states = 0, beyond = 0;  ///< of the potential: asked, and outside of what it was made from
 };
 
-/// Finds peak and dip in the samples of a run that has closed: the last peak of the current before the plunger arrives, and the
-/// lowest current until a millisecond after, no later than `off`, s.
+/// Finds peak and dip in the samples of a run that has closed: the last peak of the current before the plunger
+/// arrives, and the lowest current until a millisecond after, no later than `off`, s.
 void find_current_dip(const SolenoidRun&, double off, SolenoidTruth&);
 
 /// Throws std::invalid_argument for a bad specimen, supply or case, std::runtime_error where the integration fails.

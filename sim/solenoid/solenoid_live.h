@@ -9,8 +9,9 @@
 
 namespace powbench::sim {
 
-/// The start of each solution is the one before, so that equal states give equal values to the tolerance of Newton's method and no
-/// further; one thread only. Energies of two gaps differ from the pull by the error of the mesh (see SolenoidField).
+/// The start of each solution is the one before, so that equal states give equal values to the tolerance of Newton's
+/// method and no further; one thread only. Energies of two gaps differ from the pull by the error of the mesh (see
+/// SolenoidField).
 class LiveSolenoid final : public MagneticPotential {
  public:
   LiveSolenoid(const SolenoidDesign&, const FieldOptions&);

@@ -12,8 +12,8 @@
 
 /// The solenoid as a system with modes for `EventIntegrator`. SI, + = closing direction, gap = travel - x.
 ///
-///   states   psi | x, v (plunger) | [v_c (capacitor across the coil)] | ledger: supplied, electric loss, mechanical loss
-///   modes    those of the supply (sim/supply) | each stop pressed or free | friction | the tap of the windings
+///   states psi | x, v (plunger) | [v_c (capacitor across the coil)] | ledger: supplied, electric loss, mechanical
+///   loss modes those of the supply (sim/supply) | each stop pressed or free | friction | the tap of the windings
 ///
 ///   n psi' = emf - (R + r) i,   i = (dW/dpsi) / n        n = 1, or (N + N_hold) / N with both windings in series
 ///   m v'   = dW/dgap - F_0 - k x - F_load + F_open - F_closed - friction,   x' = v

@@ -4,8 +4,8 @@
 
 #include "sim/fields/solenoid_field.h"
 
-/// One solenoid, as the simulator sees it: a coil, a plunger between two stops, a spring and a load. SI. The defaults are those
-/// of `powbench plan template solenoid`.
+/// One solenoid, as the simulator sees it: a coil, a plunger between two stops, a spring and a load. SI. The defaults
+/// are those of `powbench plan template solenoid`.
 
 namespace powbench::sim {
 
@@ -14,8 +14,9 @@ struct SolenoidCoil {
   double resistance = 9;                     ///< R at 20 degC, ohm
   double temperature_coefficient = 3.93e-3;  ///< alpha, 1/K, copper
 
-  /// Economiser with a tap: from `hold_from` on an auxiliary contact, moved by the plunger, feeds both windings in series; before,
-  /// the coil alone is fed and the hold winding carries no current. Both wind round the same flux, so the ampere turns do not jump.
+  /// Economiser with a tap: from `hold_from` on an auxiliary contact, moved by the plunger, feeds both windings in
+  /// series; before, the coil alone is fed and the hold winding carries no current. Both wind round the same flux, so
+  /// the ampere turns do not jump.
   double hold_turns = 0;       ///< of the hold winding; 0: none
   double hold_resistance = 0;  ///< ohm, at 20 degC
   double hold_from = 0;        ///< m, travel of the plunger at which the contact changes over
@@ -45,7 +46,8 @@ struct SolenoidSpecimen {
   double travel() const { return design.largest_gap; }  ///< m
 };
 
-/// Throws std::invalid_argument with section, key, value and range: of `check_solenoid` and of numbers that do not go together.
+/// Throws std::invalid_argument with section, key, value and range: of `check_solenoid` and of numbers that do not go
+/// together.
 void require_valid(const SolenoidSpecimen&);
 
 }  // namespace powbench::sim

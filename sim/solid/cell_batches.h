@@ -29,8 +29,8 @@ struct CellEnergies {
 
 class CellBatches {
  public:
-  /// Throws std::invalid_argument for a bad mesh or material (see check_mesh, check_material), and for parts whose nodes
-  /// do not stand together.
+  /// Throws std::invalid_argument for a bad mesh or material (see check_mesh, check_material), and for parts whose
+  /// nodes do not stand together.
   CellBatches(const SolidMesh&, const std::vector<SolidMaterial>& materials, bool float_forces);
 
   int count() const { return static_cast<int>(batches_.size()); }

@@ -7,8 +7,9 @@
 /// All arrays of nodes are local to the batch, 4 numbers a node (x y z and one unused); all arrays of cells are
 /// [block][number][16]. Lanes beyond the last cell have zero shape and name the batch's spare node.
 ///
-/// Rounding: products and sums are fused where the processor can, so processors with and without fused multiply-add give
-/// different last digits. On one processor results are bit-reproducible and do not depend on the number of threads.
+/// Rounding: products and sums are fused where the processor can, so processors with and without fused multiply-add
+/// give different last digits. On one processor results are bit-reproducible and do not depend on the number of
+/// threads.
 
 namespace powbench::sim {
 

@@ -5,7 +5,8 @@
 /// Elastic cells in the reference configuration: no history, so nothing but the displacement is read. With the
 /// displacement gradient H = sum W_m b_m (b_m = beta_m / V, reference)
 ///
-///   J - 1 = tr H + I2(H) + det H,  cof F = (1 + tr H) I - H^T + cof H,  J F - cof F = J H + H^T + (I2 + det) I - cof H,
+///   J - 1 = tr H + I2(H) + det H, cof F = (1 + tr H) I - H^T + cof H, J F - cof F = J H + H^T + (I2 + det) I - cof
+///   H,
 ///
 /// which have no differences of nearly equal numbers at small strain. Nodal forces are minus the derivative of
 /// V W(F) + sum k_hi q_hi^2 / 2, q_hi = (L_h - sum_j hourglass_hj B_j / V) . u_i.

@@ -260,8 +260,8 @@ void ContactPass::add_pressure(std::vector<double>& all) const {
   }
 }
 
-/// A spring k between a node and a point of a face, k (u - sum w u_f)^2 / 2, is at most k (u^2 + sum w u_f^2): twice its
-/// stiffness at the node, and twice at the corners together.
+/// A spring k between a node and a point of a face, k (u - sum w u_f)^2 / 2, is at most k (u^2 + sum w u_f^2): twice
+/// its stiffness at the node, and twice at the corners together.
 void ContactPass::add_stiffness(std::vector<double>& all) const {
   for (std::size_t n = 0; n < slave_->nodes.size(); ++n)
     all[static_cast<std::size_t>(slave_->nodes[n])] += 2 * stiffness(n, slave_->areas[n]);

@@ -21,8 +21,8 @@ struct ContactorContacts {
 ///   pads   k = contact_stiffness, c = pad_damping(specimen)
 ///   seats  k = seat_stiffness,    c = 2 seat_damping sqrt(k m_bridge)
 ///   stop, rest  k = stop_stiffness, c = stop_damping(specimen)
-/// as in the lumped model. The rest lies so that everything is in balance with the mover `seat_depth` below its place in
-/// the mesh.
+/// as in the lumped model. The rest lies so that everything is in balance with the mover `seat_depth` below its place
+/// in the mesh.
 ContactorContacts contactor_contacts(const ContactorMesh&, const CellBatches&, const Specimen&);
 
 }  // namespace powbench::sim

@@ -18,8 +18,8 @@
 ///
 ///   v(n+1/2) = v(n-1/2) + dt M^-1 f(u_n, v(n-1/2)),   u(n+1) = u_n + dt v(n+1/2),
 ///
-/// with lumped masses. The kinetic energy of step n is v(n-1/2) . M v(n+1/2) / 2, with which the energy of a linear system
-/// is constant to round-off at any stable step. Results do not depend on the number of threads.
+/// with lumped masses. The kinetic energy of step n is v(n-1/2) . M v(n+1/2) / 2, with which the energy of a linear
+/// system is constant to round-off at any stable step. Results do not depend on the number of threads.
 
 namespace powbench::sim {
 
@@ -57,8 +57,8 @@ struct SolidOptions {
   bool float_forces = false;   ///< elastic bricks and hexahedra in single precision; places stay in double
   int ledger_every = 200;      ///< steps between energy balances; 0: never
   double energy_bound = 0.01;  ///< largest |residual| over the largest energy seen, else SolidStop; > 0
-  /// s; > 0: cells whose own step is smaller get inertia against deformation until it is this (added_inertia.h); at most
-  /// the median own step of the cells.
+  /// s; > 0: cells whose own step is smaller get inertia against deformation until it is this (added_inertia.h); at
+  /// most the median own step of the cells.
   double scale_masses_to = 0;
 };
 
@@ -164,8 +164,8 @@ class ExplicitSolid {
   SolidEnergies energies_;
 };
 
-/// Largest stable step of a mesh without contact, s: Lanczos iteration on its small displacements. Where inertia is added it
-/// must have been aimed.
+/// Largest stable step of a mesh without contact, s: Lanczos iteration on its small displacements. Where inertia is
+/// added it must have been aimed.
 double cell_critical_step(const SolidMesh&, const std::vector<SolidMaterial>&,
                           const std::vector<double>& inverse_mass, const std::vector<double>& added_stiffness,
                           const AddedInertia& = {});

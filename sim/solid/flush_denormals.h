@@ -1,8 +1,8 @@
 #pragma once
 
 /// While it lives, this thread takes denormal numbers for zero, read or written; then what held before holds again. For
-/// the loops over cells alone: on some processors each denormal operand costs a hundred cycles, and behind the front of a
-/// wave there are many. No call out of this folder while it lives.
+/// the loops over cells alone: on some processors each denormal operand costs a hundred cycles, and behind the front
+/// of a wave there are many. No call out of this folder while it lives.
 
 namespace powbench::sim {
 

@@ -8,11 +8,12 @@
 
 /// A flexible body reduced to few coordinates, u = sum of q_r phi_r, from its finite elements:
 ///
-///   six rigid modes, the lowest elastic modes of K phi = omega^2 M phi, and for every place where a force acts the shape
-///   (K + s M)^-1 f that it bends statically (attachment modes: without them the compliance at the place is missing).
+///   six rigid modes, the lowest elastic modes of K phi = omega^2 M phi, and for every place where a force acts the
+///   shape (K + s M)^-1 f that it bends statically (attachment modes: without them the compliance at the place is
+///   missing).
 ///
-/// The set is then made orthogonal by a small eigenvalue problem, so modal masses are 1 and stiffnesses omega^2: an explicit
-/// method needs no solution of equations. Small displacements and rotations.
+/// The set is then made orthogonal by a small eigenvalue problem, so modal masses are 1 and stiffnesses omega^2: an
+/// explicit method needs no solution of equations. Small displacements and rotations.
 
 namespace powbench::sim {
 

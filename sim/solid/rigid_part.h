@@ -20,7 +20,8 @@ struct RigidPart {
   std::vector<Vec3> arm;                    ///< m, of each node from the centre, when frozen
 
   double kinetic() const;  ///< J
-  /// J, between this state and another half a step on either side: v m v' / 2, with which the balance of a spring closes.
+  /// J, between this state and another half a step on either side: v m v' / 2, with which the balance of a spring
+  /// closes.
   double kinetic_between(const RigidPart&) const;
   Vec3 spin() const;  ///< rad/s
 };

@@ -150,8 +150,8 @@ class Closing {
          dt > 0 ? response_.pull + 0.5 * (response_.pull - before) * options_.coupling / dt : response_.pull);
   }
 
-  /// Return map: a spring that slides at the Coulomb limit, with a dashpot of half the critical damping beside it; softer
-  /// where the coupling interval is too long for so stiff a spring.
+  /// Return map: a spring that slides at the Coulomb limit, with a dashpot of half the critical damping beside it;
+  /// softer where the coupling interval is too long for so stiff a spring.
   double friction(double dt) {
     const double limit = specimen_.core.friction, fastest = 0.3 / options_.coupling;
     const double rate = std::min(limit / slip, specimen_.core.mass * fastest * fastest);

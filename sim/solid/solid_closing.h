@@ -10,8 +10,8 @@
 
 /// One closing with deforming parts: coil and field in turn with the bodies. In every coupling interval
 ///
-///   gap -> potential -> current, pull;  psi += (u - R i) dt, phi_s -= R_s i_s dt;  pull as body load on mover and base;
-///   bodies move on;  gap -> ...
+///   gap -> potential -> current, pull; psi += (u - R i) dt, phi_s -= R_s i_s dt; pull as body load on mover and
+///   base; bodies move on; gap -> ...
 ///
 /// Parts are rigid in flight and deform from `window` before the first touch on.
 

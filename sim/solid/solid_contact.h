@@ -7,9 +7,9 @@
 #include "sim/solid/node_forces.h"
 #include "sim/solid/solid_surface.h"
 
-/// Contact between parts by symmetric penalty: the nodes of each part against the faces of the other, both ways, and sharp
-/// edges against sharp edges. A node touches another part at most once, at the nearest point of its skin, so that a
-/// corner over a shared edge is not counted twice.
+/// Contact between parts by symmetric penalty: the nodes of each part against the faces of the other, both ways, and
+/// sharp edges against sharp edges. A node touches another part at most once, at the nearest point of its skin, so
+/// that a corner over a shared edge is not counted twice.
 ///
 ///   normal:      F = k l + c dl/dt >= 0, l >= 0 the depth; each way with k = factor s A, s = s_a s_b / (s_a + s_b),
 ///                s = wave modulus / cell height, A the node's share of its part's skin; or with k = layer A / 2

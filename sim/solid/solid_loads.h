@@ -28,7 +28,8 @@ struct SolidSpring {
   double rate = 0;     ///< N/m
 };
 
-/// A rigid plane that nodes do not pass: force k depth + c d depth/dt >= 0 along the normal while the depth is positive.
+/// A rigid plane that nodes do not pass: force k depth + c d depth/dt >= 0 along the normal while the depth is
+/// positive.
 struct SolidPlane {
   Vec3 point, normal{0, 0, 1};    ///< normal of unit length, out of the solid half space
   std::vector<int> nodes;         ///< that can touch

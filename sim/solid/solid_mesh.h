@@ -30,12 +30,12 @@ struct SolidMesh {
   int add_part(const std::string& name);
 };
 
-/// Adds a brick lo .. hi of nx x ny x nz hexahedra to a part and returns the number of its first node. Node (i, j, k) is
-/// the first plus i + (nx + 1) (j + (ny + 1) k).
+/// Adds a brick lo .. hi of nx x ny x nz hexahedra to a part and returns the number of its first node. Node (i, j, k)
+/// is the first plus i + (nx + 1) (j + (ny + 1) k).
 int add_box(SolidMesh&, int part, const Vec3& lo, const Vec3& hi, int nx, int ny, int nz);
 
-/// Adds the cells of a grid given by its planes, where `filled(i, j, k)` says which cells exist; nodes without a cell are
-/// not made.
+/// Adds the cells of a grid given by its planes, where `filled(i, j, k)` says which cells exist; nodes without a cell
+/// are not made.
 void add_grid(SolidMesh&, int part, const std::vector<double>& x, const std::vector<double>& y,
               const std::vector<double>& z, const std::function<bool(int, int, int)>& filled);
 

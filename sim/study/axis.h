@@ -14,7 +14,8 @@
 
 namespace powbench::sim {
 
-/// A specimen, the conditions it is closed under and what feeds it: of `bench`, volts, hertz and phase are the conditions'.
+/// A specimen, the conditions it is closed under and what feeds it: of `bench`, volts, hertz and phase are the
+/// conditions'.
 struct Case {
   Specimen specimen;
   Conditions conditions;

@@ -4,8 +4,8 @@
 #include <span>
 #include <vector>
 
-/// What measured bounces add to touch and seat: restitution and springs of the contacts scale all bounces of a device by nearly the
-/// same factor and hardly change anything else.
+/// What measured bounces add to touch and seat: restitution and springs of the contacts scale all bounces of a device
+/// by nearly the same factor and hardly change anything else.
 
 namespace powbench::sim {
 
@@ -14,22 +14,23 @@ struct BounceCalibration {
   static constexpr double nan = std::numeric_limits<double>::quiet_NaN();
   std::vector<double>
       factors;  ///< of each posterior sample: median over the closings of measured / simulated; 1: none measured
-  /// Of single samples, over samples and closings: predicted is simulated times the factor of the other closings. Each posterior
-  /// sample was conditioned on touch and seat of these closings. This is the error of a single sample; the median over samples may be
-  /// more accurate.
+  /// Of single samples, over samples and closings: predicted is simulated times the factor of the other closings.
+  /// Each posterior sample was conditioned on touch and seat of these closings. This is the error of a single sample;
+  /// the median over samples may be more accurate.
   double deviation = nan;
   double median = nan;            ///< of the measured bounces, s: the prediction without any model
   double median_deviation = nan;  ///< of each measured bounce from the median of the others
 };
 
-/// `simulated`: for each sample the bounce of each closing, s; NaN where it does not close. `measured`: of each closing, s; NaN where not
-/// measured. What does not close or bounces for less than 20 us counts as 20 us: a large error, not an omission.
+/// `simulated`: for each sample the bounce of each closing, s; NaN where it does not close. `measured`: of each
+/// closing, s; NaN where not measured. What does not close or bounces for less than 20 us counts as 20 us: a large
+/// error, not an omission.
 BounceCalibration calibrate_bounce(std::span<const std::vector<double>> simulated,
                                    std::span<const double> measured);
 
-/// Weight of the samples in the prediction; the plain median has the rest: w = u^2 / (u^2 + v^2), v and u the deviations of
-/// samples and median, assumed to be independent. A model with large errors where it can be judged has little weight. 1 if both
-/// are 0, NaN if they are not known.
+/// Weight of the samples in the prediction; the plain median has the rest: w = u^2 / (u^2 + v^2), v and u the
+/// deviations of samples and median, assumed to be independent. A model with large errors where it can be judged has
+/// little weight. 1 if both are 0, NaN if they are not known.
 double weight_of_samples(const BounceCalibration&);
 
 /// The predicted bounce at an unknown angle, s, and the expected deviation of its logarithm.
@@ -37,7 +38,8 @@ struct PooledBounce {
   double value = 0, deviation = 0;
 };
 
-/// `own`: median over the samples of factor x simulated at that angle, s. It is pooled with the plain median m in the logarithm,
+/// `own`: median over the samples of factor x simulated at that angle, s. It is pooled with the plain median m in the
+/// logarithm,
 ///   ln b = w ln own + (1 - w) ln m,   deviation = sqrt(w) v,   w = weight_of_samples.
 /// If w is not known the result is `own`, without a deviation (NaN).
 PooledBounce pooled_bounce(double own, const BounceCalibration&);

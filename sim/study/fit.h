@@ -7,8 +7,8 @@
 #include "sim/study/least_squares.h"
 #include "sim/study/misfit.h"
 
-/// Identification of a specimen from measured closings: a global search, because bounce times jump with every parameter,
-/// then least squares from the best points found, then an ensemble of fits to shifted data.
+/// Identification of a specimen from measured closings: a global search, because bounce times jump with every
+/// parameter, then least squares from the best points found, then an ensemble of fits to shifted data.
 
 namespace powbench::sim {
 

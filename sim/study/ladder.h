@@ -35,9 +35,9 @@ struct Rung {
   std::string name() const { return fields + "+" + mechanics; }
 };
 
-/// A rigid closing whose energies are looked at: the first and one in forty after it run once more with the ledger, which
-/// throws std::runtime_error where it does not balance within a hundred tolerances. That run is not used otherwise, so an
-/// audit changes no bit. (The plant carries its ledger in every run, `modal` and `explicit` too.)
+/// A rigid closing whose energies are looked at: the first and one in forty after it run once more with the ledger,
+/// which throws std::runtime_error where it does not balance within a hundred tolerances. That run is not used
+/// otherwise, so an audit changes no bit. (The plant carries its ledger in every run, `modal` and `explicit` too.)
 struct Audited {
   using Run = std::function<Trajectory(const Case&, double duration, double tolerance, double sample_dt)>;
   Run run, with_ledger;
@@ -49,8 +49,8 @@ struct Audited {
 /// rigid parts with two ends each. Both solve the same equations: they differ by their integrators alone.
 std::vector<Rung> closing_rungs();
 
-/// `FIELDS+rigid`: the rigid parts driven by a potential of any rung of fields, with gaps from 0 on. Ring resistance and
-/// coil are those of the case.
+/// `FIELDS+rigid`: the rigid parts driven by a potential of any rung of fields, with gaps from 0 on. Ring resistance
+/// and coil are those of the case.
 Rung potential_rung(std::string fields, std::string meaning, std::shared_ptr<const MagneticPotential>);
 
 /// Those with these mechanics; all for "". Throws std::invalid_argument for an unknown name.
@@ -85,8 +85,9 @@ LadderRun run_rung(std::span<const Rung>, std::size_t rung, const Case&, double 
 /// |a - b| of each time. NaN where neither has it, infinite where only one has it.
 LadderTimes time_error(const LadderRun& a, const LadderRun& b);
 
-/// How far a run is off, judged by the same rung at a tenth of its tolerance, or its next finer setting: `estimator_factor` times the difference,
-/// and not less than the rounding of a time, 1e-12 s. Holds where the finer run has at most 0.6 of the error.
+/// How far a run is off, judged by the same rung at a tenth of its tolerance, or its next finer setting:
+/// `estimator_factor` times the difference, and not less than the rounding of a time, 1e-12 s. Holds where the finer
+/// run has at most 0.6 of the error.
 LadderTimes error_estimate(const LadderRun&, const LadderRun& finer);
 inline constexpr double estimator_factor = 2.5;
 
@@ -111,7 +112,8 @@ struct LadderOptions {
   double truth = 1e-12;  ///< tolerance of what counts as true
   int repeats = 3;       ///< the cheapest counts
 };
-/// One run of a ladder: a rung at a tolerance or its other setting. Where `cpu` of the result counts, the cheapest of `repeats`.
+/// One run of a ladder: a rung at a tolerance or its other setting. Where `cpu` of the result counts, the cheapest of
+/// `repeats`.
 using LadderCell = std::function<std::optional<LadderRun>(std::size_t rung, double setting, int repeats)>;
 
 /// A rung with settings of its own is run at those, the last of them standing for the truth.
@@ -129,9 +131,10 @@ struct RungChoice {
   double spent = 0;              ///< s CPU, all runs
   std::vector<LadderRow> tried;  ///< with estimates; errors stay zero
 };
-/// The cheapest rung and tolerance whose estimate is at most `accuracy` times the touch time (the duration where nothing
-/// touches) in touch, seat and settled. Every rung is refined, by ten or to its next setting, until it meets the accuracy, costs more than one that
-/// has met it, or comes to `finest`. Throws std::invalid_argument for an accuracy outside 1e-10 .. 0.5.
+/// The cheapest rung and tolerance whose estimate is at most `accuracy` times the touch time (the duration where
+/// nothing touches) in touch, seat and settled. Every rung is refined, by ten or to its next setting, until it meets
+/// the accuracy, costs more than one that has met it, or comes to `finest`. Throws std::invalid_argument for an
+/// accuracy outside 1e-10 .. 0.5.
 RungChoice choose_rung(std::span<const Rung>, const Case&, double accuracy, double duration, const CpuClock&,
                        double coarsest = 1e-4, double finest = 1e-11);
 

@@ -41,16 +41,18 @@ struct Refined {
 /// Levenberg-Marquardt; coordinates are kept in [0, 1]. Never ends higher than it began.
 Refined refine(const Residuals&, std::vector<double> start, const RefineOptions&, Team&);
 
-/// Levenberg-Marquardt from a start whose Jacobian is known, kept up by Broyden's rank-one update (C. G. Broyden, Math. Comp. 19,
-/// 1965, 577) in place of new differences: `evaluations` of the residuals at most, where `refine` needs one for each coordinate
-/// and iteration. For minima near the start: on shifted data. Never ends higher than it began.
+/// Levenberg-Marquardt from a start whose Jacobian is known, kept up by Broyden's rank-one update (C. G. Broyden,
+/// Math. Comp. 19, 1965, 577) in place of new differences: `evaluations` of the residuals at most, where `refine`
+/// needs one for each coordinate and iteration. For minima near the start: on shifted data. Never ends higher than it
+/// began.
 Refined refine_near(const Residuals&, std::vector<double> start, const Jacobian& at_start, int evaluations);
 
 /// What data with unit deviations and a Gaussian prior of `prior_deviation` on each coordinate say (flat prior: 0).
 struct Identifiability {
   std::vector<double> deviation;  ///< posterior standard deviation of each coordinate
   std::vector<double>
-      data_share;  ///< 1 - (deviation / prior)^2: 0 = the data say nothing. Flat prior: that of the unit interval of the
+      data_share;  ///< 1 - (deviation / prior)^2: 0 = the data say nothing. Flat prior: that of the unit interval of
+                   ///< the
                    ///< coordinate, deviation 1 / sqrt(12)
   std::vector<double> correlation;  ///< dimension x dimension, of the posterior
   std::vector<double> singular;     ///< singular values of the Jacobian, descending

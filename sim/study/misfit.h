@@ -59,8 +59,8 @@ struct FitProblem {
   double duration =
       0.06;  ///< s simulated for each closing: a late release, when the offset flux dies out, is seen
   bool robust = true;  ///< bounce times beyond two deviations count linearly
-  /// Sum of absolute deviations, the settled time's among them, in place of squares, and a steep cost of every quantity whose mean
-  /// is above two: what a table of mean errors judges by.
+  /// Sum of absolute deviations, the settled time's among them, in place of squares, and a steep cost of every
+  /// quantity whose mean is above two: what a table of mean errors judges by.
   bool absolute = false;
 };
 
@@ -80,18 +80,19 @@ class Misfit {
   /// Sum of squared residuals; leaves off early, with what it has, once that is above `give_up`.
   double value(std::span<const double> point, double give_up = std::numeric_limits<double>::infinity()) const;
 
-  /// Residuals whose squares sum to the smooth part of the misfit: four for each closing (touch, bounce, seat, core bounce; 0 where
-  /// not measured), the ranges, the prior. Pick-up and calm are left out: they are steps.
+  /// Residuals whose squares sum to the smooth part of the misfit: four for each closing (touch, bounce, seat, core
+  /// bounce; 0 where not measured), the ranges, the prior. Pick-up and calm are left out: they are steps.
   std::vector<double> residuals(std::span<const double> point, double tolerance) const;
 
   /// Simulated bounce of every closing, s; NaN where it does not close.
   std::vector<double> bounces(std::span<const double> point, double tolerance) const;
 
-  /// The part without jumps: touch and seat, simulated no longer than those two may take. `held_load`, which is smooth, replaces the
-  /// absence of chatter, which is a step function.
+  /// The part without jumps: touch and seat, simulated no longer than those two may take. `held_load`, which is
+  /// smooth, replaces the absence of chatter, which is a step function.
   Misfit motion() const;
 
-  /// Standard normal shifts move the measured values, and the middles of the prior where given: for fits to data with noise.
+  /// Standard normal shifts move the measured values, and the middles of the prior where given: for fits to data with
+  /// noise.
   Misfit perturbed(std::span<const double> shifts, std::span<const double> prior_shifts = {}) const;
 
  private:

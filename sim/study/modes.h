@@ -14,9 +14,9 @@ struct Mode {
   double low = 0, high = 0;  ///< smallest and largest value
 };
 
-/// The clusters of a sample in ascending order: one, unless it falls into parts, each of at least 5 % and 5 values, whose
-/// means are 4 pooled standard deviations apart (a uniform sample cut in half reaches 3.5). A mean of the whole says
-/// nothing where there is more than one. NaN are left out; no value: no mode.
+/// The clusters of a sample in ascending order: one, unless it falls into parts, each of at least 5 % and 5 values,
+/// whose means are 4 pooled standard deviations apart (a uniform sample cut in half reaches 3.5). A mean of the whole
+/// says nothing where there is more than one. NaN are left out; no value: no mode.
 std::vector<Mode> modes(std::span<const double> sample);
 
 /// Quantile of an ascending sample, linear between values; share in [0, 1]. NaN for an empty one.

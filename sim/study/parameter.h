@@ -35,12 +35,14 @@ Parameter parameter(std::string_view name, double low, double high, bool logarit
 Specimen specimen_at(const Specimen& base, std::span<const Parameter>, std::span<const double> point);
 std::vector<double> point_of(const Specimen&, std::span<const Parameter>);
 
-/// What a three-pole contactor of the 25 .. 40 A frame may have: bounds from catalogues, from the papers' statements and
-/// from plausibility where nothing is printed. `buffered`: the static core as a mass of its own on buffer springs too.
+/// What a three-pole contactor of the 25 .. 40 A frame may have: bounds from catalogues, from the papers' statements
+/// and from plausibility where nothing is printed. `buffered`: the static core as a mass of its own on buffer springs
+/// too.
 std::vector<Parameter> catalogue_parameters(bool buffered = false);
 
-/// The same for a posterior (sim/study/posterior.h), whose motion is fitted first: base and leakage may be smaller. The compliance under the
-/// pull need not belong to the mass that vibrates after the impact; before the impact a base is little more than its spring.
+/// The same for a posterior (sim/study/posterior.h), whose motion is fitted first: base and leakage may be smaller.
+/// The compliance under the pull need not belong to the mass that vibrates after the impact; before the impact a base
+/// is little more than its spring.
 std::vector<Parameter> posterior_parameters();
 
 }  // namespace powbench::sim

@@ -10,12 +10,13 @@
 
 /// Approximate posterior samples of a specimen's parameters, for predictions.
 ///
-/// Touch and seat are smooth functions of every parameter; bounce is discontinuous. A global search of the whole misfit therefore stalls
-/// a few standard deviations above the optimum of the smooth part. So the smooth part (`Misfit::motion`) is minimised to convergence
-/// by least squares from several starts. Each posterior sample is then the least-squares minimum with data and prior
-/// shifted at random by their deviations (exact for a linear model: J. Bardsley et al., SIAM J. Sci. Comput. 36, 2014,
-/// A1895). The samples are not conditioned on measured bounce, nor on the demands that are step functions (pick-up, absence of chatter):
-/// many samples violate one of these. Measured bounce scales each sample by one factor and shows the error of its bounces.
+/// Touch and seat are smooth functions of every parameter; bounce is discontinuous. A global search of the whole
+/// misfit therefore stalls a few standard deviations above the optimum of the smooth part. So the smooth part
+/// (`Misfit::motion`) is minimised to convergence by least squares from several starts. Each posterior sample is then
+/// the least-squares minimum with data and prior shifted at random by their deviations (exact for a linear model: J.
+/// Bardsley et al., SIAM J. Sci. Comput. 36, 2014, A1895). The samples are not conditioned on measured bounce, nor on
+/// the demands that are step functions (pick-up, absence of chatter): many samples violate one of these. Measured
+/// bounce scales each sample by one factor and shows the error of its bounces.
 
 namespace powbench::sim {
 

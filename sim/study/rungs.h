@@ -36,8 +36,8 @@ FieldRung live_field(const std::shared_ptr<const DrawnMagnet>&, const NewtonOpti
 /// The magnet of a specimen: its shape, steel law, turns and residual gap.
 MagnetDesign magnet_design(const Specimen&);
 
-/// base + plus - minus: the base with a ring, the others without; what `plus` knows and `minus` does not is added. Has the
-/// ring of the base.
+/// base + plus - minus: the base with a ring, the others without; what `plus` knows and `minus` does not is added.
+/// Has the ring of the base.
 std::shared_ptr<const MagneticPotential> corrected_potential(std::shared_ptr<const MagneticPotential> base,
                                                              std::shared_ptr<const MagneticPotential> plus,
                                                              std::shared_ptr<const MagneticPotential> minus);
@@ -52,9 +52,9 @@ inline constexpr double explicit_duration = 0.03;  // s
 /// std::invalid_argument.
 std::string unknown_to(std::string_view mechanics, const Case&);
 
-/// The pair as a rung. Settings: `plant` and `rigid` take tolerances, `modal` the share of its critical step, `explicit` the
-/// edge of its cells in mm. Throws std::invalid_argument for an unknown name, and for `plant` with other fields than
-/// `circuit`: the plant has its circuit built in.
+/// The pair as a rung. Settings: `plant` and `rigid` take tolerances, `modal` the share of its critical step,
+/// `explicit` the edge of its cells in mm. Throws std::invalid_argument for an unknown name, and for `plant` with
+/// other fields than `circuit`: the plant has its circuit built in.
 Rung scene_rung(const FieldRung&, std::string_view mechanics);
 
 }  // namespace powbench::sim

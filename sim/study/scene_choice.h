@@ -5,19 +5,20 @@
 
 #include "sim/study/rungs.h"
 
-/// Which fields and which mechanics a scene needs. Three errors, three words: the step error, judged by a finer run of the
-/// same rung; the model error, that of the fields and that of the mechanics, judged by the next rung of each; the input
-/// error, by which the stated uncertainties of the inputs move the times. Step and model error are held against what is wanted; where
-/// they are too large, the choice climbs along the axis that contributes most. The highest rung of an axis has no next one:
-/// what it leaves out is not known, and an unknown is never zero. (docs/decisions/0023-three-errors.md)
+/// Which fields and which mechanics a scene needs. Three errors, three words: the step error, judged by a finer run
+/// of the same rung; the model error, that of the fields and that of the mechanics, judged by the next rung of each;
+/// the input error, by which the stated uncertainties of the inputs move the times. Step and model error are held
+/// against what is wanted; where they are too large, the choice climbs along the axis that contributes most. The
+/// highest rung of an axis has no next one: what it leaves out is not known, and an unknown is never zero.
+/// (docs/decisions/0023-three-errors.md)
 
 namespace powbench::sim {
 
 /// Wanted error of touch, seat and settled as a share of the touch time; NaN: not wanted.
 using WantedTimes = LadderTimes;
 
-/// The rungs a scene may climb: fields first to last, mechanics first to last. `rung` makes a pair; it is asked only for
-/// pairs that are looked at, so that tables are built when they are needed.
+/// The rungs a scene may climb: fields first to last, mechanics first to last. `rung` makes a pair; it is asked only
+/// for pairs that are looked at, so that tables are built when they are needed.
 struct SceneAxes {
   std::vector<std::string> fields, mechanics;
   std::function<Rung(std::size_t field, std::size_t mechanics)> rung;
@@ -69,8 +70,8 @@ struct SceneChoice {
   Reached reached() const { return steps.back().reached; }
 };
 
-/// Standard uncertainty of a time from those of the inputs, s: u^2 = sum (dt/dx u_x)^2 by central differences of one rung. NaN: the time
-/// does not happen on both sides of an input, no input is stated, or the rung is a costly one.
+/// Standard uncertainty of a time from those of the inputs, s: u^2 = sum (dt/dx u_x)^2 by central differences of one
+/// rung. NaN: the time does not happen on both sides of an input, no input is stated, or the rung is a costly one.
 LadderTimes input_error(const Rung&, double setting, const Case&, double duration,
                         std::span<const InputUncertainty>, const CpuClock&, double* spent = nullptr);
 

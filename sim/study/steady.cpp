@@ -48,8 +48,9 @@ HeldCoil held_at(const Specimen& s, const Mains& mains, double separation) {
           s.coil.leakage + mains.inductance};
 }
 
-/// Fluxes from rest, `phase` behind the voltage's positive-going zero, with the classical Runge-Kutta method; `visit(t, phi, phi2)`
-/// after every step. At least `steps` a period, more where the ring is faster; returns their number.
+/// Fluxes from rest, `phase` behind the voltage's positive-going zero, with the classical Runge-Kutta method;
+/// `visit(t, phi, phi2)` after every step. At least `steps` a period, more where the ring is faster; returns their
+/// number.
 template <class Visit>
 int run(const HeldCoil& held, const Mains& mains, double phase, int periods, double steps, Visit&& visit) {
   const double ring_rate =

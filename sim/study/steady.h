@@ -19,8 +19,9 @@ inline double holding_power(const Specimen& s, const Mains& m) {
   return m.volts * steady_current(s, m, 0);
 }
 
-/// Least pull on the closed core while the offset of a switch-on at voltage zero dies out, N: over five mains periods after the first
-/// half-wave. All offsets are passed through on the way, among them the one that takes the most from the shaded half-waves.
+/// Least pull on the closed core while the offset of a switch-on at voltage zero dies out, N: over five mains periods
+/// after the first half-wave. All offsets are passed through on the way, among them the one that takes the most from
+/// the shaded half-waves.
 double least_pull(const Specimen&, const Mains&);
 
 /// What that pull works against: return spring and contact springs with the core closed, N.

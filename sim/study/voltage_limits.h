@@ -21,8 +21,8 @@ bool stays_closed(const ClosingTruth&, const Conditions&);
 /// conditions.supply_volts. Throws std::invalid_argument where it does not close at that.
 double pick_up_volts(const Specimen&, const Conditions&, const VoltageOptions& = {});
 
-/// Closed at conditions.supply_volts and held there for `wait`; then the voltage falls: highest voltage at which it has not
-/// stayed closed for `wait` more, by halving. Throws as above.
+/// Closed at conditions.supply_volts and held there for `wait`; then the voltage falls: highest voltage at which it
+/// has not stayed closed for `wait` more, by halving. Throws as above.
 double drop_out_volts(const Specimen&, const Conditions&, const VoltageOptions& = {});
 
 }  // namespace powbench::sim

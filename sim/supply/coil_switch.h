@@ -17,13 +17,15 @@ struct RelayBounce {
 ///
 ///   ideal   closes at once, opens at the next zero of the current
 ///           On a direct or rectified source it opens at once, and so does the relay.
-///           With a `hold_period` it then chops, as an economiser does: off for the first part of each period, on for the
-///           share `hold_duty` at its end
-///   relay   closes after a delay and bounces; where its contact parts an arc without voltage carries the current to its
+///           With a `hold_period` it then chops, as an economiser does: off for the first part of each period, on for
+///           the share `hold_duty` at its end
+///   relay closes after a delay and bounces; where its contact parts an arc without voltage carries the current to
+///   its
 ///           next zero, unless the contact has touched again by then
 ///   triac   conducts while its gate is driven. When the gate is released it stays on if the current has reached
-///           `latching_current` in this half-wave, and then until it falls below `holding_current`; else it is off at once.
-///           What flows at turn-off goes into the snubber: the current is zero from then on and its energy is lost.
+///           `latching_current` in this half-wave, and then until it falls below `holding_current`; else it is off at
+///           once. What flows at turn-off goes into the snubber: the current is zero from then on and its energy is
+///           lost.
 struct CoilSwitch {
   enum class Kind : std::uint8_t { ideal, relay, triac };
   Kind kind = Kind::ideal;

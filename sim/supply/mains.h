@@ -47,8 +47,8 @@ struct Mains {
   std::array<Dip, 2> dips{};  ///< where they overlap, shares multiply and jumps add
 };
 
-/// A time between two changes of the mains, and what holds in it. Beyond its end the voltage goes on smoothly, so that a
-/// step of an integrator may overshoot.
+/// A time between two changes of the mains, and what holds in it. Beyond its end the voltage goes on smoothly, so
+/// that a step of an integrator may overshoot.
 struct MainsPiece {
   double share = 1;
   double jump = 0;                                       ///< rad

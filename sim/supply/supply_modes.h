@@ -37,10 +37,11 @@ struct CoilFeed {
   Real lost = 0;            ///< W, beside (R + resistance) i^2
 };
 
-/// Between two events the coil's current flows on a path, through the source or through the suppression, or there is none,
-/// i = 0. Events are the commands, the changes that are due at next_change(), and the zeros of guard(). After an event that
-/// returns `cut` or `blocked` the owner brings the current to zero, ring flux and places unchanged, and books the energy
-/// that is gone. Rectifier and diode conduct from a voltage or current of `slack` on, so that rounding switches nothing.
+/// Between two events the coil's current flows on a path, through the source or through the suppression, or there is
+/// none, i = 0. Events are the commands, the changes that are due at next_change(), and the zeros of guard(). After
+/// an event that returns `cut` or `blocked` the owner brings the current to zero, ring flux and places unchanged, and
+/// books the energy that is gone. Rectifier and diode conduct from a voltage or current of `slack` on, so that
+/// rounding switches nothing.
 class SupplyModes {
  public:
   enum class Coil : std::uint8_t {
@@ -65,8 +66,8 @@ class SupplyModes {
   Coil coil() const { return coil_; }
   bool feeds() const { return path_ == Path::source; }
   bool conducts() const { return path_ != Path::none; }
-  /// Nothing will come from the supply by itself: no path, or an RC suppression without source, whose current and voltage
-  /// die out; no change of the switch ahead, no rectifier behind a closed one.
+  /// Nothing will come from the supply by itself: no path, or an RC suppression without source, whose current and
+  /// voltage die out; no change of the switch ahead, no rectifier behind a closed one.
   bool sleeps() const {
     const bool rings_down = path_ == Path::suppression && has_capacitor() && coil_ == Coil::open;
     return (!conducts() || rings_down) && due_.empty() && !rectified_on();

@@ -11,8 +11,8 @@ namespace powbench::sim {
 ///
 ///   none      the current is cut, and what the flux loses is gone
 ///   diode     -(V_f + R_d i), i > 0; blocks the other way
-///   varistor  -sign(i) V_c (|i| / I_c)^e, below 1e-4 I_c as at that current; its current at the source's voltage is left out
-///   rc        v_c - R_c i, C dv_c/dt = -i; it also draws current while the coil is fed
+///   varistor -sign(i) V_c (|i| / I_c)^e, below 1e-4 I_c as at that current; its current at the source's voltage is
+///   left out rc v_c - R_c i, C dv_c/dt = -i; it also draws current while the coil is fed
 struct Suppression {
   enum class Kind : std::uint8_t { none, diode, varistor, rc };
   Kind kind = Kind::none;

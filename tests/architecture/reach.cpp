@@ -102,8 +102,8 @@ std::string folder(const std::string& path) {
   return path.substr(0, path.rfind('/'));
 }
 
-/// What a source defines at the beginning of a line: `int f(` gives f, `int C::f(` gives C; a macro that makes functions
-/// gives all its words.
+/// What a source defines at the beginning of a line: `int f(` gives f, `int C::f(` gives C; a macro that makes
+/// functions gives all its words.
 std::set<std::string> defined(const Source& s) {
   std::set<std::string> names;
   std::istringstream in(code_of(s.text));

@@ -23,8 +23,9 @@ struct Unreached {
   std::string name, where;
 };
 
-/// Files that no program needs. A program is a source with `int main(`, all of firmware/port and python, and the interfaces fmu/fmi2 and fmi3. A file
-/// needs what it includes; a header needs the sources of its folder that define what it declares.
+/// Files that no program needs. A program is a source with `int main(`, all of firmware/port and python, and the
+/// interfaces fmu/fmi2 and fmi3. A file needs what it includes; a header needs the sources of its folder that define
+/// what it declares.
 std::vector<Unreached> files_not_reached(const std::vector<Source>&);
 
 /// Functions that a header declares and no product source calls: the name occurs nowhere else than in declarations and

@@ -14,7 +14,8 @@
 #include "tests/system/program.h"
 #include "tests/waiting.h"
 
-/// A PostgreSQL server of Debian's package on loopback, with a data directory of its own; it ends with the test program.
+/// A PostgreSQL server of Debian's package on loopback, with a data directory of its own; it ends with the test
+/// program.
 
 namespace powbench::test {
 

@@ -131,7 +131,8 @@ TEST_CASE("a dip that stays above zero is no opening; one that rests at zero is"
 
 TEST_CASE("behind an amplifier's low-pass an edge is dated where the force begins, not where it shows",
           "[edge]") {
-  // second-order Butterworth of 30 kHz, integrated in steps of 20 ns, read every 5 us; its delay is taken out of the axis
+  // second-order Butterworth of 30 kHz, integrated in steps of 20 ns, read every 5 us; its delay is taken out of the
+  // axis
   constexpr double hertz = 30e3, w = 2 * pi * hertz, delay = std::numbers::sqrt2 / w, fine = 20e-9;
   Random random(21);
   for (const int side : {+1, -1})

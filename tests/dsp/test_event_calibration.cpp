@@ -8,8 +8,8 @@
 #include "dsp/extract.h"
 #include "tests/effort.h"
 
-/// Events and their uncertainties on impacts from an equation of motion that the extraction does not know. bench_event_calibration prints
-/// the table; here are the bars, on other seeds.
+/// Events and their uncertainties on impacts from an equation of motion that the extraction does not know.
+/// bench_event_calibration prints the table; here are the bars, on other seeds.
 
 using namespace powbench;
 using namespace powbench::bench;
@@ -53,7 +53,8 @@ TEST_CASE("an opening whose zero has wandered above the release level is seen", 
   const auto coloured = std::find_if(classes.begin(), classes.end(),
                                      [](const SceneClass& c) { return c.name == "coloured noise"; });
   REQUIRE(coloured != classes.end());
-  // 0.28 ms in which the force rests at 0.25 to 0.4 N: without a look at the zero one contact, settled 1.1 ms early within 2.4 us
+  // 0.28 ms in which the force rests at 0.25 to 0.4 N: without a look at the zero one contact, settled 1.1 ms early
+  // within 2.4 us
   const Scene s = coloured->make(500001);
   const ContactTrain t = dsp::extract_events(s.record, {}).pvdf_a;
   REQUIRE(t.contacts.size() == s.contacts.size());
@@ -108,7 +109,8 @@ TEST_CASE("a closing angle that is not known has a reason", "[calibration]") {
 }
 
 TEST_CASE("time stamps that differ by rounding give the same events", "[calibration]") {
-  // The modes of two rings, carried back over milliseconds, hang on the last bits of a fit: there u must hold the difference.
+  // The modes of two rings, carried back over milliseconds, hang on the last bits of a fit: there u must hold the
+  // difference.
   const auto same = [](const SceneClass& c, const Measured& a, const Measured& b) {
     const double apart = std::abs(a.value - b.value);
     return apart < 0.1e-6 || (rings(c) && apart < 3 * std::hypot(a.u, b.u));

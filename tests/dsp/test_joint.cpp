@@ -170,8 +170,8 @@ TEST_CASE(
 
 TEST_CASE(
     "joint fit: a ring too faint in the tail to be followed from there is looked for in the whole record") {
-  // Carried back from the tail this ring seems to start after the last touch and is too faint there to be vibration; without it
-  // touches and releases of two contacts are 30 us wrong at stated 3 us.
+  // Carried back from the tail this ring seems to start after the last touch and is too faint there to be vibration;
+  // without it touches and releases of two contacts are 30 us wrong at stated 3 us.
   bench::SynthSettings s;
   s.force_case = bench::ForceCase::ring_and_hum;
   const auto r = bench::synthesise(s, 900103);
@@ -188,8 +188,8 @@ TEST_CASE(
 }
 
 TEST_CASE("pulse margin: where noise leaves the exponent open the stated uncertainty covers the error") {
-  // 200 half sines of 1.2 ms whose peak is twice the noise of a sample at 1 MS/s. From the curvature at the optimum alone the rms of
-  // error over uncertainty was 1.25; 200 draws tell it to 5 %.
+  // 200 half sines of 1.2 ms whose peak is twice the noise of a sample at 1 MS/s. From the curvature at the optimum
+  // alone the rms of error over uncertainty was 1.25; 200 draws tell it to 5 %.
   bench::Random random(77);
   Signal s;
   s.dt = 1e-6;

@@ -54,8 +54,8 @@ TEST_CASE("landing: nothing is doubted without a seat, without a ring, or away f
 }
 
 TEST_CASE("a sudden force behind an amplifier of known delay is dated to a tenth of that delay") {
-  // A step of 5 N at 200 kS/s through a maximally flat low-pass of second order, delay D = 7.5 us taken out of the axis: with
-  // s = (t - t0) / D + 1 it shows as 1 - exp(-s) (cos s + sin s), from D before the step on.
+  // A step of 5 N at 200 kS/s through a maximally flat low-pass of second order, delay D = 7.5 us taken out of the
+  // axis: with s = (t - t0) / D + 1 it shows as 1 - exp(-s) (cos s + sin s), from D before the step on.
   constexpr double delay = 7.5e-6, at = 10.002e-3;
   Force f;
   f.present = true;

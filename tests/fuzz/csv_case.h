@@ -15,8 +15,9 @@
 #include "host/export/events_json.h"
 #include "host/import/waveform.h"
 
-/// One input of the fuzzer: a text that claims to be a waveform. It is refused with a sentence, or it becomes a record whose
-/// events are numbers inside the record with a stated uncertainty, or openly unknown. Ends the program when that does not hold.
+/// One input of the fuzzer: a text that claims to be a waveform. It is refused with a sentence, or it becomes a
+/// record whose events are numbers inside the record with a stated uncertainty, or openly unknown. Ends the program
+/// when that does not hold.
 namespace powbench::fuzz {
 
 inline void must(bool holds, std::source_location at = std::source_location::current()) {

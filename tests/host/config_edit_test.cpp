@@ -41,8 +41,8 @@ TEST_CASE("edit: a template's line is taken, a list over several lines becomes o
 
 namespace {
 
-/// Each key of a kind, in the commented template and in an empty file: the default written out means what it meant, and stands where it
-/// is found again.
+/// Each key of a kind, in the commented template and in an empty file: the default written out means what it meant,
+/// and stands where it is found again.
 template <class Keys>
 void every_key(const std::string& commented, const std::string& least, const Keys& keys_of_text) {
   const auto before = keys_of_text(least);

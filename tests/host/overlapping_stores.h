@@ -31,7 +31,8 @@ inline void put_shot(Store& store, std::int64_t campaign, int number, std::uint6
   store.store_prediction(id, {{{"t_ct1", 1e-6 * static_cast<double>(seed)}}, {}});
 }
 
-/// Three stores that overlap: copies of one campaign that went on apart, each with one of its own and a share of a sweep.
+/// Three stores that overlap: copies of one campaign that went on apart, each with one of its own and a share of a
+/// sweep.
 struct Three {
   Folder folder;
   std::vector<std::string> files{folder.file("a.db"), folder.file("b.db"), folder.file("c.db")};

@@ -83,7 +83,8 @@ inline std::string xml_error(std::string_view s) {
   return open.empty() ? "" : "<" + open.back() + "> stays open";
 }
 
-/// The page without its scripts: those that are part of it, data of the closer look and code as data: URLs. Any other stays.
+/// The page without its scripts: those that are part of it, data of the closer look and code as data: URLs. Any other
+/// stays.
 inline std::string without_own_scripts(std::string html) {
   for (const std::string own :
        {"<script src=\"data:text/javascript;base64,", "<script type=\"application/json\" id=\"closings\">",

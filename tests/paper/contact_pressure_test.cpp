@@ -158,8 +158,8 @@ TEST_CASE("the page of the contact pressure holds what the statements name", "[p
   CHECK(j["simulation"].size() == 4);
   CHECK(j["measurement"][0]["published"] == 3);
   CHECK(j["angles"].size() == 10);
-  // seated, the pull's pulsation is inside the magnet: what reaches a break is its share of the overtravel spring's, and the
-  // softer the pole faces the more of it
+  // seated, the pull's pulsation is inside the magnet: what reaches a break is its share of the overtravel spring's,
+  // and the softer the pole faces the more of it
   const auto& held = j["held"];
   REQUIRE(held.size() == 5);
   CHECK(held[0]["core_lifts"] == 0);

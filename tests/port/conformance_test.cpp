@@ -8,7 +8,8 @@
 #include "tests/port/board_driver.h"
 #include "tests/port/scenario.h"
 
-/// Every scenario on the firmware in this program and on the emulated processor. The image for the board plays them in the replay.
+/// Every scenario on the firmware in this program and on the emulated processor. The image for the board plays them
+/// in the replay.
 
 using namespace powbench;
 using namespace powbench::test;

@@ -6,8 +6,8 @@
 
 #include "tests/port/driver.h"
 
-/// Scenarios as text, one statement a line, `#` begins a comment; the first line says what is shown. tests/replay/scenario_port.py
-/// plays the same files. Times are a number and `us` or `ms`.
+/// Scenarios as text, one statement a line, `#` begins a comment; the first line says what is shown.
+/// tests/replay/scenario_port.py plays the same files. Times are a number and `us` or `ms`.
 ///
 ///   needs WHAT                      what the driver must offer, else the scenario is not played
 ///   shot DEGREES HOLD_MS            set-points, arm, 80 ms

@@ -15,8 +15,8 @@
 #include <thread>
 #include <utility>
 
-/// A line with faults between client and rig: forwards bytes on loopback; holds an answer back, cuts the line or acts at
-/// a chosen byte. Nothing in it depends on time: a fault happens at a byte or when the test says so.
+/// A line with faults between client and rig: forwards bytes on loopback; holds an answer back, cuts the line or acts
+/// at a chosen byte. Nothing in it depends on time: a fault happens at a byte or when the test says so.
 namespace powbench::test {
 
 class Proxy {

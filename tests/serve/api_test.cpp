@@ -81,7 +81,8 @@ TEST_CASE("live bench: closing at touch", "[serve]") {
     s.until_ended();
     const json shot = s.get("/api/shots/" + s.state().at("newest_shot").dump());
     const double reached = shot.at("touch_rad").at("value").get<double>() * 180 / pi;
-    // of the rig: angle within its tolerance of 1 deg, which the closing may multiply; noise of touch below 0.3 ms = 5 deg
+    // of the rig: angle within its tolerance of 1 deg, which the closing may multiply; noise of touch below 0.3 ms =
+    // 5 deg
     CHECK(std::fabs(std::remainder(reached - wanted, 360)) < 6);
   }
   CHECK(s.ask("POST", "/api/fire", R"({"touch_deg": 90, "angle_deg": 90})").status == 400);
@@ -184,7 +185,8 @@ TEST_CASE("live bench: two campaigns compared, only newer shots, what to take al
     CHECK(query("/api/compare", wrong).status == 400);
     CHECK_THAT(query("/api/compare", wrong).body, Contains(why));
   }
-  // a simulated value has the u of its inputs, not of the reading of its curve; a measured one beside it says whether they agree
+  // a simulated value has the u of its inputs, not of the reading of its curve; a measured one beside it says whether
+  // they agree
   const json shots =
       s.get("/api/campaigns/1/shots");  // a range of a temporary would not outlive its first line
   for (const json& shot : shots.at("shots")) {

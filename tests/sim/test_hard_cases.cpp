@@ -118,8 +118,8 @@ TEST_CASE("tilted bridge: break A touches first, the pole closes with break B") 
 }
 
 TEST_CASE("a vanishing tilt gives the untilted closing") {
-  // the last touch moves 2e4 times as far as the first one, by the tilt (1e-12 m: 2e-8 s) as by the error of a step: the tolerance
-  // must be finer than the question
+  // the last touch moves 2e4 times as far as the first one, by the tilt (1e-12 m: 2e-8 s) as by the error of a step:
+  // the tolerance must be finer than the question
   Specimen s;
   s.bridges.tilt_gap = 1e-12;
   const auto tilted = shot(s, 60, 0.06, 1e-10);

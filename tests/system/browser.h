@@ -16,7 +16,8 @@ class Tab {
   ~Tab();
   Tab(Tab&&) noexcept;
 
-  /// The value of a JavaScript expression; of a promise what it comes to. Throws std::runtime_error with what the page threw.
+  /// The value of a JavaScript expression; of a promise what it comes to. Throws std::runtime_error with what the
+  /// page threw.
   nlohmann::json value(const std::string& expression);
   /// Waits until the expression is true.
   void until(const std::string& expression);

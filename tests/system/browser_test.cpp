@@ -6,8 +6,8 @@
 #include "tests/system/browser.h"
 #include "tests/system/program.h"
 
-/// The report in a real browser, opened as a file: at a desk, on a phone, in the dark, by keyboard, and on paper. Without a browser
-/// these cases fail; `./dev test --slow` installs one.
+/// The report in a real browser, opened as a file: at a desk, on a phone, in the dark, by keyboard, and on paper.
+/// Without a browser these cases fail; `./dev test --slow` installs one.
 
 using namespace powbench::test;
 using Catch::Contains;

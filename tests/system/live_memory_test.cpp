@@ -17,8 +17,8 @@ double resident(int pid) {
   return 0;
 }
 
-/// Waits until so many closings of the running plan are done; the page itself looks once a second. A plan that ended is not waited for:
-/// how many were stored is then looked at.
+/// Waits until so many closings of the running plan are done; the page itself looks once a second. A plan that ended
+/// is not waited for: how many were stored is then looked at.
 void reach(Tab& tab, int shots) {
   const std::string look =
       "new "

@@ -18,7 +18,8 @@
 
 using namespace powbench::test;
 
-/// From the click until measured and simulated curves of the new shot are drawn, as the browser's own clock sees it. Printed, not asserted.
+/// From the click until measured and simulated curves of the new shot are drawn, as the browser's own clock sees it.
+/// Printed, not asserted.
 TEST_CASE("live bench: from the click to the picture in a browser", "[.slow]") {
   const Folder folder;
   LiveBench bench(folder);
@@ -78,8 +79,8 @@ TEST_CASE("live bench: from the click to the picture in a browser", "[.slow]") {
   CHECK(tab.errors() == std::vector<std::string>());
 }
 
-/// Records of 6 channels x 20 000 points until the browser's scope has drawn them. The page asks for the next one every 40 ms, and its
-/// clock counts. Printed, not asserted.
+/// Records of 6 channels x 20 000 points until the browser's scope has drawn them. The page asks for the next one
+/// every 40 ms, and its clock counts. Printed, not asserted.
 TEST_CASE("live bench: records drawn a second in a browser", "[.slow]") {
   namespace host = powbench::host;
   powbench::Record record;

@@ -3,8 +3,8 @@
 
 #include "tests/system/program.h"
 
-/// What people type wrong in their first days, and the sentence they get. Each ends with 2 (3 where a rig does not answer) and leaves
-/// nothing behind.
+/// What people type wrong in their first days, and the sentence they get. Each ends with 2 (3 where a rig does not
+/// answer) and leaves nothing behind.
 
 using namespace powbench::test;
 using Catch::Contains;

@@ -1,5 +1,5 @@
-// A magnet of one's own: drawing and specimen on the command line, what is refused and with which words. The page that leads
-// there runs in tutorial_test.cpp.
+// A magnet of one's own: drawing and specimen on the command line, what is refused and with which words. The page
+// that leads there runs in tutorial_test.cpp.
 
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>

@@ -5,8 +5,8 @@
 
 #include "tests/system/program.h"
 
-/// `field`, `ladder` and `sim` in parts that do not know of each other: what the parts find is what one run prints. Fits:
-/// tests/host/study_fit_test.cpp.
+/// `field`, `ladder` and `sim` in parts that do not know of each other: what the parts find is what one run prints.
+/// Fits: tests/host/study_fit_test.cpp.
 
 using namespace powbench::test;
 using Catch::Contains;

@@ -20,8 +20,9 @@ std::string content(const Folder& folder, const std::string& db) {
 
 }  // namespace
 
-// POSIX: a process that closes any descriptor of a file loses all locks it holds on it. Then a reader from elsewhere, believing itself
-// alone, took the log away at its end, and a running plan of the live bench ended with "disk I/O error".
+// POSIX: a process that closes any descriptor of a file loses all locks it holds on it. Then a reader from elsewhere,
+// believing itself alone, took the log away at its end, and a running plan of the live bench ended with "disk I/O
+// error".
 TEST_CASE("a store that is written and read in one program may be read by another meanwhile", "[system]") {
   namespace host = powbench::host;
   const Folder folder;

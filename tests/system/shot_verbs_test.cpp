@@ -6,7 +6,8 @@
 #include "host/store/store.h"
 #include "tests/system/program.h"
 
-/// What a lab does with a campaign behind the run: look at single shots, complete the test record, compare before and after.
+/// What a lab does with a campaign behind the run: look at single shots, complete the test record, compare before and
+/// after.
 
 using namespace powbench::test;
 using namespace powbench;

@@ -1,6 +1,7 @@
-// The pages of docs/start, and one of docs/how-to, run as they are written: every `sh` block of a page, in order, in one empty
-// folder. A `text` block behind it lists lines that the block must print; `...` stands for anything. `$POWBENCH` is the folder
-// of the sources. Where gmsh is not installed its commands are left out: the meshes lie beside the outlines.
+// The pages of docs/start, and one of docs/how-to, run as they are written: every `sh` block of a page, in order, in
+// one empty folder. A `text` block behind it lists lines that the block must print; `...` stands for anything.
+// `$POWBENCH` is the folder of the sources. Where gmsh is not installed its commands are left out: the meshes lie
+// beside the outlines.
 
 #include <catch2/catch.hpp>
 

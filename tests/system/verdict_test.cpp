@@ -3,8 +3,8 @@
 
 #include "tests/system/program.h"
 
-/// What a report may claim: nothing is passed without a limit, nothing unknown becomes a number, and everything says where it
-/// comes from.
+/// What a report may claim: nothing is passed without a limit, nothing unknown becomes a number, and everything says
+/// where it comes from.
 
 using namespace powbench::test;
 using Catch::Contains;

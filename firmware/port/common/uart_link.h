@@ -40,9 +40,9 @@ class UartLink {
   std::uint32_t line_errors_ = 0;
 };
 
-/// Finds the request to abort among the bytes of a line, whatever stands before it: the value of a request has no line end, and
-/// what a damaged line left behind none either. `WRITE DEVICE abort N` and, behind its line end, the value 1. The request
-/// itself is answered in its turn; abort may come twice.
+/// Finds the request to abort among the bytes of a line, whatever stands before it: the value of a request has no
+/// line end, and what a damaged line left behind none either. `WRITE DEVICE abort N` and, behind its line end, the
+/// value 1. The request itself is answered in its turn; abort may come twice.
 class AbortScan {
  public:
   /// True when the byte completes the request.

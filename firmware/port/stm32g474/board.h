@@ -16,7 +16,8 @@ inline constexpr std::uint32_t baud = 2'000'000;
 
 inline constexpr std::int64_t block_samples = 10;  ///< half of a converter's buffer
 inline constexpr std::size_t queue_blocks = 8;
-/// An edge is fixed this long before it is made: two blocks. The longest control step takes some 2000 instructions, 18 us at
+/// An edge is fixed this long before it is made: two blocks. The longest control step takes some 2000 instructions,
+/// 18 us at
 /// 1.5 cycles each; then the edge has to be in the compare register.
 inline constexpr std::int64_t lead_samples = 20;
 

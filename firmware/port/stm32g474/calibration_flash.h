@@ -2,8 +2,8 @@
 
 #include "firmware/calibration_store.h"
 
-/// The calibration's two slots: the last two pages of the flash's second bank, so that the program, which lies in the first,
-/// runs on while a page is erased.
+/// The calibration's two slots: the last two pages of the flash's second bank, so that the program, which lies in the
+/// first, runs on while a page is erased.
 
 namespace powbench::firmware::stm32g474 {
 

@@ -20,8 +20,8 @@ class Converters {
   /// alarms of that time. False when samples were lost.
   bool collect(Queue& queue, const port::Alarms& alarms);
 
-  /// Samples collected or lost since the start: the newest one was triggered less than 2^16 ticks ago while collect() is
-  /// called in time.
+  /// Samples collected or lost since the start: the newest one was triggered less than 2^16 ticks ago while collect()
+  /// is called in time.
   std::int64_t samples() const { return samples_; }
 
  private:

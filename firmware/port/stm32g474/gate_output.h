@@ -41,7 +41,8 @@ std::uint16_t gate_counter();
 
 /// The stop chain is open.
 bool stop_open();
-/// The safety relay is closed, or the wire of its read-back contact broken: that contact is closed while the relay is out.
+/// The safety relay is closed, or the wire of its read-back contact broken: that contact is closed while the relay is
+/// out.
 bool relay_in();
 
 /// One step of the square wave that keeps the safety relay in; it drops when the steps stop.

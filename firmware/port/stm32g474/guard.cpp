@@ -14,8 +14,8 @@ std::string_view take_reset_cause() {
   if (flags & Rcc::csr_iwdg) return "watchdog";
   if (flags & Rcc::csr_wwdg) return "window-watchdog";
   if (flags & Rcc::csr_software) return postmortem.exception != 0 ? "fault" : "software";
-  // one flag for both: what the memory kept tells them apart. A supply that was off for so short a time that it kept all
-  // counts as a brown-out, which is the safe side.
+  // one flag for both: what the memory kept tells them apart. A supply that was off for so short a time that it kept
+  // all counts as a brown-out, which is the safe side.
   if (flags & Rcc::csr_bor) return postmortem.kept != 0 ? "brown-out" : "power";
   if (flags & Rcc::csr_low_power) return "low-power";
   if (flags & Rcc::csr_obl) return "option-bytes";

@@ -38,8 +38,8 @@ void start_supply_monitor();
 bool supply_low();
 
 /// Why the option bytes are not as this bench needs them; empty: they are. Needed are brown-out level 4, so that the
-/// processor is in reset before the supply is too low for the converters, the parity check of the RAM, and a flash of two
-/// banks, so that a calibration can be stored while the program runs.
+/// processor is in reset before the supply is too low for the converters, the parity check of the RAM, and a flash of
+/// two banks, so that a calibration can be stored while the program runs.
 std::string_view option_byte_error();
 
 /// Reset after 100 ms without feed_watchdog(). From its own oscillator, and not to be stopped again.

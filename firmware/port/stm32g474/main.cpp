@@ -112,8 +112,8 @@ std::span<const iiod::ContextAttribute> identify(Identity& id, bool crystal, std
   return id.attributes;
 }
 
-/// An abort is heard at any time: while the estimate is computed, while a record is on its way out for half a second. On the
-/// level of the control step, which nothing that touches the controller interrupts.
+/// An abort is heard at any time: while the estimate is computed, while a record is on its way out for half a second.
+/// On the level of the control step, which nothing that touches the controller interrupts.
 void listen(Board& b) {
   for (auto bytes = b.serial.overheard(); !bytes.empty(); bytes = b.serial.overheard()) {
     for (const std::uint8_t byte : bytes)

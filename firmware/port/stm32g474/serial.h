@@ -10,8 +10,8 @@
 namespace powbench::firmware::stm32g474 {
 
 /// USART2 on the board's virtual serial port, 2 Mbaud 8N1. Bytes come in through a circular buffer; answers leave
-/// through the hardware's FIFO, a record straight from the recorder's memory by DMA. The main loop waits meanwhile: it has
-/// nothing else to do, everything urgent interrupts it, and what is being sent cannot change under the DMA.
+/// through the hardware's FIFO, a record straight from the recorder's memory by DMA. The main loop waits meanwhile:
+/// it has nothing else to do, everything urgent interrupts it, and what is being sent cannot change under the DMA.
 class Serial final : public iiod::ByteSink {
  public:
   explicit Serial(port::Progress& progress) : progress_(progress) {}

@@ -26,8 +26,9 @@ void samples_handler();
 void pvd_handler();
 void serial_handler();
 
-// Gate low first. Then every word of RAM that has a parity bit is written, because after power-on reading one that nothing
-// has written is an error: the first 32 KiB, and the CCM RAM at the end. What outlives a reset lies between the two.
+// Gate low first. Then every word of RAM that has a parity bit is written, because after power-on reading one that
+// nothing has written is an error: the first 32 KiB, and the CCM RAM at the end. What outlives a reset lies between
+// the two.
 static_assert(parity_low_end == 0x2000'8000 && parity_high == 0x2001'8000 && ram_end == 0x2002'0000);
 [[gnu::naked]] void reset_handler() {
   asm volatile(

@@ -32,7 +32,8 @@ class PointPusher {
   bool began_ = false;
 };
 
-/// All points of the database into a store that has none; returns their number. Throws StoreError for one that does not match its hash.
+/// All points of the database into a store that has none; returns their number. Throws StoreError for one that does
+/// not match its hash.
 std::int64_t pull_points(postgres::Connection& from, sqlite::Database& to);
 
 }  // namespace powbench::host

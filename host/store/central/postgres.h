@@ -8,8 +8,9 @@
 #include <string_view>
 #include <vector>
 
-/// A PostgreSQL connection with the lifetimes of C++: inside host/store/central only. All values travel in binary, so that
-/// a double arrives as it was. Throws ServerError where the server is lost, WrongStore for what the user can mend.
+/// A PostgreSQL connection with the lifetimes of C++: inside host/store/central only. All values travel in binary, so
+/// that a double arrives as it was. Throws ServerError where the server is lost, WrongStore for what the user can
+/// mend.
 
 namespace powbench::host::postgres {
 
@@ -83,7 +84,8 @@ class Transaction {
   Connection& c_;
 };
 
-/// Makes the schema powbench, or brings it up to date, where `write`; refuses one of a newer program, or none where it is only read.
+/// Makes the schema powbench, or brings it up to date, where `write`; refuses one of a newer program, or none where
+/// it is only read.
 void open_schema(Connection&, bool write);
 
 }  // namespace powbench::host::postgres

@@ -322,7 +322,8 @@ class Pusher {
     return list;
   }
 
-  /// Annotations, and `finished` behind all shots: a campaign that says so is whole. Writes nothing where nothing is new.
+  /// Annotations, and `finished` behind all shots: a campaign that says so is whole. Writes nothing where nothing is
+  /// new.
   void finish(const Part& p) {
     const std::vector<Annotation> ours = select_annotations(from_, p.campaign.id);
     const Rows row = to_.run("SELECT finished FROM campaign WHERE hash = $1", Values().text(p.hash));

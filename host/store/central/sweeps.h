@@ -41,7 +41,8 @@ class SweepPusher {
   bool began_ = false;
 };
 
-/// All sweeps of the database into a store that has none; returns the number of blocks. Throws StoreError for a block that does not match its hash.
+/// All sweeps of the database into a store that has none; returns the number of blocks. Throws StoreError for a block
+/// that does not match its hash.
 std::int64_t pull_sweeps(postgres::Connection& from, sqlite::Database& to);
 
 }  // namespace powbench::host

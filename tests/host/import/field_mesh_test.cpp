@@ -13,8 +13,8 @@ using namespace powbench;
 
 namespace {
 
-/// A plane mesh as gmsh writes it, in mm: each region one surface and one physical group of that name; the edges between
-/// vertices where A = 0 as one line.
+/// A plane mesh as gmsh writes it, in mm: each region one surface and one physical group of that name; the edges
+/// between vertices where A = 0 as one line.
 std::string as_msh(const sim::Mesh& m, const std::vector<std::string>& names, bool with_line = true) {
   std::map<std::string, std::vector<std::size_t>> triangles;
   for (std::size_t t = 0; t < m.triangle.size(); ++t)

@@ -2,7 +2,8 @@
 
 #include "tests/host/import/foreign_fuzz.h"
 
-/// fuzz_foreign COUNT [SEED]: broken files for every importer; ends with 1 at the first that is neither read nor refused.
+/// fuzz_foreign COUNT [SEED]: broken files for every importer; ends with 1 at the first that is neither read nor
+/// refused.
 
 int main(int argc, char** argv) {
   const long count = argc > 1 ? std::atol(argv[1]) : 100'000;

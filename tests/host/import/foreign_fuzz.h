@@ -13,7 +13,8 @@
 #include "host/import/foreign_table.h"
 #include "host/import/wvf.h"
 
-/// Broken files: every importer takes what a seed makes of whole files, and either reads a table that is one or refuses in words.
+/// Broken files: every importer takes what a seed makes of whole files, and either reads a table that is one or
+/// refuses in words.
 
 namespace powbench::host {
 

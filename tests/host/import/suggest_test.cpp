@@ -16,8 +16,8 @@ using Catch::Matchers::Contains;
 
 namespace {
 
-/// A closing of the simulated rig as a scope would show it: names CH1.., everything in volts, in an order and with gains, signs and
-/// noise of a seed. `truth[c]`: channel of column c.
+/// A closing of the simulated rig as a scope would show it: names CH1.., everything in volts, in an order and with
+/// gains, signs and noise of a seed. `truth[c]`: channel of column c.
 struct Shown {
   CsvTable table;
   std::vector<Channel> truth;

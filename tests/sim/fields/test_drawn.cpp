@@ -1,5 +1,5 @@
-// A magnet on a mesh drawn elsewhere: the same energy, current and pull as the built-in shape on the same mesh, the pull as the
-// derivative of the energy whatever air stretches, halves and quarters, and what cannot move.
+// A magnet on a mesh drawn elsewhere: the same energy, current and pull as the built-in shape on the same mesh, the
+// pull as the derivative of the energy whatever air stretches, halves and quarters, and what cannot move.
 
 #include <catch2/catch.hpp>
 

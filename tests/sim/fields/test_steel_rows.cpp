@@ -47,7 +47,8 @@ TEST_CASE("rows without noise stay as they are, whatever their order") {
 
 TEST_CASE(
     "noise is taken out: the curve is nearer to the truth than the rows, and the residual is the noise") {
-  // the truths are the curves of steels; seeds and sizes of noise of this test were not used to choose the steps of the fit
+  // the truths are the curves of steels; seeds and sizes of noise of this test were not used to choose the steps of
+  // the fit
   for (const char* name : {"team13", "team20", "lamination", "reference"})
     for (const double noise : {0.005, 0.02}) {
       const Steel truth = builtin_steel(name);

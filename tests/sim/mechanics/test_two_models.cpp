@@ -1,5 +1,5 @@
-// The same specimen by two programs: the first plant and the rigid rung share neither equations in code, nor states, nor
-// integrator. Where both are right they agree to their tolerances.
+// The same specimen by two programs: the first plant and the rigid rung share neither equations in code, nor states,
+// nor integrator. Where both are right they agree to their tolerances.
 
 #include <catch2/catch.hpp>
 #include <cmath>

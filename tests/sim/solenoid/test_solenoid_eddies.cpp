@@ -35,8 +35,9 @@ TransientSetup pull_in(double conductivity) {
 }  // namespace
 
 TEST_CASE("a step of current diffuses into a long cylinder as Bessel's series does") {
-  // no iron: mu0 everywhere; a thin case far outside. psi of an infinite coil is N^2 i mu0 pi / l times its mean squared radius
-  // less what the cylinder still keeps out: R^2 sum of 4 / j_n^2 exp(-j_n^2 t / tau), tau = mu0 sigma R^2
+  // no iron: mu0 everywhere; a thin case far outside. psi of an infinite coil is N^2 i mu0 pi / l times its mean
+  // squared radius less what the cylinder still keeps out: R^2 sum of 4 / j_n^2 exp(-j_n^2 t / tau), tau = mu0 sigma
+  // R^2
   SolenoidDesign d;
   d.steel = Steel::linear(1);
   auto& s = d.shape;

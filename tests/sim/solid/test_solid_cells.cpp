@@ -8,7 +8,8 @@ using namespace powbench::sim::cases;
 
 namespace {
 
-/// Largest force on an inner node (8 .. 15, of the tetrahedra 13) relative to the largest at all, after all batches have been computed.
+/// Largest force on an inner node (8 .. 15, of the tetrahedra 13) relative to the largest at all, after all batches
+/// have been computed.
 double inner_force(CellBatches& cells, const std::vector<double>& u, bool tets) {
   for (int b = 0; b < cells.count(); ++b) REQUIRE(cells.compute(b, u.data(), u.data(), 0) == -1);
   double inner = 0, all = 0;

@@ -52,8 +52,8 @@ enum Irq : unsigned {
 };
 
 /// The upper four bits of a priority count; a small number goes first. Control step
-/// and background have the lowest: everything that must not wait interrupts them, and `controller_lock` keeps out nothing
-/// but them.
+/// and background have the lowest: everything that must not wait interrupts them, and `controller_lock` keeps out
+/// nothing but them.
 inline constexpr std::uint8_t priority_cut_off = 0x00, priority_samples = 0x40, priority_control = 0xC0,
                               priority_background = 0xE0;
 
