@@ -202,7 +202,7 @@ void add_ladder_verb(CLI::App& app) {
   v->add_option("--cache", args->cache, "folder for field tables; made if missing")->capture_default_str();
   v->add_option("--table", args->table_file,
                 "field table of `powbench field`: also the rung table+rigid; with --accuracy only this one");
-  add_shard_options(v, args->shards, "cell of the table, a rung at a setting,");
+  add_shard_options(v, args->shards, "cell of the table (a rung at a setting)");
   v->add_option("-o,--output", args->folder, "folder for the picture; made if missing")
       ->capture_default_str();
   v->add_flag("--json", args->json, "JSON to stdout");
