@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdio>
 #include <stdexcept>
@@ -10,18 +11,20 @@ namespace powbench::sim {
 namespace {
 
 /// What the halving of all triangles changes at one flux and at two gaps: the larger of current and pull, relative.
-double halving_error(const std::shared_ptr<const DrawnMagnet>& drawing, double psi, double open) {
+double halving_error(const std::shared_ptr<const DrawnMagnet>& drawing, double psi, double open, Team& team) {
   const auto fine = std::make_shared<const DrawnMagnet>(refined(*drawing));
-  DrawnField coarse_field(drawing, {}), fine_field(fine, {});
-  double worst = 0;
-  for (const double gap : {0.0, open}) {
+  std::array<double, 2> worst{};
+  for_each_index(team, 2, [&](int k) {
+    DrawnField coarse_field(drawing, {}), fine_field(fine, {});
+    const double gap = k == 0 ? 0 : open;
     coarse_field.set_gap(gap);
     fine_field.set_gap(gap);
     const auto a = coarse_field.at_flux(psi, 0, {}, true).response,
                b = fine_field.at_flux(psi, 0, {}, true).response;
-    worst = std::max({worst, std::fabs(a.current / b.current - 1), std::fabs(a.pull / b.pull - 1)});
-  }
-  return worst;
+    worst[static_cast<std::size_t>(k)] =
+        std::max(std::fabs(a.current / b.current - 1), std::fabs(a.pull / b.pull - 1));
+  });
+  return std::max(worst[0], worst[1]);
 }
 
 /// Flux through the open ring of the closed magnet, Wb: without its current no more passes it.
@@ -67,7 +70,7 @@ PotentialTable build_table(const std::shared_ptr<const DrawnMagnet>& d, const Ta
       plan, ring, team, [&] { return DrawnField(prototype); }, [&] { return DrawnField(air); }, &sum);
   if (ring) fill_triple(t);
   estimate_errors(t);
-  t.mesh_error = halving_error(d, largest / 2, d->travel);
+  t.mesh_error = halving_error(d, largest / 2, d->travel, team);
   for (const auto& s : d->steels)
     t.data_end = t.data_end == 0 ? s.data_end() : std::min(t.data_end, s.data_end());
   t.design_hash = table_hash(*d, o);

@@ -149,7 +149,6 @@ inline const std::vector<std::string_view>& unreached_functions() {
                                                    "factorisations",
                                                    "fix",
                                                    "flops",
-                                                   "fluxes",
                                                    "follow_depths",
                                                    "forward_frames",
                                                    "from_centi_degrees",

@@ -3,7 +3,7 @@
 SetFactory("OpenCASCADE");
 DefineConstant[
   gap = 1.5,      // between the pole faces, as drawn
-  size = 1,       // of all triangles
+  size = 1.6,     // of all triangles
   centre = 8,     // half of the centre leg
   window = 10,    // between the legs
   outer = 8,      // outer leg

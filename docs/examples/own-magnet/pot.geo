@@ -4,7 +4,7 @@
 SetFactory("OpenCASCADE");
 DefineConstant[
   gap = 1.5,            // between the faces, as drawn
-  size = 1,             // of all triangles
+  size = 1.6,           // of all triangles
   core = 7,             // radius
   inner_radius = 16.5,  // of the cup's wall
   radius = 20,          // of cup and disc

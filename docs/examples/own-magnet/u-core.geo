@@ -4,7 +4,7 @@
 SetFactory("OpenCASCADE");
 DefineConstant[
   gap = 1.5,      // between the pole faces, as drawn
-  size = 1,       // of all triangles
+  size = 2.2,     // of all triangles
   leg = 12,       // width of both legs
   window = 16,    // between the legs
   depth = 30,     // of the window
