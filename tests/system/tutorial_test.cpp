@@ -124,6 +124,10 @@ TEST_CASE("how-to: all of a magnet of one's own", "[tutorial][.long]") {
   run_page("how-to/own-magnet.md");
 }
 
+TEST_CASE("how-to: a DC solenoid, from drawing and steel sheet to a closing", "[tutorial][.slow]") {
+  run_page("how-to/solenoid.md");
+}
+
 TEST_CASE("tutorial: a file of an oscilloscope", "[tutorial]") {
   run_page("start/oscilloscope-file.md");
 }
