@@ -16,9 +16,7 @@ namespace powbench::host {
 
 namespace {
 
-using std::chrono::milliseconds;
-
-constexpr milliseconds connect_time{1500};
+constexpr std::chrono::milliseconds connect_time{1500};
 constexpr std::chrono::seconds stop_time{2};
 
 }  // namespace
@@ -42,7 +40,7 @@ Exit stop_rig(const InfoArgs& args) {
       line.reset();
       why = e.what();
     }
-    if (!off) std::this_thread::sleep_for(milliseconds(20));
+    if (!off) std::this_thread::sleep_for(std::chrono::milliseconds(20));
   }
   const double ms =
       std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begun).count();

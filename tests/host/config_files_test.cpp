@@ -242,7 +242,7 @@ TEST_CASE("templates are valid files that hold the defaults", "[config]") {
 }
 
 TEST_CASE("the scenes of the repository are read without a mistake", "[config]") {
-  const std::filesystem::path scenes = std::filesystem::path(test::source_dir()) / "scenes";
+  const std::filesystem::path scenes = std::filesystem::path(powbench::test::source_dir()) / "scenes";
   const Plan plan = read_plan(scenes / "demo.plan.toml");
   CHECK(plan.angles.size() == 7);
   CHECK(plan.repeats == 3);

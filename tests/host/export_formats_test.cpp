@@ -123,7 +123,7 @@ TEST_CASE("other people's libraries read the same numbers", "[export][python]") 
   }
   write_bytes(folder.file("columns.txt"), names);
   write_bytes(folder.file("expected.bin"), bytes);
-  const auto [status, printed] = output_of("/usr/bin/python3 " + test::source_dir() +
+  const auto [status, printed] = output_of("/usr/bin/python3 " + powbench::test::source_dir() +
                                            "/tests/host/read_back.py " + folder.path().string());
   INFO(printed);
   CHECK(status == 0);
@@ -134,7 +134,7 @@ TEST_CASE("other people's libraries read the same numbers", "[export][python]") 
   // and it can fail: one bit of one number
   bytes[bytes.size() / 2 + 3] = static_cast<char>(bytes[bytes.size() / 2 + 3] ^ 1);
   write_bytes(folder.file("expected.bin"), bytes);
-  CHECK(output_of("/usr/bin/python3 " + test::source_dir() + "/tests/host/read_back.py " +
+  CHECK(output_of("/usr/bin/python3 " + powbench::test::source_dir() + "/tests/host/read_back.py " +
                   folder.path().string())
             .first != 0);
 }
@@ -148,8 +148,8 @@ TEST_CASE("an Arrow file is read by apache-arrow, bit for bit", "[export][arrow]
   CHECK(to_arrow(table, {{"campaign", "1, demo"}}) == bytes);
   write_bytes(folder.file("events.arrow"), bytes);
   const auto [status, printed] =
-      output_of("node " + test::source_dir() + "/tests/host/read_back.mjs " + folder.file("events.arrow") +
-                " " + test::source_dir() + "/build/npm");
+      output_of("node " + powbench::test::source_dir() + "/tests/host/read_back.mjs " +
+                folder.file("events.arrow") + " " + powbench::test::source_dir() + "/build/npm");
   if (status == 77 || status == 127) {
     WARN(
         "apache-arrow of npm is not in build/npm (./dev test --slow puts it there): nothing was read back by "

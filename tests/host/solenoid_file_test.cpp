@@ -6,6 +6,7 @@
 
 #include "host/config/specimen_file.h"
 #include "tests/folder.h"
+#include "tests/places.h"
 
 using namespace powbench;
 using namespace powbench::host;
@@ -30,7 +31,7 @@ TEST_CASE("the template of a solenoid and its scene can be read") {
   const auto file = folder.write("t.specimen.toml", solenoid_template());
   REQUIRE(is_solenoid_file(file));
   CHECK(read_solenoid(file).design.turns == 1000);
-  const auto scene = read_solenoid(POWBENCH_SOURCE_DIR "/scenes/solenoid.specimen.toml");
+  const auto scene = read_solenoid(powbench::test::source_dir() + "/scenes/solenoid.specimen.toml");
   CHECK(scene.design.steel.name() == "9smnpb28");
   CHECK(scene.design.turns == 957);
   CHECK(scene.travel() == Approx(4.75e-3));
@@ -57,7 +58,7 @@ TEST_CASE("mistakes in a solenoid's file name file, line, key, value and range")
 }
 
 TEST_CASE("what takes contactors refuses a solenoid with one sentence") {
-  CHECK_THROWS_WITH(read_specimen(POWBENCH_SOURCE_DIR "/scenes/solenoid.specimen.toml"),
+  CHECK_THROWS_WITH(read_specimen(powbench::test::source_dir() + "/scenes/solenoid.specimen.toml"),
                     Contains("kind = \"solenoid\"") && Contains("powbench sim"));
-  CHECK_FALSE(is_solenoid_file(POWBENCH_SOURCE_DIR "/scenes/reference.specimen.toml"));
+  CHECK_FALSE(is_solenoid_file(powbench::test::source_dir() + "/scenes/reference.specimen.toml"));
 }

@@ -133,7 +133,7 @@ TEST_CASE("a store of the schema before attempts is brought up to date, also by 
   const Folder folder;
   // as the program before this one wrote it: its migrations, and one shot
   for (const char* file : {"0001_initial.sql", "0002_sweeps.sql"})
-    sql(folder.file(), bytes_of(test::source_dir() + "/host/store/migrations/" + file));
+    sql(folder.file(), bytes_of(powbench::test::source_dir() + "/host/store/migrations/" + file));
   sql(folder.file(),
       "PRAGMA application_id = " + std::to_string(Store::application_id) + "; PRAGMA user_version = 2");
   {

@@ -17,7 +17,8 @@ namespace {
 
 std::vector<std::string> corpus() {
   std::vector<std::filesystem::path> files;
-  for (const auto& entry : std::filesystem::directory_iterator(test::source_dir() + "/tests/fuzz/csv_corpus"))
+  for (const auto& entry :
+       std::filesystem::directory_iterator(powbench::test::source_dir() + "/tests/fuzz/csv_corpus"))
     files.push_back(entry.path());
   std::sort(files.begin(), files.end());
   std::vector<std::string> inputs;
