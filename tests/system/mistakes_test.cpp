@@ -62,7 +62,7 @@ TEST_CASE("mistakes on the command line", "[system]") {
        "there is no folder /nonexistent; make it first"},
       {{"run", plan, "--rig", "sim:", "--db", "."}, "is a folder; name a file"},
       {{"plan", "check", "."}, "is a directory, not a file"},
-      {{"plan", "template", "plna"}, "plna not in {plan,rig,specimen,calibration}"},
+      {{"plan", "template", "plna"}, "plna not in {plan,rig,specimen,solenoid,calibration}"},
       {{"report", "--db", folder.file("none.db")}, "no such store; run a plan first"},
       {{"report", "--db", text}, "a text file, not a powbench store"},
       {{"report", "--db", empty}, "no such store; run a plan first"},
