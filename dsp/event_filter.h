@@ -25,7 +25,7 @@ struct FilterEffect {
       0;  ///< the filtered step reaches half its height so much later; taken out of the time axis. 0 for zero phase
   double before =
       0;  ///< that taken out, from the first deviation above 3 % of the step to the step: a touch may seem as early;
-          ///< half a sample at least
+      ///< half a sample at least
   double after = 0;  ///< and from the step to the last deviation: a release may seem as late
   double swing =
       0;  ///< largest deviation behind the rise, as a share of the step, times a period of the filter's edge

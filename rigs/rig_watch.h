@@ -11,6 +11,11 @@
 
 namespace powbench::rigs {
 
+/// A state in which the coil is off. What is not known (another word, or none) confirms nothing.
+inline bool coil_off(const std::string& state) {
+  return state == "idle" || state == "captured" || state == "fault";
+}
+
 /// What a rig says of itself at one moment, in its own words.
 struct RigStatus {
   std::string state;       ///< idle, armed, firing, captured or fault

@@ -25,17 +25,20 @@ Exit stop_rig(const InfoArgs& args) {
   const auto begun = std::chrono::steady_clock::now();
   if (args.uri.starts_with("sim:") || args.uri.starts_with("qemu:"))
     throw BadInput(
-        {fmt::format("{}: lives and ends inside the program that uses it, so there is none to stop from "
+        {fmt::format("{} lives and ends inside the program that uses it, so there is none to stop from "
                      "here; Ctrl-C stops that program",
                      args.uri)});
   std::optional<rigs::RigStatus> off;
-  std::string why = "it has taken the command, and its coil is still on";
+  std::string why;
   std::unique_ptr<rigs::RigWatch> line;
   while (!off && std::chrono::steady_clock::now() - begun < stop_time) {
     try {
       if (!line) line = std::make_unique<rigs::RigWatch>(args.uri, connect_time);
       line->stop();
-      if (const rigs::RigStatus seen = line->status(); !seen.live()) off = seen;
+      if (const rigs::RigStatus seen = line->status(); rigs::coil_off(seen.state))
+        off = seen;
+      else
+        why = "it has taken the command, and its state is '" + seen.state + "'";
     } catch (const rigs::RigError& e) {
       line.reset();
       why = e.what();

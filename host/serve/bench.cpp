@@ -234,7 +234,7 @@ StopAnswer Bench::Impl::stop() {
       if (!another.empty()) throw rigs::RigError(another);
       const bool nobody = !inside;  // before the rig is asked: nothing can arm it afterwards
       const std::string state = stop_line->state();
-      if (nobody && state != "armed" && state != "firing") {
+      if (nobody && rigs::coil_off(state)) {
         answer.off = true;
         answer.text = "coil off, confirmed by the rig (its state: " + state + ")";
         break;

@@ -25,7 +25,7 @@ struct RigidOptions {
   bool stiff_fallback = true;  ///< settled phases that are stiff go to the Rosenbrock method
   double energy_bound =
       0;  ///< largest allowed residual of the ledger, and of what friction gives; 0: a hundred tolerances, at least
-          ///< 1e-6
+      ///< 1e-6
   double off = 1e300;  ///< s, the coil's switch is told to open: it does at the next zero of the current
   double sample = 0;   ///< s between samples, 0: none
   /// Called at k * sample, k = 1, 2, ..., with the contactor and its states.

@@ -2,11 +2,11 @@
 
 #include <catch2/catch.hpp>
 #include <cstdio>
-#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 
 #include "tests/architecture/tree.h"
+#include "tests/folder.h"
 
 /// The version of a release is written into three files, or into none of them.
 
@@ -18,9 +18,6 @@ namespace fs = std::filesystem;
 
 struct Tree {
   Tree() {
-    std::string name = (fs::temp_directory_path() / "powbench-release-XXXXXX").string();
-    REQUIRE(mkdtemp(name.data()) != nullptr);
-    folder = name;
     fs::create_directory(folder / "debian");
     write("CMakeLists.txt",
           "cmake_minimum_required(VERSION 3.25)\nproject(powbench VERSION 1.9.0 LANGUAGES CXX)\n");
@@ -30,7 +27,6 @@ struct Tree {
           "powbench (1.9.0) bookworm; urgency=medium\n\n  * First version.\n\n"
           " -- A Lab <lab@example.invalid>  Fri, 02 Jan 2026 12:00:00 +0000\n");
   }
-  ~Tree() { fs::remove_all(folder); }
 
   void write(const std::string& file, const std::string& text) const {
     std::ofstream(folder / file, std::ios::binary) << text;
@@ -51,7 +47,8 @@ struct Tree {
     return std::to_string(WEXITSTATUS(pclose(pipe))) + ' ' + said;
   }
 
-  fs::path folder;
+  const powbench::test::Folder own;
+  const fs::path folder = own.file("");
 };
 
 }  // namespace

@@ -36,6 +36,11 @@ TEST_CASE("powbench stop switches an armed rig off that somebody else owns", "[s
   CHECK_THAT(again.out, Contains("\"off\": true") && Contains("\"owner\": \"anna"));
 }
 
+TEST_CASE("only a state in which the coil is off confirms a stop") {
+  for (const char* state : {"idle", "captured", "fault"}) CHECK(rigs::coil_off(state));
+  for (const char* state : {"armed", "firing", "", "unknown", "Idle"}) CHECK_FALSE(rigs::coil_off(state));
+}
+
 TEST_CASE("powbench stop says loudly when nothing has confirmed", "[system]") {
   const Folder folder;
   const Finished nobody = run(folder, {"stop", "ip:127.0.0.254"});
