@@ -266,8 +266,8 @@ std::span<const std::string_view> family_names() {
 MainsCase draw_case(std::string_view name, Draws draws, int number) {
   for (std::size_t f = 0; f < families.size(); ++f) {
     if (families[f].name != name) continue;
-    const std::uint64_t seed =
-        (draws == Draws::scoring ? 1'000'000'000U : 0U) + 1'000'000U * f + static_cast<std::uint64_t>(number);
+    const std::uint64_t seed = 1'000'000'000U * static_cast<std::uint64_t>(draws) + 1'000'000U * f +
+                               static_cast<std::uint64_t>(number);
     Dice dice{Random(seed)};
     MainsCase drawn = usual(families[f].name, dice);
     families[f].disturb(drawn, dice);

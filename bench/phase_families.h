@@ -14,8 +14,9 @@
 
 namespace powbench::bench {
 
-/// Which draws: those an estimator may be adjusted on, and those it is judged on. The seeds are disjoint.
-enum class Draws : std::uint8_t { tuning, scoring };
+/// Which draws: those an estimator may be adjusted on, those it is judged on, and those on which the judgement itself
+/// is checked. The seeds are disjoint.
+enum class Draws : std::uint8_t { tuning, scoring, fresh };
 
 inline constexpr double case_seconds = 3.0;    ///< length of one case
 inline constexpr double case_settles = 0.5;    ///< s; nothing is judged before

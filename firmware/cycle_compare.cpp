@@ -25,12 +25,12 @@ void CycleCompare::reset() {
   newest_ = 0;
   usual_ = highest_limit;
   usual_rest_ = square(0.01F);
-  rest_ = jump_ = half_rest_ = half_explained_ = 0.0F;
+  step_ = other_ = rest_ = jump_ = half_rest_ = half_explained_ = 0.0F;
   since_sudden_ = 0;
   changing_ = false;
   sudden_ = true;
   slips_ = false;
-  evidence_ = 0.0F;
+  evidence_ = settled_ = 0.0F;
 }
 
 void CycleCompare::push(const MainsRing& mains, float cycle) {
@@ -48,11 +48,13 @@ void CycleCompare::split(int cycle) {
   float energy = 0.0F;
   float cosine = 0.0F;
   float half_rest = 0.0F;
+  float sine = 0.0F;
   int at = newest_;
   for (int i = 1; i <= cycle; ++i) {
     const Block& block = ring_[static_cast<unsigned>(at)];
     energy += square(block.change);
     cosine += block.cosine;
+    sine += block.sine;
     at = at == 0 ? longest_cycle - 1 : at - 1;
     if (i != cycle / 2) continue;
     const float share = 1.0F / static_cast<float>(i);
@@ -63,6 +65,9 @@ void CycleCompare::split(int cycle) {
   jump_ = 2.0F * share * cosine;
   const float rest = share * energy - 0.5F * square(jump_);
   rest_ = rest > 0.0F ? rest : 0.0F;
+  step_ = 2.0F * share * sine;
+  const float other = rest - 0.5F * square(step_);
+  other_ = other > 0.0F ? other : 0.0F;
   half_rest_ = half_rest > 0.0F ? half_rest : 0.0F;
 }
 
@@ -78,7 +83,7 @@ bool CycleCompare::judge(float turns, float cycle) {
   if (samples_ == 0) return false;
   newest_ = (newest_ + 1) % longest_cycle;
   const float change = sum_ / static_cast<float>(samples_);
-  ring_[static_cast<unsigned>(newest_)] = {change, change * cos_turns(turns)};
+  ring_[static_cast<unsigned>(newest_)] = {change, change * cos_turns(turns), change * sin_turns(turns)};
   sum_ = 0.0F;
   samples_ = 0;
   float mean = 0.0F;
@@ -113,6 +118,7 @@ bool CycleCompare::judge(float turns, float cycle) {
   const float slip = square_root(2.0F * half_explained_) - magnitude(jump_);
   slips_ = slip > slip_limit + slip_share * magnitude(jump_) && rest_ < 0.5F * square(jump_);
   evidence_ = square(jump_) / (square(jump_limit) + square(jump_leak) * rest_);
+  settled_ = square(jump_) / (square(jump_limit) + square(jump_leak) * other_ + square(step_leak * step_));
   const bool kept = !sudden && mean <= square(limit);
   changing_ = (!kept && newer > square(limit)) || stranger;
   return kept;

@@ -25,7 +25,8 @@ class CycleCompare {
   static constexpr float slip_limit =
       0.01F;  ///< of q between the cycle and its newer half, of nominal amplitude
   static constexpr float jump_limit = 0.009F;  ///< of |q|, of nominal amplitude: 0.5 deg ...
-  static constexpr float jump_leak = 0.3F;     ///< ... and what a rest of this rms may show there
+  static constexpr float jump_leak = 0.3F;     ///< ... and what a rest of this rms may show there,
+  static constexpr float step_leak = 0.15F;    ///< or another amplitude
 
   void reset();
   /// One more sample of the history has become final; `cycle` samples make a cycle. Range: cycle + final_age
@@ -41,6 +42,9 @@ class CycleCompare {
   bool sudden() const { return sudden_; }
   /// q^2 against what is allowed: beyond 1 the phase may have jumped, once a cycle has passed since the change.
   float evidence() const { return evidence_; }
+  /// The same when the whole cycle lies behind the change: another amplitude is then told from the rest (p sin), and
+  /// shows little in q.
+  float settled() const { return settled_; }
   /// The phase moves on while the cycle passes: its frequency is another.
   bool slips() const { return slips_; }
   /// Square of the jump that |q| beyond what a rest may show there would be, turns^2 for a nominal amplitude.
@@ -48,7 +52,7 @@ class CycleCompare {
 
  private:
   struct Block {
-    float change = 0, cosine = 0;
+    float change = 0, cosine = 0, sine = 0;
   };
   void split(int cycle);
 
@@ -59,8 +63,9 @@ class CycleCompare {
   float usual_ = highest_limit;  ///< the limit that goes with the last tenth of a second
   float usual_rest_ = 0;         ///< mean square
   float rest_ = 0, jump_ = 0, half_rest_ = 0, half_explained_ = 0;
-  int since_sudden_ = 0;  ///< blocks, saturates
-  float evidence_ = 0;
+  float step_ = 0, other_ = 0;  ///< p, and the mean square of the rest without it
+  int since_sudden_ = 0;        ///< blocks, saturates
+  float evidence_ = 0, settled_ = 0;
   bool changing_ = false, sudden_ = true, slips_ = false;
 };
 

@@ -8,28 +8,36 @@ constexpr float first_expectation = 4.0e-7F;  ///< turns^2: (0.23 deg)^2, until 
 constexpr float known_after = 50.0F;          ///< errors: then the expectation does not count any more
 constexpr float trusted_after = 20.0F;        ///< errors: then a memory may outdo the others
 constexpr float longest_count = 200.0F;       ///< errors that the slow mean remembers: 0.4 s
-constexpr float quick_gain = 0.04F, quick_gain_mixed = 0.02F;
-constexpr float largest_square = 1.7e-5F;   ///< turns^2: beyond 1.5 deg nothing is valid anyway
-constexpr float deviation_unit = 0x1p-22F;  ///< turns
+constexpr float quick_gain = 0.04F;           ///< an error: 50 ms
+constexpr float largest_square = 1.7e-5F;     ///< turns^2: beyond 1.5 deg nothing is valid anyway
+constexpr float deviation_unit = 0x1p-22F;    ///< turns
+constexpr float two_pi = 6.2831853F;
 constexpr PhaseWord half_turn = 1U << 31;
 constexpr float swing_gain = 0.02F;     ///< an update: 50 ms
 constexpr float least_swing = 7.0e-9F;  ///< turns^2: (0.03 deg)^2
 constexpr float largest_swing = 4.0e-7F;
-constexpr float truth_share = 0.35F;  ///< of the variance of a window: that of the mean of two, a cycle apart
+constexpr float wild_swing = 6.4e-6F;  ///< turns^2: (0.9 deg)^2, more than 3 % half an order away
+constexpr float most_left = 0.6F;      ///< |cos| of a swing that is still told from movement
+constexpr float swing_own = 0.6F;      ///< of the mean square: the rest is that of the windows judged by
+constexpr float swing_left =
+    6.0e-4F;  ///< of the square of the swing: what of it is left in the windows judged by
+constexpr float white_factor = 1.2F;  ///< of the scatter of amplitudes: that of phases may be chance
+/// What recent errors count against the larger of recent and lasting ones: now, 20 ms ahead.
+constexpr std::array<float, 2> recent_share = {0.4F, 0.25F};
 constexpr float least_variance = 5.0e-13F;
 constexpr float test_factor = 9.0F;    ///< of the innovation test: squares
 constexpr float surprise_gain = 9.0F;  ///< from the newest cycle to 20 ms ahead, squared
-constexpr float least_share = 0.15F,
-                swing_share = 0.27F;  ///< of the mean square that a long memory is left with
+constexpr float least_share = 0.13F;   ///< of the mean square that a long memory is left with
 constexpr float revision_factor = 6.0F, revision_share = 0.35F, alarm_decay = 0.95F;
 constexpr float now_share = 0.04F;      ///< of an alarm 20 ms ahead, now
 constexpr float step_square = 1.9e-4F;  ///< turns^2: (5 deg)^2
 constexpr float slope_reach = 40.0F;    ///< updates
 constexpr float slope_factor = 30.0F, level_factor = 4.0F;
-constexpr float level_decay = 0.995F;             ///< an update: the windows behind the change become more
-constexpr float slope_free = 8.0e-8F;             ///< turns^2: (0.1 deg)^2
-constexpr int scatter_lag = 20;                   ///< updates
-constexpr int keep_interval = 32;                 ///< updates
+constexpr float around_share = 0.5F;   ///< of the variance of windows about their level: they overlap
+constexpr float level_decay = 0.995F;  ///< an update: the windows behind the change become more
+constexpr float slope_free = 8.0e-8F;  ///< turns^2: (0.1 deg)^2
+constexpr int scatter_lag = 20;        ///< updates
+constexpr int keep_interval = 12;      ///< updates
 constexpr std::array<int, 3> lags = {5, 10, 20};  ///< updates
 
 /// What counts of the first expectation after so many errors.
@@ -44,13 +52,13 @@ float fourth_power(float x) {
 
 }  // namespace
 
-void PhaseBank::Track::add(float square, float least_gain) {
+void PhaseBank::Track::add(float square) {
   if (count < longest_count) count += 1.0F;
   const float gain = 1.0F / (count + 2.0F);
   const float limit = 100.0F * (slow + 1.0e-9F);
   slow += ((count > known_after && square > limit ? limit : square) - slow) * gain;
   const float bounded = square < largest_square ? square : largest_square;
-  fast += (bounded - fast) * (gain > least_gain ? gain : least_gain);
+  fast += (bounded - fast) * (gain > quick_gain ? gain : quick_gain);
 }
 
 void PhaseBank::reset() {
@@ -60,10 +68,13 @@ void PhaseBank::reset() {
   kept_ = {};
   since_kept_ = 0;
   innovation_.fill({});
-  scatter_ = scatter_count_ = 0.0F;
+  amplitude_.fill(1.0F);
+  phase_scatter_ = amplitude_scatter_ = scatter_count_ = 0.0F;
   said_count_ = 0;
   revision_.fill(0.0F);
-  alarm_ = level_doubt_ = swing_ = 0.0F;
+  alarm_ = level_doubt_ = 0.0F;
+  swing_ = swing_square_ = swing_across_ = 0.0F;
+  since_joint_ = 3 * scatter_lag + 1;
   swings_ = false;
   swing_of_.fill(0.0F);
   step_ = 1U << 26;
@@ -73,23 +84,31 @@ void PhaseBank::reset() {
 void PhaseBank::event() {
   forget_predictions();
   if (since_kept_ < 0) return;
-  track_ = kept_[1];
+  // errors seen since the older state was kept may be those of the event, but smaller ones are not
+  for (unsigned h = 0; h < 2; ++h)
+    for (unsigned p = 0; p <= predictor_count; ++p)
+      if (kept_[1][h][p].worse() < track_[h][p].worse()) track_[h][p] = kept_[1][h][p];
+  kept_[1] = track_;
   kept_[0] = kept_[1];
   since_kept_ = -1;
   said_count_ = 0;
   alarm_ = 0.0F;
 }
 
-bool PhaseBank::resume(float level, float slope, int count) {
+bool PhaseBank::resume(float level, float slope, int count, float around) {
+  since_joint_ = count;
   said_count_ = 0;
   // what the slope would be wrong by 20 ms ahead
   const float wrong = slope * slope * slope_reach * slope_reach;
-  const float usual = expected_[1] + scatter_;
+  const float usual = expected_[1] + phase_scatter_;
   const bool fits = wrong <= slope_factor * usual + slope_free;
-  const bool moved = level * level > level_factor * usual;
+  // the expectation of this moment already holds what the change did to the newest windows
+  const bool moved = level * level > level_factor * (track_[1][mixed].fast + phase_scatter_);
   history_.take_seen(count, moved ? to_word(level) : 0U);
   if (fits && wrong > alarm_) alarm_ = wrong;
-  if (moved) level_doubt_ = scatter_;
+  const float doubt = around_share * around;
+  if (moved) level_doubt_ = phase_scatter_ > doubt ? phase_scatter_ : doubt;
+  if (!fits) level_doubt_ = 0.0F;
   return fits;
 }
 
@@ -105,8 +124,9 @@ void PhaseBank::push_late(PhaseWord phase, int after) {
 }
 
 /// The window has come to a place that was predicted. If the windows swing to and fro from cycle to cycle, what it
-/// was is the mean of the two half a cycle before and after it, less what the mains bends meanwhile: a tone half an
-/// order away from the fundamental has its zero there, and would else be taken for a movement that repeats itself.
+/// was is the mean of the two half a cycle before and after it, less what the mains bends meanwhile, with a share of
+/// the window itself: a tone beside the fundamental has its zero there, and would else be taken for a movement that
+/// repeats itself.
 void PhaseBank::judge() {
   const float half = 0.5F * 4294967296.0F / static_cast<float>(step_);
   const auto whole = static_cast<std::int32_t>(half) + 1;
@@ -124,15 +144,30 @@ void PhaseBank::judge() {
   const auto at = static_cast<std::uint32_t>(place);
   const float before = swing_of_[(at - static_cast<std::uint32_t>(2.0F * half + 0.5F)) % swing_of_.size()];
   swing_of_[at % swing_of_.size()] = swing;
+  const auto half_ago = [&](std::uint32_t ago) { return swing_of_[(at - ago) % swing_of_.size()]; };
+  const auto ago = static_cast<std::uint32_t>(whole);
+  const float across = swing * (half_ago(ago) + part * (half_ago(ago - 1) - half_ago(ago)));
   const float turned = -swing * before;
   const float bounded =
       turned > -largest_swing ? (turned < largest_swing ? turned : largest_swing) : -largest_swing;
   if (history_.newest > 4 * whole) swing_ += (bounded - swing_) * swing_gain;
+  if (history_.newest > 4 * whole && swing * swing < wild_swing) {
+    swing_square_ += (swing * swing - swing_square_) * swing_gain;
+    swing_across_ += (across - swing_across_) * swing_gain;
+  }
   swings_ = swing_ > (swings_ ? 0.5F : 1.0F) * least_swing;
   if (swings_)
-    judge(place, mean);
+    judge(place, mean + to_word(swing_share() * swing));
   else
     judge(history_.newest, history_.at(history_.newest));
+}
+
+/// A tone that advances by c = cos x within half a cycle leaves c of itself in the mean of the two windows about a
+/// place, and 1 - c of it in the swing: the mean less c / (1 - c) of the swing is free of it.
+float PhaseBank::swing_share() const {
+  const float like = swing_across_ / (swing_square_ + 1.0e-12F);
+  const float c = like > most_left ? most_left : (like < -most_left ? -most_left : like);
+  return -c / (1.0F - c);
 }
 
 void PhaseBank::judge(std::int32_t place, PhaseWord phase) {
@@ -143,11 +178,11 @@ void PhaseBank::judge(std::int32_t place, PhaseWord phase) {
     then.known = 0;
     if (known == 0) continue;
     const float error = to_turns(phase - then.mixed);
-    track_[h][mixed].add(error * error, quick_gain_mixed);
+    track_[h][mixed].add(error * error);
     for (unsigned p = 0; p < predictor_count; ++p) {
       if ((known >> p & 1U) == 0) continue;
       const float own = error - static_cast<float>(then.less[p]) * deviation_unit;
-      track_[h][p].add(own * own, quick_gain);
+      track_[h][p].add(own * own);
     }
   }
 }
@@ -171,12 +206,18 @@ void PhaseBank::forget_predictions() {
     for (Predicted& then : horizon) then.known = 0;
 }
 
-/// What differs from window to window without being a movement.
+/// What differs from window to window without being a movement, of phases and of amplitudes: a disturbance that is
+/// added to the mains moves both alike, a mains that moves fast the phases alone.
 void PhaseBank::note_scatter() {
   const auto y = [&](int lags_ago) { return history_.at(history_.newest - lags_ago * scatter_lag); };
   const float third = to_turns(y(0) - y(3) - 3U * (y(1) - y(2)));
   if (scatter_count_ < 250.0F) scatter_count_ += 1.0F;
-  scatter_ += (third * third * (1.0F / 16.0F) - scatter_) / scatter_count_;
+  const auto a = [&](int lags_ago) {
+    return amplitude_[static_cast<std::uint32_t>(history_.newest - lags_ago * scatter_lag) % phase_memory];
+  };
+  const float wide = (a(0) - a(3) - 3.0F * (a(1) - a(2))) / (two_pi * a(0));
+  phase_scatter_ += (third * third * (1.0F / 16.0F) - phase_scatter_) / scatter_count_;
+  amplitude_scatter_ += (wide * wide * (1.0F / 16.0F) - amplitude_scatter_) / scatter_count_;
 }
 
 void PhaseBank::weigh(const Predictions& said, bool judged) {
@@ -211,11 +252,12 @@ void PhaseBank::weigh(const Predictions& said, bool judged) {
   for (unsigned p = 0; p < predictor_count; ++p) {
     if ((said.usable >> p & 1U) == 0) continue;
     const float weight = fourth_power(best / expected[p]);
-    const Track& now = track_[0][p];
+    const Track &now = track_[0][p], &ahead = track_[1][p];
     weight_[p] = weight;
     total += weight;
-    expected_[0] += weight * (now.worse() + first_expectation * unproven(now.count));
-    expected_[1] += weight * (expected[p] - phase_predictors[p].doubt);
+    expected_[0] += weight * (now.expected(recent_share[0]) + first_expectation * unproven(now.count));
+    const float surplus = ahead.worse() - ahead.expected(recent_share[1]);
+    expected_[1] += weight * (expected[p] - phase_predictors[p].doubt - surplus);
   }
   const float scale = 1.0F / total;
   for (float& weight : weight_) weight *= scale;
@@ -225,8 +267,10 @@ void PhaseBank::weigh(const Predictions& said, bool judged) {
 float PhaseBank::variance(unsigned horizon) const {
   const float recent = track_[horizon][mixed].fast;
   const float seen = recent > expected_[horizon] ? recent : expected_[horizon];
-  const float own = seen - (swings_ ? truth_share : 1.0F) * scatter_;
-  const float least = (swings_ ? swing_share : least_share) * seen;
+  const float white = white_factor * amplitude_scatter_;
+  const float windows = horizon == 0 || phase_scatter_ < white ? phase_scatter_ : white;
+  const float own = swings_ ? swing_own * seen + swing_left * swing_square_ : seen - windows;
+  const float least = least_share * seen;
   return (own > least ? own : least) + level_doubt_ + least_variance;
 }
 
@@ -268,7 +312,8 @@ BankSay PhaseBank::say(int clean, PhaseWord step, int now, int ahead) {
   level_doubt_ *= level_decay;
   const std::array<int, 2> reach = {now, ahead};
   const Predictions said = predict(history_, clean, step, reach);
-  if (clean > 3 * scatter_lag) note_scatter();
+  if (since_joint_ <= 3 * scatter_lag) ++since_joint_;
+  if (clean > 3 * scatter_lag && since_joint_ > 3 * scatter_lag) note_scatter();
   weigh(said, judged);
   if (judged) keep_tracks();
 

@@ -28,13 +28,17 @@ struct BankSay {
 /// it) loses weight at once, before its errors are known.
 ///
 /// Variance: the weighted mean square of the errors seen, less the variance of the windows themselves (from third
-/// differences, which no smooth movement enters: var = 16 var(window)), at least 0.15 of it; and 0.35 (revision)^2 when
-/// what is said of one instant has been revised within 5, 10 or 20 ms by more than is usual.
+/// differences, which no smooth movement enters: var = 16 var(window)), at least 0.13 of it; 20 ms ahead no more is
+/// taken off than what the relative amplitudes, in rad, vary by. And 0.35 (revision)^2 when what is said of one instant
+/// has been revised within 5, 10 or 20 ms by more than is usual.
 class PhaseBank {
  public:
   static constexpr int fewest = 18;  ///< phases a prediction is judged from
 
   void reset();
+  /// The windows swing to and fro from cycle to cycle: a tone about half an order beside the fundamental is in the
+  /// errors that are seen.
+  bool swings() const { return swings_; }
   /// Next phase of two cycles.
   void push(PhaseWord phase) {
     history_.push(phase, phase);
@@ -50,9 +54,14 @@ class PhaseBank {
   /// `ahead`: updates from the newest phase to now and to 20 ms ahead, < 48. Once an update.
   BankSay say(int clean, PhaseWord step, int now, int ahead);
   /// The newest `count` phases were seen behind a change and differ from what stands in for them by `level` + `slope`
-  /// (i - middle), turns. They take their places; is the slope none, the memory before them moves by the level. False:
-  /// there is a slope, and the memory before them does not fit.
-  bool resume(float level, float slope, int count);
+  /// (i - middle), turns, about which their mean square is `around`, turns^2 (below 0: none). They take their places;
+  /// is the slope none, the memory before them moves by the level. False: there is a slope, and the memory before them
+  /// does not fit.
+  bool resume(float level, float slope, int count, float around);
+  /// Amplitude of the newest window of two cycles, any unit.
+  void note_amplitude(float amplitude) {
+    amplitude_[static_cast<std::uint32_t>(history_.newest) % phase_memory] = amplitude;
+  }
   /// Something has happened to the mains: predictions made before are not judged, and what the last ones erred by
   /// does not count.
   void event();
@@ -67,7 +76,9 @@ class PhaseBank {
     float count = 0;  ///< saturates
 
     float worse() const { return slow > fast ? slow : fast; }
-    void add(float square, float least_gain);
+    /// The larger one less a share of what it exceeds the recent one by.
+    float expected(float recent_share) const { return worse() - recent_share * (worse() - fast); }
+    void add(float square);
   };
   struct Usual {
     float mean_square = 0, count = 0;
@@ -82,6 +93,7 @@ class PhaseBank {
   };
 
   void judge();
+  float swing_share() const;
   void judge(std::int32_t place, PhaseWord phase);
   void note_scatter();
   void weigh(const Predictions&, bool judged);
@@ -97,7 +109,8 @@ class PhaseBank {
   std::array<float, 32> swing_of_{};  ///< windows less the mean of those half a cycle off, turns
   float swing_ = 0;                   ///< mean square of what turns its sign within a cycle, turns^2
   bool swings_ = false;
-  float bend_ = 0;  ///< ... and its rate, turns an update^2
+  float swing_square_ = 0, swing_across_ = 0;  ///< mean products of a swing with itself, and half a cycle ago
+  float bend_ = 0;                             ///< ... and its rate, turns an update^2
   /// What was predicted for one place.
   struct Predicted {
     PhaseWord mixed = 0;
@@ -115,7 +128,10 @@ class PhaseBank {
   std::array<Usual, predictor_count> innovation_{};
   std::array<float, predictor_count> weight_{};  ///< sum 1
   std::array<float, 2> expected_{};              ///< weighted mean squares, turns^2
-  float scatter_ = 0, scatter_count_ = 0;        ///< variance of a phase of two cycles, turns^2
+  std::array<float, phase_memory> amplitude_{};
+  float phase_scatter_ = 0, amplitude_scatter_ = 0;  ///< variances of a window of two cycles, turns^2
+  float scatter_count_ = 0;
+  int since_joint_ = 0;  ///< updates since windows took the place of what stood in for them, saturates
   std::array<Said, said_slots> said_{};
   int said_count_ = 0;
   std::array<float, 3> revision_{};  ///< usual mean squares, turns^2

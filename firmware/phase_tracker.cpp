@@ -31,8 +31,10 @@ constexpr int keep_interval = 12;         ///< updates
 constexpr int longest_change = 1 << 10;   ///< updates
 /// Updates since a change that moved no phase: sooner it cannot be told, and later it should be over.
 constexpr int changed_least = 8, changed_most = 50;
-constexpr int notice_delay = 4;        ///< updates
-constexpr float leap = 9.0F;           ///< squared: three times the limit
+constexpr int notice_delay = 4;  ///< updates
+constexpr float leap = 9.0F;     ///< squared: three times the limit
+constexpr float window_variance =
+    0.1307F;                           ///< cycles^2: of a Hann window of two cycles, 4 (1/12 - 1/(2 pi^2))
 constexpr float wrong_cycle = 0.004F;  ///< the window of one cycle is biased beyond it
 constexpr float stale_window = 0.03F;  ///< a window this much off in length is not used
 
@@ -146,17 +148,22 @@ void PhaseTracker::notice_changes() {
   if (compare_.changing() && clean_ > newer) begin_change(newer, false);
   // a change is noticed some milliseconds late: then a cycle of it is not longer than this
   const int cycle = static_cast<int>(cycle_ / step) - notice_delay;
-  if (changed_ && (compare_.sudden() || (compare_.evidence() > 1.0F && since_change_ == cycle) ||
-                   (compare_.evidence() > leap && since_change_ >= notice_delay)))
+  if (changed_ &&
+      ((compare_.sudden() && !no_jump_) || (compare_.settled() > 1.0F && since_change_ == cycle) ||
+       (compare_.evidence() > leap && since_change_ >= notice_delay)))
     event_ = true;
   if (!changed_ || event_) jump_doubt_ = 0.0F;
   if (changed_ && !event_ && since_change_ <= cycle) jump_doubt_ = compare_.doubt();
+  if (event_ && since_change_ == cycle + notice_delay && compare_.settled() < 1.0F) {
+    event_ = false, no_jump_ = true;  // a whole cycle shows another amplitude
+    jump_doubt_ = compare_.doubt();
+  }
   doubtful_ = changed_ && !event_ &&
               (since_change_ < changed_least || (compare_.evidence() > 1.0F && since_change_ < cycle));
   // nothing to go on by, or it leads astray
   if (changed_ && (coast_ <= 0 || (event_ && since_change_ == cycle && compare_.slips()) ||
                    (event_ && since_change_ > 2 * cycle + changed_least && compare_.evidence() > leap))) {
-    bank_.resume(0.0F, 1.0F, since_change_);
+    bank_.resume(0.0F, 1.0F, since_change_, 0.0F);
     if (event_) keep_hertz_ = 0;
     restart_memory();
   }
@@ -165,9 +172,10 @@ void PhaseTracker::notice_changes() {
 /// Only the newest `clean` samples are of the mains as it is now.
 void PhaseTracker::begin_change(int clean, bool event) {
   clean_ = clean;
-  level_ = slope_ = 0.0F;
+  level_ = slope_ = square_ = 0.0F;
   if (entries_within(spared_) < fewest_entries) return restart_memory();
   if (!changed_) since_change_ = 0;
+  no_jump_ = false;
   changed_ = true;
   event_ = event_ || event;
 }
@@ -237,6 +245,7 @@ void PhaseTracker::extrapolate(const PhaseEstimate& from) {
 void PhaseTracker::coast() {
   const PhaseEstimate& from = kept_[1];
   extrapolate(from);
+  if (changed_) cycle_ = rate_ / estimate_.frequency;
   const float time =
       static_cast<float>(static_cast<std::int32_t>(sample_ - from.sample)) / config_.sample_rate;
   const float now = from.deviation(time);
@@ -254,9 +263,13 @@ void PhaseTracker::compare_windows(int clean) {
   const float place = static_cast<float>(clean - 1) - middle;
   level_ += unexpected_ * (1.0F / static_cast<float>(fewest_entries));
   slope_ += unexpected_ * place * (1.0F / (static_cast<float>(fewest_entries) * spread));
+  square_ += unexpected_ * unexpected_;
   if (clean < fewest_entries) return;
   changed_ = event_ = false;
-  if (!bank_.resume(level_, slope_, clean)) restart_memory();
+  const float around =
+      square_ / static_cast<float>(fewest_entries) - level_ * level_ - slope_ * slope_ * spread;
+  if (!bank_.resume(level_, slope_, clean, around)) restart_memory();
+  newest_phase_ = newest_seen_;
 }
 
 void PhaseTracker::learn(int clean, std::uint32_t step) {
@@ -301,6 +314,7 @@ void PhaseTracker::update() {
   const int behind = entries_within(clean_);
   if (changed_) coast();
   remember(phasor, changed_);
+  bank_.note_amplitude(phasor.amplitude);
   if (behind < 2) bank_.event();
   if (changed_) compare_windows(behind);
   const auto step = static_cast<std::uint32_t>(static_cast<float>(update_step_) / cycle_ * 4294967296.0F);
@@ -335,11 +349,13 @@ void PhaseTracker::publish(const BankSay& say, std::uint32_t step, int now, int 
   const float reference = static_cast<float>(step) * 0x1p-32F / update;
   const float hertz = clamp_hertz(reference + (say.ahead - say.now) / span - 0.5F * rate * span);
   const std::uint32_t word = newest_phase_ + step * static_cast<std::uint32_t>(now);
-  estimate_.phase_turns = wrap_turns(static_cast<float>(word) * 0x1p-32F + say.now + hertz * lag_);
+  // while the frequency moves a window's phase exceeds that of its middle by rate / 2 times the weight's variance
+  const float bent = 0.5F * rate * window_variance / (hertz * hertz);
+  estimate_.phase_turns = wrap_turns(static_cast<float>(word) * 0x1p-32F + say.now + hertz * lag_ - bent);
   estimate_.frequency = hertz;
   estimate_.frequency_rate = rate;
   const float model = model_variance();
-  const float tone = beat_.variance();
+  const float tone = bank_.swings() ? 0.0F : beat_.variance();
   estimate_.variance = (say.variance_now > tone ? say.variance_now : tone) + model;
   estimate_.variance_ahead = (say.variance_ahead > tone ? say.variance_ahead : tone) + model;
   cycle_ = rate_ / hertz;

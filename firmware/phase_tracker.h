@@ -122,11 +122,13 @@ class PhaseTracker {
   int coast_ = 0;                ///< updates that the estimate may still go on without new phases
   bool changed_ = false;         ///< the waveform has changed, and the windows behind that are not enough yet
   bool event_ = false;           ///< ... and its phase may have jumped
+  bool no_jump_ = false;         ///< ... but has not, though the change was sudden
   float jump_doubt_ = 0;         ///< turns^2: square of a jump that is not seen to be none
   bool doubtful_ = false;        ///< ... but that is not known yet
   int since_change_ = 0;         ///< updates, saturates
   float unexpected_ = 0;         ///< the newest window less what was predicted, turns
   float level_ = 0, slope_ = 0;  ///< sums of the windows behind a change less what was predicted, turns
+  float square_ = 0;             ///< of their squares, turns^2
   std::int32_t sum_ = 0;
   int summed_ = 0;
   int since_update_ = 0;

@@ -125,6 +125,62 @@ TEST_CASE("a bias that no prediction shows is in the stated uncertainty", "[phas
     CHECK(share(score.valid, score.judged) >= 0.95);
   }
 }
+TEST_CASE("a subharmonic is in the stated uncertainty of each mains, not of their mean", "[phase]") {
+  for (const double order : {0.5, 1.0 / 3}) {
+    for (const double hertz : {47.2, 50.0, 52.1, 60.0}) {
+      MainsCase c = plain_case(hertz, 4);
+      c.noise = 0.001;
+      c.tones.push_back({hertz * order, 0.02, 0.2});
+      const FamilyScore score = judge_case(c);
+      INFO(order << " of " << hertz << " Hz: error / u " << score.u_now.deviation() << " now, "
+                 << score.u_ahead.deviation() << " 20 ms ahead");
+      CHECK(score.u_now.deviation() <= 1.25);
+      CHECK(score.u_ahead.deviation() <= 1.25);
+      CHECK(score.u_now.coverage() >= 0.92);
+    }
+  }
+}
+
+TEST_CASE("steps of the amplitude leave the phase valid", "[phase]") {
+  for (const double size : {0.012, 0.04, 0.058}) {
+    for (const double hertz : {50.0, 60.0}) {
+      MainsCase c = plain_case(hertz, 6);
+      c.noise = 0.001;
+      c.flicker = size, c.flicker_hertz = 2.7, c.flicker_square = true;
+      const FamilyScore score = judge_case(c);
+      INFO(size << " at " << hertz << " Hz: valid " << share(score.valid, score.judged) << ", worst "
+                << score.valid_ahead.worst << " deg");
+      CHECK(share(score.valid, score.judged) >= (size > 0.05 ? 0.70 : 0.90));
+      CHECK(score.beyond == 0);
+    }
+  }
+}
+
+TEST_CASE("after the small jump of a capacitor the uncertainty covers what is left of it", "[phase]") {
+  const FamilyScore score = score_of("capacitor switching", 12);
+  INFO("error / u " << score.fair_now.deviation() << " now, " << score.fair_ahead.deviation()
+                    << " 20 ms ahead");
+  CHECK(score.fair_now.deviation() <= 1.5);
+  CHECK(score.fair_ahead.deviation() <= 1.25);
+}
+
+TEST_CASE("a window of a mains that moves is taken back to its middle", "[phase]") {
+  MainsCase c = plain_case(50, 4);
+  for (std::size_t k = 500; k < c.track.size(); ++k) c.track[k] = 50 + 4e-3 * static_cast<double>(k - 500);
+  CaseSource source(c);
+  OurTracker ours;
+  double sum = 0.0;
+  int count = 0;
+  for (int n = 0; n < 280'000; ++n) {
+    ours.push(source.next());
+    if (n < 120'000 || (n + 1) % 100 != 0) continue;
+    const double turns = ours.say().turns - source.phase(n / mains_rate);
+    sum += 360 * (turns - std::floor(turns + 0.5));
+    ++count;
+  }
+  // half of 4 Hz/s times the variance of the window, 0.1307 cycles^2, is 0.038 deg
+  CHECK(std::abs(sum / count) < 0.008);
+}
 
 TEST_CASE("the deviation grows with the horizon and the bound decides what is valid", "[phase]") {
   using powbench::firmware::PhaseEstimate;

@@ -27,7 +27,7 @@ compile() {
   case $2 in
     */control_device.cpp | */source_device.cpp | */identity.cpp | */sealed_shot.cpp | */calibration.cpp | */controller_calibration.cpp | */bench_devices.cpp | */iiod/*.cpp) small=(-Os) ;;
     # once a millisecond or less
-    */fire_control.cpp | */fire_step.cpp | */calibration_store.cpp | */stm32g474/main.cpp) small=(-Os) ;;
+    */phase_bank.cpp | */phase_predictor.cpp | */fire_control.cpp | */fire_step.cpp | */calibration_store.cpp | */stm32g474/main.cpp) small=(-Os) ;;
   esac
   shift 2
   "$@" "${small[@]}" -o "${object%.cpp}.o"
