@@ -65,6 +65,14 @@ ClosingTruth closing_truth(std::span<const PlantEvent> events, double off) {
   return t;
 }
 
+bool chatters(const ClosingTruth& t, double end) {
+  constexpr double longer = 1.5;
+  if (!t.touch || !t.settled) return false;
+  double since = *t.touch, longest = 0;
+  for (const Opening& o : t.openings) longest = std::max(longest, o.release - since), since = o.touch;
+  return end - *t.settled < longer * longest;
+}
+
 Trajectory simulate(const Specimen& specimen, const Conditions& conditions, double duration, double sample_dt,
                     double relative_tolerance, const Supply& bench) {
   if (!(duration > 0 && duration <= 100)) throw std::invalid_argument("duration: allowed 0 .. 100 s");

@@ -48,6 +48,10 @@ struct Trajectory {
   double supplied = 0;  ///< J, by the mains; 0 without a ledger
 };
 
+/// The pole, closed at `end` in s, had been closed for as long before and opened again, or nearly so (1.5 times): its
+/// last touch is not where it settles.
+bool chatters(const ClosingTruth&, double end);
+
 /// Mains and options a plant needs for these conditions: volts, hertz and phase are theirs, the rest is the bench's.
 Mains closing_mains(const Conditions&, const Mains& bench = {});
 PlantOptions closing_options(const Conditions&,

@@ -27,7 +27,7 @@ namespace {
   X(magnet, coercive_field, "coercive_field_A_per_m", 1, 0, 1e4, "H_c of the iron; 0: no remanence")         \
   X(magnet, coercive_span, "coercive_span_T", 1, 1e-4, 2, "B_c, in which the coercive field turns over")     \
   X(magnet, remanence, "remanence", 1, -1, 1, "left by the last switch-off, of the largest there is")        \
-  X(core, mass, "mass_g", 1e-3, 0.1, 2e4, "M, armature and holder")                                          \
+  X(core, mass, "mass_g", 1e-3, 5, 2e4, "M, armature and holder")                                            \
   X(core, travel, "travel_mm", 1e-3, 0.1, 50, "contact gap plus overtravel")                                 \
   X(core, return_preload, "return_preload_N", 1, 0, 1e4, "F_r0, return spring, open")                        \
   X(core, return_rate, "return_rate_N_per_m", 1, 0, 1e7, "k_r, return spring")                               \

@@ -4,7 +4,9 @@
 #include <array>
 #include <cmath>
 #include <numbers>
+#include <utility>
 
+#include "bench/field3d/edge_space3.h"
 #include "sim/field3d/cholesky3.h"
 
 namespace powbench::bench {
@@ -16,304 +18,228 @@ std::size_t at(int i) {
   return static_cast<std::size_t>(i);
 }
 
-/// Edges of a brick: 0 .. 3 along x (by y, then z), 4 .. 7 along y (by x, then z), 8 .. 11 along z (by x, then y).
-/// Faces: lower and upper normal to x, y, z. Flux through a face = sum of +- its four edges.
-struct Curl {
-  struct Term {
-    int edge, sign;
-  };
-  Term face[6][4] = {{{4, 1}, {6, -1}, {8 + 2, 1}, {8 + 0, -1}}, {{5, 1}, {7, -1}, {8 + 3, 1}, {8 + 1, -1}},
-                     {{2, 1}, {0, -1}, {8, 1}, {9, -1}},         {{3, 1}, {1, -1}, {10, 1}, {11, -1}},
-                     {{5, 1}, {4, -1}, {0, 1}, {1, -1}},         {{7, 1}, {6, -1}, {2, 1}, {3, -1}}};
-};
-
-struct Brick {
-  std::array<int, 12> edge;  ///< unknown, -1: zero
-  std::array<double, 12> sign;
-  std::array<double, 3> size;
-  sim::Vec3 low;
-  bool steel;
-};
-
-class EdgeEnergy {
- public:
-  EdgeEnergy(const EdgeProblem& p)
-      : p_(p),
-        nx_(static_cast<int>(p.x.size())),
-        ny_(static_cast<int>(p.y.size())),
-        nz_(static_cast<int>(p.z.size())) {
-    number();
-    build_pattern();
-    build_source();
-  }
-
-  int size() const { return count_; }
-  const sim::SymmetricMatrix& pattern() const { return matrix_; }
-  const std::vector<double>& source() const { return source_; }
-
-  /// E(a); where asked its gradient and Hessian.
-  double value(const std::vector<double>& a, std::vector<double>* gradient,
-               sim::SymmetricMatrix* hessian) const {
-    double energy = 0;
-    if (gradient) gradient->assign(a.size(), 0);
-    if (hessian) std::fill(hessian->value.begin(), hessian->value.end(), 0.0);
-    for (std::size_t c = 0; c < bricks_.size(); ++c) {
-      const Brick& b = bricks_[c];
-      const auto flux = fluxes(b, a);
-      std::array<double, 6> slope{};
-      std::array<double, 36> bend{};
-      energy += brick_energy(b, flux, slope, bend);
-      if (gradient) spread(b, slope, *gradient);
-      if (hessian) add_bend(c, bend, *hessian);
-    }
-    for (int i = 0; i < count_; ++i) {
-      energy += 0.5 * mass_[at(i)] * a[at(i)] * a[at(i)];
-      if (gradient) (*gradient)[at(i)] += mass_[at(i)] * a[at(i)];
-      if (hessian) hessian->value[at(hessian->start[at(i)])] += mass_[at(i)];
-    }
-    return energy;
-  }
-
-  std::vector<double> faces_z(const std::vector<double>& a) const {
-    std::vector<double> out(at((nx_ - 1) * (ny_ - 1) * nz_));
-    const std::size_t layer = at((nx_ - 1) * (ny_ - 1));
-    for (std::size_t c = 0; c < bricks_.size(); ++c) {
-      const auto flux = fluxes(bricks_[c], a);
-      out[c] = flux[4];
-      out[c + layer] = flux[5];
-    }
-    return out;
-  }
-
- private:
-  void number();
-  void build_pattern();
-  void build_source();
-
-  std::array<double, 6> fluxes(const Brick& b, const std::vector<double>& a) const {
-    std::array<double, 6> out{};
-    for (int f = 0; f < 6; ++f)
-      for (const auto& [edge, sign] : curl_.face[f])
-        if (b.edge[at(edge)] >= 0) out[at(f)] += sign * b.sign[at(edge)] * a[at(b.edge[at(edge)])];
-    return out;
-  }
-
-  /// Adds what the brick's six fluxes weigh to its edges.
-  void spread(const Brick& b, const std::array<double, 6>& weight, std::vector<double>& to) const {
-    for (int f = 0; f < 6; ++f)
-      for (const auto& [edge, sign] : curl_.face[f])
-        if (b.edge[at(edge)] >= 0) to[at(b.edge[at(edge)])] += sign * b.sign[at(edge)] * weight[at(f)];
-  }
-
-  void add_bend(std::size_t brick, const std::array<double, 36>& bend, sim::SymmetricMatrix& h) const {
-    const Brick& b = bricks_[brick];
-    std::array<double, 144> local{};
-    for (int f = 0; f < 6; ++f)
-      for (int g = 0; g < 6; ++g)
-        for (const auto& [e, s] : curl_.face[f])
-          for (const auto& [d, t] : curl_.face[g]) local[at(e * 12 + d)] += s * t * bend[at(f * 6 + g)];
-    const int* slot = slot_.data() + brick * 144;
-    for (int e = 0; e < 12; ++e)
-      for (int d = 0; d < 12; ++d)
-        if (slot[e * 12 + d] >= 0)
-          h.value[at(slot[e * 12 + d])] += b.sign[at(e)] * b.sign[at(d)] * local[at(e * 12 + d)];
-  }
-
-  /// Energy of a brick by its fluxes; B_x is linear along x between its two faces, and so on.
-  double brick_energy(const Brick& b, const std::array<double, 6>& flux, std::array<double, 6>& slope,
-                      std::array<double, 36>& bend) const {
-    const double volume = b.size[0] * b.size[1] * b.size[2];
-    const double point[2] = {0.5 - 0.5 / std::sqrt(3.0), 0.5 + 0.5 / std::sqrt(3.0)};
-    double energy = 0;
-    for (int q = 0; q < 8; ++q) {
-      std::array<double, 6> shape{};
-      sim::Vec3 field{};
-      for (std::size_t r = 0; r < 3; ++r) {
-        const double t = point[(q >> r) & 1], area = volume / b.size[r];
-        shape[2 * r] = (1 - t) / area;
-        shape[2 * r + 1] = t / area;
-        field[r] = shape[2 * r] * flux[2 * r] + shape[2 * r + 1] * flux[2 * r + 1];
-      }
-      const double w = volume / 8, square = field[0] * field[0] + field[1] * field[1] + field[2] * field[2];
-      double nu = nu0, extra = 0;  // dH/dB = nu + extra B B^T
-      if (b.steel) {
-        const double size = std::sqrt(square);
-        const auto s = p_.curve.at(size);
-        nu = size > 0 ? s.h / size : s.dh_db;
-        extra = square > 0 ? (s.dh_db - nu) / square : 0;
-        energy += w * s.energy;
-      } else {
-        energy += w * 0.5 * nu0 * square;
-      }
-      for (std::size_t f = 0; f < 6; ++f) {
-        slope[f] += w * nu * field[f / 2] * shape[f];
-        for (std::size_t g = 0; g < 6; ++g)
-          bend[f * 6 + g] +=
-              w * shape[f] * shape[g] * ((f / 2 == g / 2 ? nu : 0) + extra * field[f / 2] * field[g / 2]);
-      }
-    }
-    return energy;
-  }
-
-  const EdgeProblem& p_;
-  int nx_, ny_, nz_, count_ = 0;
-  Curl curl_;
-  std::vector<Brick> bricks_;
-  std::vector<double> mass_, source_;
-  sim::SymmetricMatrix matrix_;
-  std::vector<int> slot_;  ///< [brick][12 x 12]: place in the matrix, -1: none or in the other triangle
-};
-
-void EdgeEnergy::number() {
-  // unknown and sign of each edge by direction and lattice place
-  std::vector<int> unknown[3];
-  std::vector<double> sign[3];
-  const auto place = [&](int i, int j, int k) { return at((k * ny_ + j) * nx_ + i); };
-  for (int d = 0; d < 3; ++d) {
-    unknown[d].assign(at(nx_ * ny_ * nz_), -1);
-    sign[d].assign(at(nx_ * ny_ * nz_), 1);
-    for (int k = 0; k < nz_ - (d == 2); ++k)
-      for (int j = 0; j < ny_ - (d == 1); ++j)
-        for (int i = 0; i < nx_ - (d == 0); ++i) {
-          const bool wall =
-              (d != 0 && i == nx_ - 1) || (d != 1 && (j == 0 || j == ny_ - 1)) || (d != 2 && k == nz_ - 1);
-          const int mirrored = ny_ - 1 - j - (d == 1);
-          const bool tied = d != 0 && i == 0 && j < mirrored;
-          if (!wall && !tied) unknown[d][place(i, j, k)] = count_++;
-        }
-  }
-  for (int d = 1; d < 3; ++d)
-    for (int k = 0; k < nz_ - (d == 2); ++k)
-      for (int j = 0; j < ny_ - (d == 1); ++j) {
-        const int mirrored = ny_ - 1 - j - (d == 1);
-        if (j >= mirrored) continue;
-        unknown[d][place(0, j, k)] = unknown[d][place(0, mirrored, k)];
-        sign[d][place(0, j, k)] = d == 1 ? -1 : 1;
-      }
-  mass_.assign(at(count_), 0);
-  constexpr double share = 1e-6, length = 0.1;
-  for (int k = 0; k + 1 < nz_; ++k)
-    for (int j = 0; j + 1 < ny_; ++j)
-      for (int i = 0; i + 1 < nx_; ++i) {
-        Brick b;
-        b.low = {p_.x[at(i)], p_.y[at(j)], p_.z[at(k)]};
-        b.size = {p_.x[at(i + 1)] - b.low[0], p_.y[at(j + 1)] - b.low[1], p_.z[at(k + 1)] - b.low[2]};
-        b.steel = p_.steel({b.low[0] + b.size[0] / 2, b.low[1] + b.size[1] / 2, b.low[2] + b.size[2] / 2});
-        for (int e = 0; e < 12; ++e) {
-          const int d = e / 4, first = e % 2, second = e / 2 % 2;
-          const std::size_t n = place(i + (d == 0 ? 0 : first),
-                                      j + (d == 0   ? first
-                                           : d == 1 ? 0
-                                                    : second),
-                                      k + (d == 2 ? 0 : second));
-          b.edge[at(e)] = unknown[d][n];
-          b.sign[at(e)] = sign[d][n];
-          if (unknown[d][n] >= 0)
-            mass_[at(unknown[d][n])] += share * nu0 / (length * length) * b.size[0] * b.size[1] * b.size[2] /
-                                        (4 * b.size[at(d)] * b.size[at(d)]);
-        }
-        bricks_.push_back(b);
-      }
-}
-
-void EdgeEnergy::build_pattern() {
-  std::vector<std::vector<int>> rows(at(count_));
-  for (const auto& b : bricks_)
-    for (const int e : b.edge)
-      for (const int d : b.edge)
-        if (e >= 0 && d >= e) rows[at(e)].push_back(d);
-  matrix_.start.push_back(0);
-  for (auto& r : rows) {
-    std::sort(r.begin(), r.end());
-    r.erase(std::unique(r.begin(), r.end()), r.end());
-    matrix_.row.insert(matrix_.row.end(), r.begin(), r.end());
-    matrix_.start.push_back(static_cast<int>(matrix_.row.size()));
-  }
-  matrix_.value.assign(matrix_.row.size(), 0);
-  slot_.assign(bricks_.size() * 144, -1);
-  for (std::size_t c = 0; c < bricks_.size(); ++c)
-    for (int e = 0; e < 12; ++e)
-      for (int d = 0; d < 12; ++d) {
-        const int column = bricks_[c].edge[at(e)], row = bricks_[c].edge[at(d)];
-        if (column < 0 || row < column) continue;
-        const auto first = matrix_.row.begin() + matrix_.start[at(column)];
-        const auto last = matrix_.row.begin() + matrix_.start[at(column) + 1];
-        slot_[c * 144 + at(e * 12 + d)] =
-            static_cast<int>(std::lower_bound(first, last, row) - matrix_.row.begin());
-      }
-}
-
-void EdgeEnergy::build_source() {
-  source_.assign(at(count_), 0);
-  const double point[3] = {0.5 - 0.5 * std::sqrt(0.6), 0.5, 0.5 + 0.5 * std::sqrt(0.6)};
-  const double part[3] = {5. / 18, 8. / 18, 5. / 18};
-  for (const auto& b : bricks_) {
-    std::array<double, 6> weight{};
-    for (int q = 0; q < 27; ++q) {
-      const int k[3] = {q % 3, q / 3 % 3, q / 9};
-      const sim::Vec3 t = p_.source({b.low[0] + point[k[0]] * b.size[0], b.low[1] + point[k[1]] * b.size[1],
-                                     b.low[2] + point[k[2]] * b.size[2]});
-      for (std::size_t r = 0; r < 3; ++r) {
-        const double w = part[k[0]] * part[k[1]] * part[k[2]] * b.size[r] * t[r];
-        weight[2 * r] += w * (1 - point[k[r]]);
-        weight[2 * r + 1] += w * point[k[r]];
-      }
-    }
-    spread(b, weight, source_);
-  }
-}
-
 double dot(const std::vector<double>& a, const std::vector<double>& b) {
   double sum = 0;
   for (std::size_t k = 0; k < a.size(); ++k) sum += a[k] * b[k];
   return sum;
 }
 
-}  // namespace
+/// Gauss points of a brick, three along each edge: place in [0, 1]^3 and share of the volume.
+struct GaussPoint {
+  sim::Vec3 t;
+  double share;
+};
 
-EdgeSolution solve_edges(const EdgeProblem& p, double current) {
-  const EdgeEnergy energy(p);
-  sim::SymmetricMatrix hessian = energy.pattern();
-  sim::Cholesky3 factor(hessian);
-  EdgeSolution out;
-  out.unknowns = energy.size();
-  std::vector<double> a(at(energy.size()), 0), gradient;
-  for (; out.iterations < 60 && !out.converged; ++out.iterations) {
-    const double stored = energy.value(a, &gradient, &hessian);
-    const double from = stored - current * dot(energy.source(), a);
-    for (std::size_t k = 0; k < a.size(); ++k) gradient[k] -= current * energy.source()[k];
-    if (!factor.factor(hessian)) break;
-    const auto step = factor.solve(gradient);
-    const double decrement = dot(step, gradient);
-    out.converged = decrement <= 1e-11 * stored;
-    std::vector<double> next(a.size());
-    for (double share = 1; share > 1e-6; share /= 2) {
-      for (std::size_t k = 0; k < a.size(); ++k) next[k] = a[k] - share * step[k];
-      const double to = energy.value(next, nullptr, nullptr) - current * dot(energy.source(), next);
-      if (out.converged || to <= from - 0.1 * share * decrement) break;
-    }
-    a = std::move(next);
+std::vector<GaussPoint> gauss_points() {
+  const double point[3] = {0.5 - 0.5 * std::sqrt(0.6), 0.5, 0.5 + 0.5 * std::sqrt(0.6)};
+  constexpr double part[3] = {5. / 18, 8. / 18, 5. / 18};
+  std::vector<GaussPoint> out;
+  for (int q = 0; q < 27; ++q) {
+    const int k[3] = {q % 3, q / 3 % 3, q / 9};
+    out.push_back({{point[k[0]], point[k[1]], point[k[2]]}, part[k[0]] * part[k[1]] * part[k[2]]});
   }
-  out.psi = p.copies * dot(energy.source(), a);
-  out.face_z = energy.faces_z(a);
   return out;
 }
 
-double edge_average(const EdgeProblem& p, const EdgeSolution& s, double x0, double x1, double y0, double y1,
-                    double z) {
-  constexpr double round_off = 1e-9;
-  const auto above = std::upper_bound(p.z.begin() + 1, p.z.end() - 1, z);
-  const std::size_t k = static_cast<std::size_t>(above - p.z.begin()) - 1;
-  const double t = (z - p.z[k]) / (p.z[k + 1] - p.z[k]);
-  const std::size_t columns = p.x.size() - 1, layer = columns * (p.y.size() - 1);
-  double flux = 0;
-  for (std::size_t j = 0; j + 1 < p.y.size(); ++j)
-    for (std::size_t i = 0; i < columns; ++i)
-      if (p.x[i] > x0 - round_off && p.x[i + 1] < x1 + round_off && p.y[j] > y0 - round_off &&
-          p.y[j + 1] < y1 + round_off) {
-        const std::size_t f = k * layer + j * columns + i;
-        flux += (1 - t) * s.face_z[f] + t * s.face_z[f + layer];
+double volume(const EdgeSpace3::Brick& b) {
+  return b.size[0] * b.size[1] * b.size[2];
+}
+
+}  // namespace
+
+struct EdgeField3::Impl {
+  EdgeProblem p;
+  EdgeSpace3 space;
+  std::vector<GaussPoint> points = gauss_points();
+  std::vector<int> slot;
+  sim::SymmetricMatrix linear, hessian;  ///< of air and gauge; with the steel
+  std::vector<double> source;            ///< psi = source . a of this part
+  std::vector<std::size_t> steel;        ///< bricks
+
+  explicit Impl(EdgeProblem problem) : p(std::move(problem)), space(p.order, p.x, p.y, p.z) {
+    linear = space.pattern(slot);
+    source.assign(at(space.count()), 0);
+    for (std::size_t k = 0; k < space.bricks().size(); ++k) {
+      const auto& b = space.bricks()[k];
+      if (p.steel(place(b, {0.5, 0.5, 0.5}))) steel.push_back(k);
+      add_source(b);
+      add_gauge(k);
+    }
+    add_air();
+    hessian = linear;
+  }
+
+  static sim::Vec3 place(const EdgeSpace3::Brick& b, const sim::Vec3& t) {
+    return {b.low[0] + t[0] * b.size[0], b.low[1] + t[1] * b.size[1], b.low[2] + t[2] * b.size[2]};
+  }
+
+  void add_source(const EdgeSpace3::Brick& b) {
+    std::vector<sim::Vec3> curls;
+    for (const auto& q : points) {
+      const sim::Vec3 t = p.source(place(b, q.t));
+      if (t == sim::Vec3{}) continue;
+      space.curls(b.size, q.t, curls);
+      for (std::size_t n = 0; n < curls.size(); ++n)
+        if (b.unknown[n] >= 0)
+          source[at(b.unknown[n])] += q.share * volume(b) * b.sign[n] *
+                                      (t[0] * curls[n][0] + t[1] * curls[n][1] + t[2] * curls[n][2]);
+    }
+  }
+
+  void add_gauge(std::size_t brick) {
+    constexpr double share = 1e-6, length = 0.1;
+    const auto& b = space.bricks()[brick];
+    const auto& f = space.functions();
+    for (std::size_t n = 0; n < f.size(); ++n) {
+      const double along = b.size[at(f[n].component)];
+      if (b.unknown[n] >= 0 && f[n].lowest())
+        linear.value[at(slot[(brick * f.size() + n) * f.size() + n])] +=
+            share * nu0 / (length * length) * volume(b) / (4 * along * along);
+    }
+  }
+
+  void add_air() {
+    auto next = steel.begin();
+    for (std::size_t k = 0; k < space.bricks().size(); ++k) {
+      if (next != steel.end() && *next == k) {
+        ++next;
+        continue;
       }
+      const auto& b = space.bricks()[k];
+      std::vector<sim::Vec3> curls;
+      std::vector<double> block(space.functions().size() * space.functions().size(), 0);
+      for (const auto& q : points) {
+        space.curls(b.size, q.t, curls);
+        add_block(curls, q.share * volume(b), nu0, 0, {}, block);
+      }
+      spread(k, block, linear);
+    }
+  }
+
+  /// Adds w (nu + extra B B^T) between the curls to the block.
+  static void add_block(const std::vector<sim::Vec3>& c, double w, double nu, double extra,
+                        const sim::Vec3& field, std::vector<double>& block) {
+    for (std::size_t n = 0; n < c.size(); ++n) {
+      const double along = extra * (field[0] * c[n][0] + field[1] * c[n][1] + field[2] * c[n][2]);
+      sim::Vec3 v;
+      for (std::size_t r = 0; r < 3; ++r) v[r] = w * (nu * c[n][r] + along * field[r]);
+      for (std::size_t m = 0; m < c.size(); ++m)
+        block[n * c.size() + m] += v[0] * c[m][0] + v[1] * c[m][1] + v[2] * c[m][2];
+    }
+  }
+
+  void spread(std::size_t brick, const std::vector<double>& block, sim::SymmetricMatrix& to) const {
+    const auto& b = space.bricks()[brick];
+    const std::size_t size = b.unknown.size();
+    const int* places = slot.data() + brick * size * size;
+    for (std::size_t n = 0; n < size; ++n)
+      for (std::size_t m = 0; m < size; ++m)
+        if (const int s = places[n * size + m]; s >= 0)
+          to.value[at(s)] += b.sign[n] * b.sign[m] * block[n * size + m];
+  }
+
+  /// Zero; for order 2 the solution of order 1 on the same bricks, whose functions come in the same sequence.
+  std::vector<double> start(double current) const {
+    std::vector<double> a(at(space.count()), 0);
+    if (p.order == 1) return a;
+    EdgeProblem lower = p;
+    lower.order = 1;
+    EdgeField3 field(std::move(lower));
+    const auto first = field.solve(current).a;
+    for (std::size_t k = 0; k < space.bricks().size(); ++k) {
+      const auto& to = space.bricks()[k];
+      const auto& from = field.impl_->space.bricks()[k];
+      for (std::size_t n = 0, l = 0; n < to.unknown.size(); ++n)
+        if (space.functions()[n].lowest() && from.unknown[l++] >= 0)
+          a[at(to.unknown[n])] = first[at(from.unknown[l - 1])];
+    }
+    return a;
+  }
+
+  /// E(a); where wanted its gradient and Hessian too.
+  double energy(const std::vector<double>& a, std::vector<double>* gradient, bool with_hessian) {
+    std::vector<double> slope;
+    linear.multiply(a, slope);
+    double sum = 0.5 * dot(a, slope);
+    if (with_hessian) hessian.value = linear.value;
+    std::vector<sim::Vec3> curls;
+    std::vector<double> block;
+    for (const auto k : steel) {
+      const auto& b = space.bricks()[k];
+      block.assign(b.unknown.size() * b.unknown.size(), 0);
+      for (const auto& q : points) {
+        space.curls(b.size, q.t, curls);
+        const auto field = space.field(b, curls, a);
+        const double square = field[0] * field[0] + field[1] * field[1] + field[2] * field[2];
+        const double size = std::sqrt(square), w = q.share * volume(b);
+        const auto s = p.curve.at(size);
+        sum += w * s.energy;
+        if (!gradient) continue;
+        const double nu = size > 0 ? s.h / size : s.dh_db;
+        for (std::size_t n = 0; n < curls.size(); ++n)
+          if (b.unknown[n] >= 0)
+            slope[at(b.unknown[n])] +=
+                w * nu * b.sign[n] *
+                (field[0] * curls[n][0] + field[1] * curls[n][1] + field[2] * curls[n][2]);
+        if (with_hessian) add_block(curls, w, nu, square > 0 ? (s.dh_db - nu) / square : 0, field, block);
+      }
+      if (with_hessian) spread(k, block, hessian);
+    }
+    if (gradient) *gradient = std::move(slope);
+    return sum;
+  }
+};
+
+EdgeField3::EdgeField3(EdgeProblem p) : impl_(std::make_unique<Impl>(std::move(p))) {}
+EdgeField3::~EdgeField3() = default;
+
+int EdgeField3::unknowns() const {
+  return impl_->space.count();
+}
+
+EdgeSolution EdgeField3::solve(double current) {
+  Impl& m = *impl_;
+  sim::Cholesky3 factor(m.hessian);
+  EdgeSolution out;
+  out.a = m.start(current);
+  auto& a = out.a;
+  std::vector<double> gradient, next(a.size());
+  for (; out.iterations < 60 && !out.converged; ++out.iterations) {
+    const double stored = m.energy(a, &gradient, true);
+    const double from = stored - current * dot(m.source, a);
+    for (std::size_t k = 0; k < a.size(); ++k) gradient[k] -= current * m.source[k];
+    if (!factor.factor(m.hessian)) break;
+    const auto step = factor.solve(gradient);
+    const double decrement = dot(step, gradient);
+    out.converged = decrement <= 1e-11 * stored;
+    for (double share = 1; share > 1e-6; share /= 2) {
+      for (std::size_t k = 0; k < a.size(); ++k) next[k] = a[k] - share * step[k];
+      if (out.converged) break;
+      const double to = m.energy(next, nullptr, false) - current * dot(m.source, next);
+      if (to <= from - 0.1 * share * decrement) break;
+    }
+    std::swap(a, next);
+  }
+  out.psi = m.p.copies * dot(m.source, a);
+  return out;
+}
+
+double EdgeField3::average(const EdgeSolution& s, double x0, double x1, double y0, double y1,
+                           double z) const {
+  constexpr double round_off = 1e-9;
+  const EdgeSpace3& space = impl_->space;
+  std::vector<sim::Vec3> curls;
+  double flux = 0;
+  for (const auto& b : space.bricks()) {
+    const bool inside = b.low[0] > x0 - round_off && b.low[0] + b.size[0] < x1 + round_off &&
+                        b.low[1] > y0 - round_off && b.low[1] + b.size[1] < y1 + round_off && b.low[2] <= z &&
+                        z < b.low[2] + b.size[2];
+    if (!inside) continue;
+    for (const auto& q : impl_->points) {
+      space.curls(b.size, {q.t[0], q.t[1], (z - b.low[2]) / b.size[2]}, curls);
+      flux += q.share * b.size[0] * b.size[1] * space.field(b, curls, s.a)[2];
+    }
+  }
   return flux / ((x1 - x0) * (y1 - y0));
 }
 

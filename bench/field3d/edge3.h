@@ -1,12 +1,13 @@
 #pragma once
 
 #include <functional>
+#include <memory>
 #include <vector>
 
 #include "sim/field3d/mesh3.h"
 #include "sim/fields/steel.h"
 
-/// The other bound: a vector potential on the edges of a graded grid, first order, for a problem that the scalar
+/// The other bound: a vector potential on the edges of a graded grid, of order 1 or 2, for a problem that the scalar
 /// potential of sim/field3d solves too. It makes
 ///
 ///   E(a) - I psi(a),   E = integral of w(|B|),   B = curl A,   psi = integral of B . T
@@ -25,20 +26,33 @@ struct EdgeProblem {
   sim::Steel curve = sim::Steel::linear(1);
   std::function<sim::Vec3(const sim::Vec3&)> source;  ///< T, A/m for 1 A
   double copies = 1;                                  ///< of this part in the whole
+  int order = 1;                                      ///< of the elements, 1 or 2
 };
 
 struct EdgeSolution {
-  std::vector<double> face_z;  ///< Wb, flux through the faces normal to z: [k][j][i]
-  double psi = 0;              ///< Wb for one turn
-  int unknowns = 0, iterations = 0;
+  std::vector<double> a;  ///< unknowns, Wb
+  double psi = 0;         ///< Wb for one turn
+  int iterations = 0;     ///< of the problem's order
   bool converged = false;
 };
 
-/// Newton from zero, each step halved until the energy falls. Gauge: a mass of 1e-6 of the reluctance at 0.1 m.
-EdgeSolution solve_edges(const EdgeProblem&, double current);
+class EdgeField3 {
+ public:
+  explicit EdgeField3(EdgeProblem);
+  ~EdgeField3();
 
-/// Average of B_z over the faces with x, y in these bounds (lines of the grid), at height z, T.
-double edge_average(const EdgeProblem&, const EdgeSolution&, double x0, double x1, double y0, double y1,
-                    double z);
+  int unknowns() const;
+
+  /// Newton, each step halved until the energy falls; order 1 from zero, order 2 from the solution of order 1. Gauge: a
+  /// mass of 1e-6 of the reluctance at 0.1 m on the unknowns of order 1.
+  EdgeSolution solve(double current);
+
+  /// Average of B_z over the bricks between these lines of the grid, at height z, T.
+  double average(const EdgeSolution&, double x0, double x1, double y0, double y1, double z) const;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
 
 }  // namespace powbench::bench

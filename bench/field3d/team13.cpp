@@ -17,12 +17,19 @@ constexpr double mm = 1e-3;
 struct Lines {
   std::vector<double> x, y, z;
 
-  explicit Lines(double size) {
+  Lines(double size, double gap) {
     const auto line = [&](std::vector<sim::GridMark> marks) {
       for (auto& m : marks) m = {m.at * mm, m.size * mm * size};
       return sim::graded_line(marks, 1 + 2 * std::min(size, 1.2), 400 * size * mm);
     };
-    x = line({{0, 0.8}, {1.6, 0.3}, {2.1, 0.25}, {75, 20}, {100, 20}, {118.9, 2}, {122.1, 2}, {1500, 400}});
+    x = line({{0, 0.8},
+              {1.6, 0.3},
+              {1.6 + gap / mm, 0.25},
+              {75, 20},
+              {100, 20},
+              {122.1, 2},
+              {125.3, 2},
+              {1500, 400}});
     y = line({{0, 12}, {15, 0.3}, {25, 0.3}, {65, 1.5}, {75, 20}, {100, 20}, {1500, 400}});
     const auto half = y;
     for (std::size_t k = 1; k < half.size(); ++k) y.insert(y.begin(), -half[k]);
@@ -30,12 +37,12 @@ struct Lines {
   }
 };
 
-bool in_steel(const sim::Vec3& centre) {
+bool in_steel(const sim::Vec3& centre, double gap) {
   const double x = centre[0] / mm, y = centre[1] / mm, z = centre[2] / mm;
   const bool plate = x < 1.6 && std::fabs(y) < 25 && z < 63.2;
   const bool across = y > 15 && y < 65;
-  const bool sheet = across && x > 2.1 && x < 122.1 && z > 60 && z < 63.2;
-  const bool arm = across && x > 118.9 && x < 122.1 && z < 63.2;
+  const bool sheet = across && x > 1.6 + gap / mm && x < 125.3 && z > 60 && z < 63.2;
+  const bool arm = across && x > 122.1 && x < 125.3 && z < 63.2;
   return plate || sheet || arm;
 }
 
@@ -45,12 +52,12 @@ std::function<sim::Vec3(const sim::Vec3&)> coil() {
 
 }  // namespace
 
-sim::Problem3 team13(double size, sim::Cell cell) {
-  const Lines lines(size);
+sim::Problem3 team13(double size, double gap) {
+  const Lines lines(size, gap);
   enum { air, iron };
   sim::Problem3 p;
-  p.mesh = sim::grid_mesh(lines.x, lines.y, lines.z, cell,
-                          [](const sim::Vec3& c) -> int { return in_steel(c) ? iron : air; });
+  p.mesh = sim::grid_mesh(lines.x, lines.y, lines.z, sim::Cell::hex20,
+                          [gap](const sim::Vec3& c) -> int { return in_steel(c, gap) ? iron : air; });
   p.media = {sim::air(), sim::solid(sim::builtin_steel("team13"))};
   p.windings = {coil()};
   p.copies = 4;
@@ -76,13 +83,20 @@ double team13_plate_average(const sim::Coenergy3& function, const sim::State3& s
   return std::fabs(sum) / (nx * ny);
 }
 
-EdgeProblem team13_edges(double size) {
-  const Lines lines(size);
-  return {lines.x, lines.y, lines.z, in_steel, sim::builtin_steel("team13"), coil(), 4};
+EdgeProblem team13_edges(double size, int order, double gap) {
+  const Lines lines(size, gap);
+  return {lines.x,
+          lines.y,
+          lines.z,
+          [gap](const sim::Vec3& c) { return in_steel(c, gap); },
+          sim::builtin_steel("team13"),
+          coil(),
+          4,
+          order};
 }
 
-double team13_plate_average(const EdgeProblem& p, const EdgeSolution& s, double z) {
-  return std::fabs(edge_average(p, s, 0, 1.6 * mm, -25 * mm, 25 * mm, z));
+double team13_plate_average(const EdgeField3& field, const EdgeSolution& s, double z) {
+  return std::fabs(field.average(s, 0, 1.6 * mm, -25 * mm, 25 * mm, z));
 }
 
 }  // namespace powbench::bench

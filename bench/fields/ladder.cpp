@@ -162,6 +162,7 @@ Row space(double scale) {
   start = thread_cpu_seconds();
   auto options = table_options(0.01);
   options.psi_nodes = options.gap_nodes = 10;
+  options.ring = false;
   const sim::TablePotential table(build_table3(sim::MagnetDesign{}, sizes, options));
   r.touch = touch_of(run_transient(table, closing()));
   r.touch_cost = thread_cpu_seconds() - start;

@@ -89,11 +89,12 @@ int main(int argc, char** argv) {
     const sim::Case c = drawn(random);
     try {
       const auto here = run(0, c, 1e-6), finer = run(0, c, 1e-7), next = run(1, c, 0.8),
-                 best = run(1, c, 0.2);
-      const auto step = sim::error_estimate(here, finer), model = sim::time_error(here, next),
+                 finer_next = run(1, c, 0.4), best = run(1, c, 0.2);
+      const auto step = sim::error_estimate(here, finer),
+                 model = sim::model_difference(here, next, sim::error_estimate(next, finer_next)),
                  error = sim::time_error(here, best);
       for (std::size_t q = 0; q < tally.size(); ++q) tally[q].add(k, step[q] + model[q], error[q]);
-      cpu += here.cpu + finer.cpu + next.cpu + best.cpu;
+      cpu += here.cpu + finer.cpu + next.cpu + finer_next.cpu + best.cpu;
     } catch (const std::runtime_error& e) {
       ++failed;
       std::printf("scene %d: %.100s\n", k, e.what());

@@ -84,6 +84,7 @@ Exit show_drawing(const FieldArgs& args, const Drawing& drawing) {
   }();
   const auto& t = choice.table;
   const sim::TablePotential table(t);
+  const std::string missed = missed_accuracy(t, options.accuracy, "mesh the drawing finer");
   const auto states = shown_states(folder, drawing, t.psi.back() / 2);
   const fs::path picture = folder / (d.name + "-table.svg");
   write_file(picture, table_svg(table, t.description));
@@ -109,6 +110,8 @@ Exit show_drawing(const FieldArgs& args, const Drawing& drawing) {
                             {"mesh_error", t.mesh_error},
                             {"worst_current_error", worst_of(t.current_error)},
                             {"worst_pull_error", worst_of(t.pull_error)},
+                            {"accuracy", options.accuracy},
+                            {"accuracy_met", missed.empty()},
                             {"largest_field_T", share.largest_field},
                             {"states_beyond_data", share.share},
                             {"states", list},
@@ -120,6 +123,7 @@ Exit show_drawing(const FieldArgs& args, const Drawing& drawing) {
   fmt::print("{} ({})\n  {}\n", choice.file.string(), choice.reused ? "as stored" : "built", t.description);
   fmt::print("  expected error: mesh {:.2g} %, table {:.2g} % in the current, {:.2g} % in the pull\n",
              t.mesh_error * 100, worst_of(t.current_error) * 100, worst_of(t.pull_error) * 100);
+  if (!missed.empty()) fmt::print("  {}\n", missed);
   fmt::print("  steel up to {:.3g} T; {}\n", share.largest_field, extrapolated_text(t, share));
   fmt::print(
       "  least angle of the air that stretches: {:.2g} deg as drawn, {:.2g} closed, {:.2g} at {:.3g} mm\n",

@@ -2,6 +2,7 @@
 
 #include <memory>
 #include <string>
+#include <string_view>
 
 #include "host/cli/verbs.h"
 #include "sim/fields/drawn_magnet.h"
@@ -11,6 +12,9 @@ namespace powbench::host {
 
 /// Table and pictures of a drawn magnet: `powbench field x.magnet.toml`.
 Exit show_drawing(const FieldArgs&, const std::shared_ptr<const sim::DrawnMagnet>&);
+
+/// That mesh or table miss the accuracy asked for, and what helps; "" when they do not.
+std::string missed_accuracy(const sim::PotentialTable&, double asked, std::string_view finer);
 
 /// How much of a table rests on extrapolated steel, in a few words.
 std::string extrapolated_text(const sim::PotentialTable&, const sim::ExtrapolatedShare&);

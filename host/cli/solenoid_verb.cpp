@@ -67,6 +67,10 @@ sim::SolenoidCase case_of(const SimArgs& args) {
     c.supply.suppression.kind = sim::Suppression::Kind::diode;
   } else {
     c.supply = read_rig(args.rig_file).config.supply;
+    if (c.supply.mains.kind == sim::Mains::Kind::ac)
+      throw BadInput({args.rig_file + ": [supply] kind = ac, which a rig has unless told otherwise; allowed "
+                                      "dc, half_wave, full_wave for a "
+                                      "solenoid, whose iron is solid"});
   }
   c.supply.mains.volts = in_range("--volts", args.volts, default_volts, 0.1, 1e4, "V");
   c.supply.mains.hertz = in_range("--hertz", args.hertz, 50, 1, 1000, "Hz");
@@ -136,10 +140,14 @@ std::string text_of(const sim::SolenoidSpecimen& s, const sim::SolenoidCase& c, 
   for (const auto& e : r.run.events)
     if (e.kind == sim::SolenoidEvent::Kind::tap)
       out += fmt::format("  windings change over at {}\n", ms(e.time));
-  if (std::isfinite(c.hold))
-    out += fmt::format("  off at {}: leaves the stop {}, open {}\n", ms(c.hold),
-                       t.unseat ? ms(*t.unseat - c.hold) + " later" : "-",
-                       t.back ? ms(*t.back - c.hold) + " later" : "-");
+  if (std::isfinite(c.hold)) {
+    const auto later = [&](const std::optional<double>& time) {
+      return time ? ms(*time - c.hold) + " later"
+                  : fmt::format("not within --duration {:g}", c.duration * 1e3);
+    };
+    out +=
+        fmt::format("  off at {}: leaves the stop {}, open {}\n", ms(c.hold), later(t.unseat), later(t.back));
+  }
   out += fmt::format("  energy balance  {:.1e} of {:.4f} J\n", r.run.energy_residual, r.run.supplied);
   if (r.run.beyond > 0)
     out += fmt::format("  {:.2g} % of the states lie outside of the table and are extrapolated\n",

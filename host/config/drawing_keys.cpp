@@ -19,7 +19,7 @@ FileKind drawing_keys(DrawingDraft& d) {
   kind.number("drawn_gap_mm", d.drawn_gap, {1e-3, 100},
               "between the faces of armature and fixed iron, as drawn", Need::required);
   kind.number("residual_gap_um", d.residual_gap, {1, 1000}, "between the faces when closed", Need::required);
-  kind.number("travel_mm", d.travel, {0.1, 50},
+  kind.number("travel_mm", d.travel, {0.1, 33},
               "of the armature from open to closed; tables go to 1.5 times that", Need::required);
   kind.number("ring_resistance_ohm", d.ring_resistance, {1e-9, 1}, "of the ring, one turn");
   kind.number("largest_flux_Wb", d.largest_flux, {1e-6, 1e4},

@@ -52,7 +52,9 @@ std::string unknown_key(const FileKind& kind, const std::string& section, const 
   if (const std::string guess = nearest(key, here); !guess.empty()) return "unknown key" + meant(guess);
   Words elsewhere;
   for (const Field& field : kind.fields()) {
-    if (field.key == key) return "unknown key here" + meant(full_key(field.section, key));
+    if (field.key == key)
+      return field.section.empty() ? "unknown key here; '" + key + "' stands above the first [section]"
+                                   : "unknown key here" + meant(full_key(field.section, key));
     if (field.section != section) elsewhere.push_back(field.key);
   }
   const std::string guess = nearest(key, elsewhere);

@@ -8,6 +8,7 @@
 #include <functional>
 #include <sstream>
 
+#include "core/cpu_time.h"
 #include "core/crc32.h"
 #include "host/store/store.h"
 
@@ -145,7 +146,9 @@ FieldTableChoice obtain(const std::filesystem::path& folder, std::uint64_t hash,
     return choice;
   }
   std::filesystem::create_directories(folder);
+  const double start = process_cpu_seconds();
   choice.table = build(&choice.report);
+  choice.cpu_seconds = process_cpu_seconds() - start;
   save_field_table(choice.file, choice.table);
   return choice;
 }

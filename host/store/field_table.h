@@ -29,6 +29,7 @@ struct FieldTableChoice {
   std::filesystem::path file;
   bool reused = false;
   sim::TableReport report;  ///< of the build; zeros where reused
+  double cpu_seconds = 0;   ///< of the build, all threads
 };
 
 /// The table of this design from `folder` if it is there and whole, else built and stored there. A damaged file is an
@@ -45,7 +46,7 @@ FieldTableChoice obtain_field_table(const std::filesystem::path& folder,
 FieldTableChoice obtain_field_table(const std::filesystem::path& folder, const sim::SolenoidDesign&,
                                     const sim::TableOptions&, sim::Team&);
 
-/// The same for the table with the ends of three dimensions.
+/// The same for the table with the ends of three dimensions, with the ring as a variable or without.
 FieldTableChoice obtain_end_table(const std::filesystem::path& folder, const sim::MagnetDesign&,
                                   const sim::TableOptions&, const sim::EndTableOptions&, sim::Team&);
 

@@ -7,7 +7,6 @@
 
 #include "host/config/bad_input.h"
 #include "host/store/field_table.h"
-#include "sim/field3d/ladder3.h"
 #include "sim/fields/drawn_magnet.h"
 #include "sim/specimen_potential.h"
 
@@ -40,28 +39,20 @@ std::shared_ptr<const sim::TablePotential> plane_table(const sim::Specimen& s, c
       obtain_field_table(cache.folder, sim::magnet_design(s), options_of(s, cache), team).table);
 }
 
-/// Nodes and cells of the tables whose difference is the ends' share: that is smooth, so both are coarse.
-sim::TableOptions end_options(const sim::Specimen& s, const FieldCache& cache) {
-  sim::TableOptions o = options_of(s, cache);
-  o.ring = false;
-  o.psi_nodes = 12;
-  o.gap_nodes = 8;
-  return o;
-}
-
-Potential solid_table(const sim::Specimen& s, const FieldCache& cache, bool ends) {
+/// The plane table with the ends of three dimensions; the ring is a variable where the shape has one.
+std::shared_ptr<const sim::TablePotential> end_table(const sim::Specimen& s, const FieldCache& cache) {
   const auto design = sim::magnet_design(s);
-  const auto options = end_options(s, cache);
-  sim::CoreMeshSizes3 sizes = sim::CoreMeshSizes3{}.scaled(2);
-  sizes.ends = ends;
-  const fs::path file = cache.folder / fmt::format("field3d-{:016x}-{}.table",
-                                                   sim::table_hash(design, options), ends ? "ends" : "plane");
-  if (fs::exists(file)) return std::make_shared<sim::TablePotential>(load_field_table(file));
-  say(cache, fmt::format("building {}", file.string()));
-  fs::create_directories(cache.folder);
-  const auto table = sim::build_table3(design, sizes, options);
-  save_field_table(file, table);
-  return std::make_shared<sim::TablePotential>(table);
+  say(cache,
+      fmt::format("field table of the shape with the ends of three dimensions{}: from {}, or built there",
+                  s.shape.ring_share > 0 ? ", with ring (minutes)" : "", cache.folder.string()));
+  sim::EndTableOptions ends;
+  ends.progress = [&cache](int done, int all) {
+    say(cache, fmt::format("  {} of {} states in three dimensions", done, all));
+  };
+  sim::Team team(2);
+  auto choice = obtain_end_table(cache.folder, design, options_of(s, cache), ends, team);
+  if (!choice.reused) say(cache, fmt::format("  built in {:.0f} s of CPU", choice.cpu_seconds));
+  return std::make_shared<sim::TablePotential>(std::move(choice.table));
 }
 
 }  // namespace
@@ -89,11 +80,10 @@ sim::FieldRung obtain_field(std::string_view name, const sim::Specimen& s, const
     if (name == "field2d")
       return sim::live_field(sim::magnet_design(s),
                              sim::plan_table(sim::magnet_design(s), options_of(s, cache)).field);
-    if (name == "field3d")
-      return sim::pure_field("field3d",
-                             "plane table with the ends of stack and winding from three dimensions",
-                             sim::corrected_potential(plane_table(s, cache), solid_table(s, cache, true),
-                                                      solid_table(s, cache, false)));
+    if (name == "field3d") {
+      const auto table = end_table(s, cache);
+      return sim::pure_field("field3d", table->table().description, table);
+    }
   } catch (const std::invalid_argument& error) {
     throw BadInput({fmt::format("fields = {}: {}", name, error.what())});
   }

@@ -88,6 +88,15 @@ void add_motion(const sim::Specimen& s, std::vector<SpecimenFact>& facts) {
   add("core rebounds with, of the speed", "stop_rebound", s.core.stop_restitution, stop.first, stop.second);
 }
 
+/// Keys of the file that no catalogue and no plausibility allows: most are a slip of unit or of a digit.
+void add_outside(const sim::Specimen& s, std::vector<SpecimenFact>& facts) {
+  for (const auto& p : sim::catalogue_parameters(s.base.core_mass > 0)) {
+    const double unit = p.field->si_per_unit, value = p.field->get(s);
+    if (value < p.low || value > p.high)
+      facts.push_back({p.name(), p.name(), value / unit, p.low / unit, p.high / unit, ""});
+  }
+}
+
 std::string range_text(double low, double high) {
   if (std::isnan(low) && std::isnan(high)) return "-";
   if (std::isnan(low)) return fmt::format("up to {:.4g}", high);
@@ -110,6 +119,7 @@ std::vector<SpecimenFact> specimen_facts(const sim::Specimen& s, const Condition
   std::vector<SpecimenFact> facts;
   add_electric(s, rated, facts);
   add_motion(s, facts);
+  add_outside(s, facts);
   return facts;
 }
 

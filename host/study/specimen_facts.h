@@ -21,7 +21,8 @@ struct SpecimenFact {
 };
 
 /// Inrush and holding power, pick-up and drop-out voltage, pull against load, natural frequencies (each body on its
-/// own spring, others at rest), time scales and rebounds. Takes some tens of closings: a fraction of a second.
+/// own spring, others at rest), time scales and rebounds; then the keys of the file that lie outside the bounds of
+/// `catalogue_parameters`, in their own unit. Takes some tens of closings: a fraction of a second.
 std::vector<SpecimenFact> specimen_facts(const sim::Specimen&, const Conditions& rated);
 
 std::string facts_text(const sim::Specimen&, const Conditions& rated, const std::vector<SpecimenFact>&);

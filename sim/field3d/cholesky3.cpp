@@ -1,12 +1,24 @@
 #include "sim/field3d/cholesky3.h"
 
 #include <cholmod.h>
+#include <dlfcn.h>
 
 #include <cassert>
 #include <cstring>
 #include <new>
 
 namespace powbench::sim {
+namespace {
+
+/// Keeps this thread's factorisations on it. CHOLMOD asks OpenMP for four threads for every supernode, however many
+/// cores there are: with blocks of this size they wait for each other longer than they work.
+void stay_on_this_thread() {
+  using Set = void (*)(int);
+  static const auto levels = reinterpret_cast<Set>(dlsym(RTLD_DEFAULT, "omp_set_max_active_levels"));
+  if (levels) levels(0);  // CHOLMOD without OpenMP: nothing to do
+}
+
+}  // namespace
 
 void SymmetricMatrix::multiply(const std::vector<double>& x, std::vector<double>& y) const {
   const int n = size();
@@ -70,6 +82,7 @@ Cholesky3::Cholesky3(const SymmetricMatrix& pattern) : impl_(std::make_unique<Im
 Cholesky3::~Cholesky3() = default;
 
 bool Cholesky3::factor(const SymmetricMatrix& matrix) {
+  stay_on_this_thread();
   auto view = Impl::view(matrix);
   cholmod_factorize(&view, impl_->factor, &impl_->common);
   if (impl_->common.status == CHOLMOD_OUT_OF_MEMORY) throw std::bad_alloc();

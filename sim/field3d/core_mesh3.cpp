@@ -137,7 +137,10 @@ Problem3 core_problem3(const MagnetDesign& design, const CoreMeshSizes3& sizes, 
               o.inside_ring(at[0], at[1]) / o.ring_bottom};  // downwards: the outer legs carry the flux back
     });
   p.copies = o.half ? 4 : 2;
-  if (!sizes.ends) p.series = {design.end_leakage};
+  if (!sizes.ends) {
+    p.series = {design.end_leakage};
+    if (o.ring) p.series.push_back(design.ring_leakage);
+  }
   return p;
 }
 

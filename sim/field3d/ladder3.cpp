@@ -4,33 +4,128 @@
 #include <cmath>
 #include <cstdio>
 #include <stdexcept>
+#include <utility>
 
 namespace powbench::sim {
 namespace {
 
-/// Solves one gap, node after node; each start follows the tangent of the node before.
-void sweep(MagnetField3& field, const std::vector<double>& psi, PotentialTable& table, TableReport& report) {
-  State3 start;
-  for (std::size_t k = 0; k < psi.size(); ++k) {
-    const auto p = field.at_flux(psi[k], 0, start, true);
-    const auto& r = p.response;
+/// One gap of a table.
+struct Slice3 {
+  std::vector<double> nodes;
+  TableReport report;
+  double largest_pull = 0, stress_distance = 0;  ///< N
+};
+
+/// Solves all fluxes of one gap. Starts follow the tangents of the nodes before.
+class Sweep3 {
+ public:
+  Sweep3(MagnetField3& field, const TablePlan& plan, bool ring, double gap)
+      : field_(field), plan_(plan), ring_(ring), gap_(gap) {
+    field_.set_gap(gap);
+  }
+
+  /// Ring fluxes from the middle outwards; a line below it starts from its mirror image, whose start is exact.
+  Slice3 run() {
+    const std::size_t rings = ring_ ? plan_.ring.size() : 1;
+    slice_.nodes.resize(rings * plan_.psi.size() * (ring_ ? 8 : 4));
+    State3 start;
+    for (std::size_t r = rings / 2; r < rings; ++r) {
+      const double ring = ring_ ? plan_.ring[r] : 0;
+      const FieldPoint3 first = solve(0, ring, start);
+      line(r, first);
+      const std::size_t mirror = rings - 1 - r;
+      if (mirror != r) {
+        State3 other = first.solution.state;
+        for (double& u : other.u) u = -u;
+        for (double& i : other.current) i = -i;
+        line(mirror, solve(0, plan_.ring[mirror], other));
+      }
+      if (r + 1 == rings) break;
+      start = first.solution.state;
+      add(start, plan_.ring[r + 1] - ring, along_ring(first));
+    }
+    return std::move(slice_);
+  }
+
+ private:
+  static void add(State3& s, double factor, const State3& direction) {
+    for (std::size_t i = 0; i < s.u.size(); ++i) s.u[i] += factor * direction.u[i];
+    for (std::size_t k = 0; k < s.current.size(); ++k) s.current[k] += factor * direction.current[k];
+  }
+
+  /// How the solution moves when its currents move.
+  static State3 moved(const FieldPoint3& p, std::vector<double> current) {
+    State3 d{std::vector<double>(p.solution.state.u.size(), 0), std::move(current)};
+    for (std::size_t k = 0; k < d.current.size(); ++k)
+      for (std::size_t i = 0; i < d.u.size(); ++i) d.u[i] += d.current[k] * p.tangents[k][i];
+    return d;
+  }
+
+  static State3 along_psi(const FieldPoint3& p) {
+    std::vector<double> current(p.tangents.size(), 0);
+    current[0] = p.response.current_psi;
+    if (current.size() > 1) current[1] = p.response.current_ring;  // 0 where it is open
+    return moved(p, std::move(current));
+  }
+
+  static State3 along_ring(const FieldPoint3& p) {
+    return moved(p, {p.response.current_ring, p.response.ring_ring});
+  }
+
+  /// All fluxes of the coil at ring flux number r, from the solution of the first.
+  void line(std::size_t r, FieldPoint3 point) {
+    const auto& psi = plan_.psi;
+    State3 before;
+    for (std::size_t p = 0;; ++p) {
+      store(point, p + psi.size() * r);
+      if (p + 1 == psi.size()) return;
+      const double step = psi[p + 1] - psi[p];
+      State3 start = point.solution.state, slope = along_psi(point);
+      add(start, step, slope);
+      if (p > 0) {  // the tangent bends as it did over the last step
+        const double bend = 0.5 * step * step / (psi[p] - psi[p - 1]);
+        add(start, bend, slope);
+        add(start, -bend, before);
+      }
+      before = std::move(slope);
+      point = solve(psi[p + 1], ring_ ? plan_.ring[r] : 0, start);
+    }
+  }
+
+  FieldPoint3 solve(double psi, double ring, const State3& start) {
+    FieldPoint3 p = field_.at_flux(psi, ring, start, !ring_);
+    auto& report = slice_.report;
     ++report.solutions;
     report.iterations += p.solution.iterations;
     report.most_iterations = std::max(report.most_iterations, p.solution.iterations);
     if (!p.solution.converged) {
-      char text[100];
-      std::snprintf(text, sizeof text, "field3d: no convergence at psi = %g Wb", psi[k]);
+      char text[120];
+      std::snprintf(text, sizeof text,
+                    "field3d: no convergence at psi = %g Wb, ring flux = %g Wb, gap = %g mm", psi, ring,
+                    gap_ * 1e3);
       throw std::runtime_error(text);
     }
-    table.nodes.insert(table.nodes.end(), {r.energy, r.current, r.pull, r.current_gap});
-    report.stress_error = std::max(report.stress_error, std::fabs(r.pull - p.stress_pull));
-    start = p.solution.state;
-    if (k + 1 == psi.size()) break;
-    const double current = (psi[k + 1] - psi[k]) * r.current_psi;  // dI of the linear step
-    for (std::size_t i = 0; i < start.u.size(); ++i) start.u[i] += current * p.tangent[i];
-    start.current[0] += current;
+    return p;
   }
-}
+
+  void store(const FieldPoint3& p, std::size_t node) {
+    const auto& r = p.response;
+    const std::vector<double> values =
+        ring_ ? std::vector{r.energy, r.current,     r.ring_current, r.current_ring,
+                            r.pull,   r.current_gap, r.ring_gap,     0.0}
+              : std::vector{r.energy, r.current, r.pull, r.current_gap};
+    std::copy(values.begin(), values.end(),
+              slice_.nodes.begin() + static_cast<std::ptrdiff_t>(node * values.size()));
+    slice_.largest_pull = std::max(slice_.largest_pull, std::fabs(r.pull));
+    slice_.stress_distance = std::max(slice_.stress_distance, std::fabs(r.pull - p.stress_pull));
+  }
+
+  MagnetField3& field_;
+  const TablePlan& plan_;
+  bool ring_;
+  double gap_;
+  Slice3 slice_;
+};
 
 }  // namespace
 
@@ -45,14 +140,19 @@ std::vector<EndCorrection> end_corrections(const MagnetDesign& design, const Cor
     whole.set_gap(gap);
     plane.set_gap(gap);
     const auto a = whole.at_current(current), b = plane.at_current(current);
-    out.push_back({gap, (a.psi - b.psi) / current, a.response.pull / b.response.pull,
-                   b.ring != 0 ? a.ring / b.ring : 1});
+    EndCorrection e{gap, (a.psi - b.psi) / current, a.response.pull / b.response.pull,
+                    b.ring != 0 ? a.ring / b.ring : 1};
+    if (whole.has_ring()) {
+      const double alone = 0.1 * design.turns * current;
+      e.ring_leakage = (whole.at_current(0, alone).ring - plane.at_current(0, alone).ring) / alone;
+    }
+    out.push_back(e);
   }
   return out;
 }
 
 std::vector<double> air_of_core3(const MagnetDesign& design, const CoreMeshSizes3& sizes,
-                                 const std::vector<double>& gaps) {
+                                 const std::vector<double>& gaps, bool ring) {
   MagnetDesign bare = design;
   bare.steel = Steel::linear(1);
   bare.shape.stack_factor = 1;
@@ -60,39 +160,54 @@ std::vector<double> air_of_core3(const MagnetDesign& design, const CoreMeshSizes
   std::vector<double> out;
   for (const double gap : gaps) {
     air.set_gap(gap);
-    constexpr double unit = 1e-3;  // Wb; linear
-    const auto response = air.at_flux(unit, 0, {}, true).response;
-    out.insert(out.end(), {response.current_psi, response.current_gap / unit});
+    constexpr double unit = 1e-3, ring_unit = 1e-6;  // Wb; linear
+    const auto coil = air.at_flux(unit, 0, {}, !ring).response;
+    out.insert(out.end(), {coil.current_psi, coil.current_gap / unit});
+    if (!ring) continue;
+    const auto one = air.at_flux(0, ring_unit).response;
+    out.insert(out.end(), {one.ring_ring, one.ring_gap / ring_unit});
   }
   return out;
 }
 
 PotentialTable build_table3(const MagnetDesign& design, const CoreMeshSizes3& sizes,
-                            const TableOptions& options, TableReport* report) {
-  TableOptions open = options;
-  open.ring = false;
-  const TablePlan plan = plan_table(design, open);
-  MagnetField3 field(design, sizes);
+                            const TableOptions& options, TableReport* report, const Progress3& progress) {
+  TablePlan plan = plan_table(design, options);
+  const bool ring = !plan.ring.empty();
+  if (ring) {  // closer about zero, where most states of a closing lie
+    const double end = plan.ring.back();
+    for (double& r : plan.ring) r *= (1 + 2 * std::fabs(r / end)) / 3;
+  }
   PotentialTable table;
   table.psi = plan.psi;
+  table.ring = plan.ring;
   table.gap = plan.gap;
+  constexpr Newton3Options enough{.tolerance = 1e-9};  // the last step squares the error
+  MagnetField3 field(design, sizes, enough);
   TableReport sum;
-  for (const double gap : plan.gap) {
-    field.set_gap(gap);
-    sweep(field, plan.psi, table, sum);
-  }
-  table.air = air_of_core3(design, sizes, plan.gap);
-  double largest = 0;
-  for (std::size_t n = 2; n < table.nodes.size(); n += 4)
-    largest = std::max(largest, std::fabs(table.nodes[n]));
-  sum.stress_error /= largest;
   sum.unknowns = field.unknowns();
+  double largest = 0;
+  for (std::size_t g = 0; g < plan.gap.size(); ++g) {
+    const Slice3 s = Sweep3(field, plan, ring, plan.gap[g]).run();
+    table.nodes.insert(table.nodes.end(), s.nodes.begin(), s.nodes.end());
+    sum.solutions += s.report.solutions;
+    sum.iterations += s.report.iterations;
+    sum.most_iterations = std::max(sum.most_iterations, s.report.most_iterations);
+    sum.stress_error = std::max(sum.stress_error, s.stress_distance);
+    largest = std::max(largest, s.largest_pull);
+    const int of_all = s.report.solutions * static_cast<int>(plan.gap.size());
+    if (progress) progress(sum.solutions, of_all);
+  }
+  sum.stress_error /= largest;
+  table.air = air_of_core3(design, sizes, plan.gap, ring);
+  if (ring) fill_triple(table);
   estimate_errors(table);
   table.mesh_error = sum.stress_error;
-  table.design_hash = table_hash(design, open) ^ static_cast<std::uint64_t>(field.unknowns());
+  table.design_hash = table_hash(design, options) ^ static_cast<std::uint64_t>(sum.unknowns);
   char text[160];
-  std::snprintf(text, sizeof text, "three dimensions, %zu x %zu nodes, %d unknowns, %s, %g turns",
-                table.psi.size(), table.gap.size(), sum.unknowns, design.steel.name().c_str(), design.turns);
+  std::snprintf(text, sizeof text, "three dimensions, %zu x %zu x %zu nodes, %d unknowns, %s, %g turns",
+                table.psi.size(), std::max<std::size_t>(1, table.ring.size()), table.gap.size(), sum.unknowns,
+                design.steel.name().c_str(), design.turns);
   table.description = text;
   if (report) *report = sum;
   return table;

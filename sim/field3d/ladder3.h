@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <vector>
 
 #include "sim/field3d/magnet_field3.h"
@@ -10,24 +11,32 @@
 namespace powbench::sim {
 
 /// What the ends of stack, coil and ring add to the plane problem at one gap. Both are solved on the same cells in the
-/// plane, so the error of those cells cancels; the ring carries no current.
+/// plane, so the error of those cells cancels; the ring carries no current, except for its own leakage.
 struct EndCorrection {
   double gap = 0;      ///< m
   double leakage = 0;  ///< H: (psi - psi of the plane problem) / current; MagnetDesign::end_leakage
   double pull = 1;     ///< pull over that of the plane problem at the same current
   double ring = 1;     ///< flux through the rings, likewise
+  double ring_leakage =
+      0;  ///< H, one turn: the same of the ring; MagnetDesign::ring_leakage; 0 without a ring
 };
 
-/// At a current, A, for each gap, m.
+/// At a current, A, for each gap, m. The ring carries a tenth of its ampere-turns, alone, for `ring_leakage`.
 std::vector<EndCorrection> end_corrections(const MagnetDesign&, const CoreMeshSizes3&, double current,
                                            const std::vector<double>& gaps);
 
-/// The table W(psi, gap) of the field in three dimensions, the ring without current, with the nodes of `plan_table`.
-/// Takes about four factorisations a node. Throws std::runtime_error where Newton does not converge.
-PotentialTable build_table3(const MagnetDesign&, const CoreMeshSizes3&, const TableOptions&,
-                            TableReport* report = nullptr);
+/// Called after each gap of a table with the number of solutions done and of all.
+using Progress3 = std::function<void(int done, int all)>;
 
-/// PotentialTable::air at these gaps, m: the coil with its steel as air.
-std::vector<double> air_of_core3(const MagnetDesign&, const CoreMeshSizes3&, const std::vector<double>& gaps);
+/// The table W(psi, gap) or W(psi, ring, gap) of the field in three dimensions, as TableOptions::ring and the shape
+/// say, with the nodes of `plan_table`; those of the ring lie closer about zero, at end x (1 + 2 |x|) / 3 for even x in
+/// -1 .. 1. Takes about four factorisations a node. On one thread: serial BLAS bears no more. Throws
+/// std::runtime_error where Newton does not converge.
+PotentialTable build_table3(const MagnetDesign&, const CoreMeshSizes3&, const TableOptions&,
+                            TableReport* report = nullptr, const Progress3& progress = {});
+
+/// PotentialTable::air at these gaps, m: coil, and ring if it is a variable, with the steel as air.
+std::vector<double> air_of_core3(const MagnetDesign&, const CoreMeshSizes3&, const std::vector<double>& gaps,
+                                 bool ring);
 
 }  // namespace powbench::sim

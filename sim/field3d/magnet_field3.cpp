@@ -32,14 +32,16 @@ struct MagnetField3::Impl {
   std::vector<double> motion, layer;
   Coenergy3 function;
   Newton3 newton;
+  Newton3Options options;
 
-  Impl(const MagnetDesign& d, const CoreMeshSizes3& sizes)
+  Impl(const MagnetDesign& d, const CoreMeshSizes3& sizes, const Newton3Options& o)
       : residual(checked(d).residual_gap),
         problem(core_problem3(d, sizes, first_gap)),
         motion(core_motion3(problem.mesh, first_gap)),
         layer(core_layer3(problem.mesh, sizes, first_gap)),
         function(problem),
-        newton(function) {}
+        newton(function),
+        options(o) {}
 
   /// Pull, positive when the gap closes, for a weight.
   double pull(const State3& s, const std::vector<double>& weight) const {
@@ -47,8 +49,9 @@ struct MagnetField3::Impl {
   }
 };
 
-MagnetField3::MagnetField3(const MagnetDesign& design, const CoreMeshSizes3& sizes)
-    : impl_(std::make_unique<Impl>(design, sizes)) {}
+MagnetField3::MagnetField3(const MagnetDesign& design, const CoreMeshSizes3& sizes,
+                           const Newton3Options& options)
+    : impl_(std::make_unique<Impl>(design, sizes, options)) {}
 
 MagnetField3::~MagnetField3() = default;
 
@@ -77,13 +80,13 @@ void MagnetField3::set_gap(double gap) {
 FieldPoint3 MagnetField3::at_flux(double psi, double ring, const State3& start, bool ring_open) {
   std::vector<Drive3> drive{{true, psi}};
   if (has_ring()) drive.push_back({!ring_open, ring_open ? 0 : ring});
-  return finish(impl_->newton.solve(drive, start), has_ring() && !ring_open);
+  return finish(impl_->newton.solve(drive, start, impl_->options), has_ring() && !ring_open);
 }
 
 FieldPoint3 MagnetField3::at_current(double current, double ring_current, const State3& start) {
   std::vector<Drive3> drive{{false, current}};
   if (has_ring()) drive.push_back({false, ring_current});
-  return finish(impl_->newton.solve(drive, start), has_ring() && ring_current != 0);
+  return finish(impl_->newton.solve(drive, start, impl_->options), has_ring() && ring_current != 0);
 }
 
 /// Second derivatives from the tangents: the pull is quadratic in potentials and currents (the strip is air), so its
@@ -93,7 +96,8 @@ FieldPoint3 MagnetField3::finish(Solution3 solution, bool ring_bound) {
   const State3& s = solution.state;
   const std::size_t m = s.current.size();
   std::vector<double> inductance;
-  const auto tangents = impl_->newton.tangents(s, inductance);
+  constexpr double near = 1e-9;  // decrement of a last step whose matrix is that of the solution
+  auto tangents = impl_->newton.tangents(s, inductance, solution.converged && solution.decrement < near);
   p.psi = solution.flux[0];
   p.response.energy = solution.energy;
   p.response.current = s.current[0];
@@ -126,7 +130,7 @@ FieldPoint3 MagnetField3::finish(Solution3 solution, bool ring_bound) {
     p.response.current_psi = 1 / inductance[0];
     p.response.current_gap = pull_by_current[0] / inductance[0];
   }
-  p.tangent = tangents[0];
+  p.tangents = std::move(tangents);
   p.solution = std::move(solution);
   return p;
 }

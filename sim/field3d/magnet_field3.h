@@ -8,8 +8,8 @@
 #include "sim/fields/potential.h"
 
 /// The rung `field3d`: the core with stack ends, coil heads and ring heads, by finite elements in three dimensions.
-/// What the plane rung calls `end_leakage` is part of the field here; MagnetDesign::end_leakage is read only where
-/// the mesh has no ends.
+/// What the plane rung calls `end_leakage` is part of the field here; MagnetDesign::end_leakage and `ring_leakage` are
+/// read only where the mesh has no ends.
 
 namespace powbench::sim {
 
@@ -20,14 +20,14 @@ struct FieldPoint3 {
   double psi = 0, ring = 0;  ///< Wb, flux linkages
   double stress_pull =
       0;  ///< N: Maxwell's stress in one layer of the gap; its distance to `pull` is an error estimate
-  std::vector<double> tangent;  ///< du/dI of the coil, the ring's current held
+  std::vector<std::vector<double>> tangents;  ///< du/dI of coil and ring, the other current held
   Solution3 solution;
 };
 
 class MagnetField3 {
  public:
   /// Gap at first: 1 mm. Throws std::invalid_argument that names key, value and range.
-  explicit MagnetField3(const MagnetDesign&, const CoreMeshSizes3& = {});
+  explicit MagnetField3(const MagnetDesign&, const CoreMeshSizes3& = {}, const Newton3Options& = {});
   ~MagnetField3();
 
   int unknowns() const;

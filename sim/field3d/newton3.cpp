@@ -175,11 +175,14 @@ Solution3 Newton3::solve(const std::vector<Drive3>& drive, const State3& start,
   return out;
 }
 
-std::vector<std::vector<double>> Newton3::tangents(const State3& s, std::vector<double>& inductance) {
+std::vector<std::vector<double>> Newton3::tangents(const State3& s, std::vector<double>& inductance,
+                                                   bool factored) {
   auto& h = impl_->hessian;
-  impl_->function.hessian(s, h);
-  if (!impl_->factor.factor(h.uu))
-    throw std::logic_error("field3d: the matrix of a convex energy lost its sign");
+  if (!factored) {
+    impl_->function.hessian(s, h);
+    if (!impl_->factor.factor(h.uu))
+      throw std::logic_error("field3d: the matrix of a convex energy lost its sign");
+  }
   const std::size_t m = h.ui.size();
   std::vector<std::vector<double>> out;
   inductance = h.ii;

@@ -45,8 +45,10 @@ class Newton3 {
   /// d psi_k / d I_l at a solution, row after row: the differential inductances, H.
   std::vector<double> inductance(const State3&);
 
-  /// du/dI_k at a solution, one vector a winding; `inductance` on the way.
-  std::vector<std::vector<double>> tangents(const State3&, std::vector<double>& inductance);
+  /// du/dI_k at a solution, one vector a winding; `inductance` on the way. `factored`: with the matrix of the last step
+  /// that led there, which saves a factorisation; off by the length of that step, the root of its decrement.
+  std::vector<std::vector<double>> tangents(const State3&, std::vector<double>& inductance,
+                                            bool factored = false);
 
  private:
   struct Step;

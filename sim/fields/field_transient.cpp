@@ -42,9 +42,12 @@ class FieldRung {
     multiply(problem_.space().pattern, problem_.linear(), a_.data(), gradient.data());
     gradient.back() = 0;
     const double linear = 0.5 * dot(a_, gradient);
-    const double leaked = design_.end_leakage > 0 ? (fluxes_[0] - dot(problem_.winding(0), a_)) : 0;
-    return linear + problem_.add_steel(a_.data(), gradient.data(), nullptr) +
-           (leaked != 0 ? 0.5 * leaked * leaked / design_.end_leakage : 0);
+    const auto leaked = [&](double leakage, std::size_t winding) {  // energy of an inductance in series
+      const double flux = leakage > 0 ? fluxes_[winding] - dot(problem_.winding(winding), a_) : 0;
+      return flux != 0 ? 0.5 * flux * flux / leakage : 0;
+    };
+    return linear + problem_.add_steel(a_.data(), gradient.data(), nullptr) + leaked(design_.end_leakage, 0) +
+           (fluxes_.size() > 1 ? leaked(design_.ring_leakage, 1) : 0);
   }
 
   Middle advance(double voltage, double gap, double step) {
@@ -62,7 +65,8 @@ class FieldRung {
     const double r = setup_.resistance;
     std::vector<Circuit> circuits{{true, fluxes_[0] + 0.5 * step * sheets.share * voltage,
                                    design_.end_leakage + 0.5 * step * sheets.share * r}};
-    if (fluxes_.size() > 1) circuits.push_back({true, fluxes_[1], 0.5 * step * setup_.ring_resistance});
+    if (fluxes_.size() > 1)
+      circuits.push_back({true, fluxes_[1], design_.ring_leakage + 0.5 * step * setup_.ring_resistance});
     std::vector<double> middle = a_;
     const auto report = newton_.solve(circuits, middle, current_, options_.newton);
     if (!report.converged) throw std::runtime_error("transient: the field does not converge");

@@ -53,6 +53,7 @@ void check(const MagnetDesign& d) {
   if (!(d.turns >= 1 && d.turns <= 1e6))
     throw std::invalid_argument("coil.turns = " + std::to_string(d.turns) + ", allowed 1 .. 1e6");
   if (!(d.end_leakage >= 0)) throw std::invalid_argument("end leakage below 0");
+  if (!(d.ring_leakage >= 0)) throw std::invalid_argument("ring leakage below 0");
 }
 
 }  // namespace
@@ -120,6 +121,7 @@ FieldPoint MagnetField::finish(std::vector<double> a, const std::vector<double>&
   p.largest_field = problem_->largest_field(a.data());
   p.beyond_data = p.largest_field > problem_->setup().steels.front().data_end();
   p.response.energy = newton_->energy() + 0.5 * design_.end_leakage * current[0] * current[0];
+  if (has_ring()) p.response.energy += 0.5 * design_.ring_leakage * current[1] * current[1];
   p.a = std::move(a);
   return p;
 }
@@ -128,7 +130,7 @@ FieldPoint MagnetField::at_flux(double psi, double ring, std::vector<double> a, 
   a.resize(static_cast<std::size_t>(unknowns()) + 1, 0);
   std::vector<Circuit> circuits{{true, psi, design_.end_leakage}};
   const bool bound = has_ring() && !ring_open;
-  if (has_ring()) circuits.push_back({bound, bound ? ring : 0, 0});
+  if (has_ring()) circuits.push_back({bound, bound ? ring : 0, design_.ring_leakage});
   std::vector<double> current(circuits.size(), 0);
   const auto report = newton_->solve(circuits, a, current, options_.newton);
   const auto d = newton_->derivatives(a);
@@ -160,7 +162,7 @@ FieldPoint MagnetField::at_current(double current, double ring_current, std::vec
 
 std::pair<double, double> MagnetField::fluxes(const FieldPoint& p) const {
   return {dot(problem_->winding(0), p.a) + design_.end_leakage * p.response.current,
-          has_ring() ? dot(problem_->winding(1), p.a) : 0};
+          has_ring() ? dot(problem_->winding(1), p.a) + design_.ring_leakage * p.response.ring_current : 0};
 }
 
 std::vector<double> MagnetField::tangent(std::size_t winding) const {

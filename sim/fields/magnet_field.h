@@ -19,6 +19,7 @@ struct MagnetDesign {
   double turns = 2000;
   double residual_gap = 36e-6;  ///< m, between all pole faces of the closed magnet; > 0
   double end_leakage = 0;       ///< H: flux of the winding's heads, in series with the field
+  double ring_leakage = 0;      ///< H: the same of the ring's heads, one turn
 };
 
 /// Mesh and elements. `accuracy` is the error of psi and pull that the sizes are meant for.

@@ -23,9 +23,8 @@ struct RigidOptions {
   double largest_step = 1e-3;  ///< s
   bool ledger = true;
   bool stiff_fallback = true;  ///< settled phases that are stiff go to the Rosenbrock method
-  double energy_bound =
-      0;  ///< largest allowed residual of the ledger, and of what friction gives; 0: a hundred tolerances, at least
-      ///< 1e-6
+  /// Largest allowed residual of the ledger, and of what friction gives; 0: a hundred tolerances, at least 1e-6.
+  double energy_bound = 0;
   double off = 1e300;  ///< s, the coil's switch is told to open: it does at the next zero of the current
   double sample = 0;   ///< s between samples, 0: none
   /// Called at k * sample, k = 1, 2, ..., with the contactor and its states.

@@ -138,7 +138,9 @@ LadderRun run_rung(std::span<const Rung> rungs, std::size_t rung, const Case& c,
     const double start = clock();
     const auto r = rungs[rung].run(c, duration, tolerance, 0);
     run.cpu = std::min(run.cpu, clock() - start);
-    run.times = {r.truth.touch.value_or(nan), r.truth.core_seat.value_or(nan), r.truth.settled.value_or(nan)};
+    const bool settles = !chatters(r.truth, std::min(c.conditions.hold_time, duration));
+    run.times = {r.truth.touch.value_or(nan), r.truth.core_seat.value_or(nan),
+                 settles ? r.truth.settled.value_or(nan) : nan};
     run.openings = r.truth.openings.size();
     run.evaluations = r.evaluations;
   }
@@ -158,6 +160,13 @@ LadderTimes error_estimate(const LadderRun& run, const LadderRun& finer) {
   LadderTimes result = time_error(run, finer);
   for (double& e : result)
     if (!std::isnan(e)) e = std::max(estimator_factor * e, rounding);
+  return result;
+}
+
+LadderTimes model_difference(const LadderRun& run, const LadderRun& other,
+                             const LadderTimes& step_error_of_other) {
+  LadderTimes result = time_error(run, other);
+  for (std::size_t q = 0; q < result.size(); ++q) result[q] += step_error_of_other[q];
   return result;
 }
 

@@ -91,6 +91,11 @@ LadderTimes time_error(const LadderRun& a, const LadderRun& b);
 LadderTimes error_estimate(const LadderRun&, const LadderRun& finer);
 inline constexpr double estimator_factor = 2.5;
 
+/// How far a run is off for its model, s: |run - other| and the step error of the other, for that run does not show
+/// its own model either. NaN: not known. Infinite where only one has the time.
+LadderTimes model_difference(const LadderRun&, const LadderRun& other,
+                             const LadderTimes& step_error_of_other);
+
 struct LadderRow {
   LadderRun run;
   LadderTimes estimate{};   ///< from the same rung at a tenth of the tolerance

@@ -39,30 +39,6 @@ class LivePotential final : public MagneticPotential {
   mutable std::vector<double> last_;
 };
 
-class CorrectedPotential final : public MagneticPotential {
- public:
-  using Part = std::shared_ptr<const MagneticPotential>;
-  CorrectedPotential(Part base, Part plus, Part minus)
-      : base_(std::move(base)), plus_(std::move(plus)), minus_(std::move(minus)) {}
-
-  bool has_ring() const override { return base_->has_ring(); }
-  MagneticResponse at(const MagneticState& s) const override {
-    MagneticResponse r = base_->at(s);
-    const MagneticResponse a = plus_->at(s), b = minus_->at(s);
-    r.energy += a.energy - b.energy;
-    r.current += a.current - b.current;
-    r.pull += a.pull - b.pull;
-    r.current_psi += a.current_psi - b.current_psi;
-    r.current_gap += a.current_gap - b.current_gap;
-    r.pull_gap += a.pull_gap - b.pull_gap;
-    r.beyond = r.beyond || a.beyond || b.beyond;
-    return r;
-  }
-
- private:
-  Part base_, plus_, minus_;
-};
-
 /// Counts the states that its potential had to extrapolate. For one run.
 class CountingPotential final : public MagneticPotential {
  public:
@@ -210,12 +186,6 @@ FieldRung live_field(const std::shared_ptr<const DrawnMagnet>& drawing, const Ne
             return std::make_shared<LivePotential<DrawnField>>(drawing, options);
           },
           false, true};
-}
-
-std::shared_ptr<const MagneticPotential> corrected_potential(std::shared_ptr<const MagneticPotential> base,
-                                                             std::shared_ptr<const MagneticPotential> plus,
-                                                             std::shared_ptr<const MagneticPotential> minus) {
-  return std::make_shared<CorrectedPotential>(std::move(base), std::move(plus), std::move(minus));
 }
 
 std::string unknown_to(std::string_view mechanics, const Case& c) {

@@ -26,7 +26,7 @@ struct FieldRung {
 
 /// The lumped circuit with the specimen's own numbers.
 FieldRung circuit_field();
-/// A potential that is pure: a table, or a sum of tables.
+/// A potential that is pure: a table.
 FieldRung pure_field(std::string name, std::string meaning, std::shared_ptr<const MagneticPotential>);
 /// Plane finite elements solved anew at every look of the integrator, each from the solution before: no table between
 /// field and motion.
@@ -35,12 +35,6 @@ FieldRung live_field(const std::shared_ptr<const DrawnMagnet>&, const NewtonOpti
 
 /// The magnet of a specimen: its shape, steel law, turns and residual gap.
 MagnetDesign magnet_design(const Specimen&);
-
-/// base + plus - minus: the base with a ring, the others without; what `plus` knows and `minus` does not is added.
-/// Has the ring of the base.
-std::shared_ptr<const MagneticPotential> corrected_potential(std::shared_ptr<const MagneticPotential> base,
-                                                             std::shared_ptr<const MagneticPotential> plus,
-                                                             std::shared_ptr<const MagneticPotential> minus);
 
 inline constexpr std::array<std::string_view, 4> field_names{"circuit", "table", "field2d", "field3d"};
 inline constexpr std::array<std::string_view, 4> mechanics_names{"plant", "rigid", "modal", "explicit"};

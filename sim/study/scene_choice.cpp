@@ -10,7 +10,8 @@ namespace powbench::sim {
 namespace {
 
 constexpr double coarsest = 1e-4, finest = 1e-11;
-constexpr double step_share = 0.25;  // of what is wanted: the rest is left for the model
+constexpr double step_share =
+    0.1;  // of what is wanted, for each of up to three rungs: the rest is left for the model
 
 void check(const SceneAxes& axes, const WantedTimes& wanted) {
   if (axes.fields.empty() || axes.mechanics.empty())
@@ -102,10 +103,14 @@ class Chooser {
     s.setting_name = here.rung.setting;
     s.run = here.run;
     s.step_error = here.step_error;
-    if (f + 1 < axes_.fields.size()) s.fields.next = time_error(here.run, refined(f + 1, m).run);
-    if (f > 0) s.fields.below = time_error(here.run, refined(f - 1, m).run);
-    if (m + 1 < axes_.mechanics.size()) s.mechanics.next = time_error(here.run, refined(f, m + 1).run);
-    if (m > 0) s.mechanics.below = time_error(here.run, refined(f, m - 1).run);
+    const auto to = [&](std::size_t other_f, std::size_t other_m) {
+      const Refined& other = refined(other_f, other_m);
+      return model_difference(here.run, other.run, other.step_error);
+    };
+    if (f + 1 < axes_.fields.size()) s.fields.next = to(f + 1, m);
+    if (f > 0) s.fields.below = to(f - 1, m);
+    if (m + 1 < axes_.mechanics.size()) s.mechanics.next = to(f, m + 1);
+    if (m > 0) s.mechanics.below = to(f, m - 1);
     s.model_error = model_error(s);
     judge(s);
     return s;

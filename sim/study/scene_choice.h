@@ -32,7 +32,7 @@ enum class Reached : std::uint8_t {
 };
 inline constexpr std::array<std::string_view, 3> reached_names{"met", "not met", "not known"};
 
-/// Error of the model along one axis; s. NaN: there is no such rung, or the time did not happen.
+/// Error of the model along one axis (`model_difference`), s. NaN: there is no such rung, or the time did not happen.
 struct AxisError {
   LadderTimes next{nan_times};  ///< to the next rung: the error of this one
   LadderTimes below{

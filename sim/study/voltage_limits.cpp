@@ -12,7 +12,8 @@ double turning_share(const Stays& stays, double resolution) {
   if (!(resolution > 1e-9 && resolution < 1))
     throw std::invalid_argument("resolution: allowed above 1e-9, below 1");
   if (!stays(1.0))
-    throw std::invalid_argument("supply_volts: the contactor does not close, allowed where it does");
+    throw std::invalid_argument(
+        "supply_volts: the contactor does not close at this voltage, allowed one at which it does");
   double low = 0, high = 1;
   while (high - low > resolution) {
     const double middle = 0.5 * (low + high);

@@ -98,6 +98,15 @@ TEST_CASE("what the numbers of a specimen make together, beside catalogue ranges
   // 0.5 (3.07 + 50000 (4.06e-3 - 2.5e-3)) N
   CHECK(numbers["break_force_N"]["value"].get<double>() == Approx(40.535));
   CHECK(numbers["break_force_N"]["verdict"] == "outside");
+  // the key that is a digit off is named too, in its own unit
+  CHECK(numbers["bridges.rate_N_per_m"]["value"] == 50000);
+  CHECK(numbers["bridges.rate_N_per_m"]["catalogue_high"] == 6000);
+  CHECK_FALSE(numbers.contains("core.mass_g"));
+  // kilograms where grams are asked for
+  const auto kilograms =
+      run(folder, {"specimen", "describe", folder.write("kg.specimen.toml", "[core]\nmass_g = 0.15\n")});
+  CHECK(kilograms.status == 2);
+  CHECK_THAT(kilograms.err, Contains("mass_g = 0.15") && Contains("5..20000"));
   // sqrt(k / m) / 2 pi of 50 kN/m and 7.76 g
   CHECK(numbers["bridge_Hz"]["value"].get<double>() == Approx(403.99).epsilon(1e-4));
   const std::string former = folder.write(

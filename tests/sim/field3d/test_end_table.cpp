@@ -54,6 +54,7 @@ TEST_CASE("The plane table with ends is the table of three dimensions to its own
   const sim::MagnetDesign design;
   sim::TableOptions options;
   options.accuracy = 0.01;
+  options.ring = false;
   sim::EndTableOptions ends;
   ends.sizes = coarse(true);
   ends.psi_nodes = 10;

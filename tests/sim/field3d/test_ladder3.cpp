@@ -72,6 +72,7 @@ TEST_CASE("A table in three dimensions gives back its states", "[.slow]") {
   const auto sizes = sim::CoreMeshSizes3{}.scaled(4);
   sim::TableOptions options;
   options.psi_nodes = options.gap_nodes = 8;
+  options.ring = false;
   sim::TableReport report;
   const sim::TablePotential table(sim::build_table3(design, sizes, options, &report));
   CHECK(report.solutions == 64);

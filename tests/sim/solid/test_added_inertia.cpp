@@ -146,7 +146,8 @@ TEST_CASE("scaled masses: a tumbling beam keeps momentum and energy to 1e-12 and
   CHECK(apart < 1e-12);
 }
 
-TEST_CASE("scaled masses: lowest beam frequencies stay, the step grows to what was asked") {
+TEST_CASE("scaled masses: lowest beam frequencies stay, the step grows to what was asked",
+          "[.slow]") {  // all eigenvalues of a dense matrix: minutes under the sanitizers
   const SolidMesh mesh = clad_beam(skin);
   const SolidMaterial m = small_steel();
   const AddedInertia inertia(mesh, {m}, wanted);

@@ -1,0 +1,203 @@
+// TEAM 13, and an E-core with currents in coil and shading ring, by GetDP on meshes of gmsh: vector potential on edges
+// of order 2, from below; one row a mesh.
+//   field3d_peer [--json PATH]
+
+#include <cmath>
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <limits>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <sstream>
+#include <string>
+#include <utility>
+
+#include "bench/field3d/team13.h"
+#include "bench/fields/json_out.h"
+#include "bench/fields/peer_run.h"
+#include "core/cpu_time.h"
+#include "sim/field3d/magnet_field3.h"
+#include "sim/fields/core_outline.h"
+#include "sim/fields/steel.h"
+
+namespace {
+
+namespace bench = powbench::bench;
+namespace sim = powbench::sim;
+
+/// The curve as lists of GetDP, dense enough for linear interpolation.
+std::string steel_lists(const powbench::sim::Steel& steel) {
+  std::ostringstream b, h;
+  b.precision(9);
+  h.precision(9);
+  const auto add = [&](double value) {
+    b << (value > 0 ? ", " : "") << value;
+    h << (value > 0 ? ", " : "") << steel.h(value);
+  };
+  for (int k = 0; k < 20; ++k) add(0.005 * k);
+  for (int k = 5; k < 115; ++k) add(0.02 * k);
+  for (const double value : {2.5, 3.0, 4.0, 10.0}) add(value);
+  return "bs() = {" + b.str() + "};\nhs() = {" + h.str() + "};\n";
+}
+
+/// The last number of each line, |mean| of them.
+double mean_of_last(const std::string& path) {
+  std::ifstream in(path);
+  double sum = 0, value = 0;
+  int count = 0;
+  for (std::string line; std::getline(in, line);) {
+    std::istringstream words(line);
+    bool any = false;
+    while (words >> value) any = true;
+    if (!any) continue;
+    sum += value;
+    ++count;
+  }
+  return count ? std::fabs(sum / count) : std::numeric_limits<double>::quiet_NaN();
+}
+
+/// From GetDP's log: "System 1/1: 282153 Dofs".
+int unknowns_of(const std::string& path) {
+  std::ifstream in(path);
+  for (std::string line; std::getline(in, line);)
+    if (const auto at = line.find("System 1/1: "); at != std::string::npos)
+      return std::stoi(line.substr(at + 12));
+  return 0;
+}
+
+/// gmsh and GetDP on NAME.geo and NAME.pro in a folder: CPU seconds of the solution, nothing where one fails.
+std::optional<double> solve(const std::string& folder, const std::string& name, double size) {
+  const std::string in = "cd '" + folder + "' && ";
+  const auto mesh =
+      bench::cpu_of(in + "gmsh -v 0 -nt 1 -3 -format msh22 -setnumber size " + std::to_string(size) + " " +
+                    name + ".geo -o " + name + ".msh > gmsh.log 2>&1");
+  if (!mesh) return std::nullopt;
+  return bench::cpu_of(in + "getdp " + name + ".pro -msh " + name +
+                       ".msh -solve Run -pos Out -v 4 > getdp.log 2>&1");
+}
+
+/// A folder with the input of a case.
+std::string prepared(const std::string& name) {
+  const std::string folder = (std::filesystem::temp_directory_path() / ("powbench-" + name)).string();
+  std::filesystem::create_directories(folder);
+  for (const std::string& file : {name + ".geo", name + ".pro", std::string("vector_potential.pro")})
+    std::filesystem::copy_file(std::string(POWBENCH_SOURCE_DIR) + "/bench/field3d/peers/" + file,
+                               folder + "/" + file, std::filesystem::copy_options::overwrite_existing);
+  return folder;
+}
+
+nlohmann::ordered_json team13_rows(bool installed) {
+  auto list = nlohmann::ordered_json::array();
+  std::printf(
+      "TEAM 13, 1000 A, by GetDP: edges of order 2 on tetrahedra, flux linkage from below; plate averages, "
+      "per "
+      "cent off the measured ones\n%9s %8s %10s",
+      "unknowns", "CPU s", "psi mWb");
+  for (const auto& row : bench::team13_plate) std::printf(" %4.0f mm", row.z_mm);
+  std::printf("\n");
+  if (!installed) return list;
+  const std::string folder = prepared("team13");
+  bench::write_file(folder + "/steel.pro", steel_lists(sim::builtin_steel("team13")));
+  for (const double size : {4.0, 3.0, 2.0}) {
+    std::filesystem::remove(folder + "/psi.txt");
+    const auto cpu = solve(folder, "team13", size);
+    const double psi = mean_of_last(folder + "/psi.txt");
+    if (!cpu || !std::isfinite(psi)) {
+      std::printf("size %.1f: no result, see %s/getdp.log\n", size, folder.c_str());
+      continue;
+    }
+    const int unknowns = unknowns_of(folder + "/getdp.log");
+    std::printf("%9d %8.1f %10.6f", unknowns, *cpu, psi * 1e3);
+    auto errors = nlohmann::ordered_json::array();
+    for (std::size_t k = 0; k < std::size(bench::team13_plate); ++k) {
+      const double b = mean_of_last(folder + "/plate" + std::to_string(k) + ".txt");
+      errors.push_back(100 * (b / bench::team13_plate[k].b - 1));
+      std::printf(" %+7.2f", errors.back().get<double>());
+    }
+    std::printf("\n");
+    std::fflush(stdout);
+    list.push_back({{"unknowns", unknowns}, {"cpu_s", *cpu}, {"psi", psi}, {"plate_error_percent", errors}});
+  }
+  return list;
+}
+
+/// The edges of the core in mm, as gmsh and GetDP read them, and its currents.
+std::string outline(const sim::MagnetDesign& d, double gap, double current, double ring_current) {
+  const auto& s = d.shape;
+  const sim::CoreOutline o(s, gap + d.residual_gap);
+  const double y1 = s.stack / 2, coil_y1 = y1 + o.coil_left - o.x1;
+  std::ostringstream out;
+  out.precision(12);
+  const std::pair<const char*, double> edges[] = {{"x1", o.x1},
+                                                  {"x2", o.x2},
+                                                  {"x3", o.x3},
+                                                  {"yoke_bottom", o.yoke_bottom},
+                                                  {"window_bottom", o.window_bottom},
+                                                  {"face", o.face},
+                                                  {"window_top", o.window_top},
+                                                  {"yoke_top", o.yoke_top},
+                                                  {"coil_left", o.coil_left},
+                                                  {"coil_right", o.coil_right},
+                                                  {"coil_bottom", o.coil_bottom},
+                                                  {"coil_top", o.coil_top},
+                                                  {"ring_left", o.ring_left},
+                                                  {"slot_left", o.slot_left},
+                                                  {"slot_right", o.slot_right},
+                                                  {"ring_bottom", o.ring_bottom},
+                                                  {"y1", y1},
+                                                  {"coil_y1", coil_y1},
+                                                  {"coil_y2", coil_y1 + s.coil_width},
+                                                  {"ring_y2", y1 + s.ring_slot}};
+  for (const auto& [name, at] : edges) out << name << " = " << at * 1e3 << ";\n";
+  out << "turns = " << d.turns << ";\ncurrent = " << current << ";\nring_current = " << ring_current << ";\n";
+  return out.str();
+}
+
+/// The reference core, its iron without insulation, at 1 mm: a coil current and a ring current against it. The scalar
+/// potential bounds the co-energy from above, the vector potential from below, both in the same box.
+nlohmann::ordered_json ring_rows(bool installed) {
+  sim::MagnetDesign d;
+  d.shape.stack_factor = 1;
+  constexpr double gap = 1e-3, current = 0.6, ring_current = -300;
+  auto list = nlohmann::ordered_json::array();
+  std::printf(
+      "\nThe reference core at a gap of %g mm, %g A in the coil, %g A in the rings: flux linkages\n%-22s %9s "
+      "%8s %10s %10s\n",
+      gap * 1e3, current, ring_current, "", "unknowns", "CPU s", "coil Wb", "ring mWb");
+  const auto add = [&](const char* code, int unknowns, double cpu, double psi, double ring) {
+    std::printf("%-22s %9d %8.1f %10.6f %10.6f\n", code, unknowns, cpu, psi, ring * 1e3);
+    std::fflush(stdout);
+    list.push_back({{"code", code}, {"unknowns", unknowns}, {"cpu_s", cpu}, {"psi", psi}, {"ring", ring}});
+  };
+  for (const double scale : {2.8, 1.4, 1.0}) {
+    const double start = powbench::process_cpu_seconds();
+    sim::MagnetField3 field(d, sim::CoreMeshSizes3{}.scaled(scale));
+    field.set_gap(gap);
+    const auto p = field.at_current(current, ring_current);
+    add("field3d, from above", field.unknowns(), powbench::process_cpu_seconds() - start, p.psi, p.ring);
+  }
+  if (!installed) return list;
+  const std::string folder = prepared("ring");
+  bench::write_file(folder + "/outline.pro", outline(d, gap, current, ring_current));
+  bench::write_file(folder + "/steel.pro", steel_lists(d.steel));
+  for (const double size : {3.0, 2.0, 1.5}) {
+    for (const char* name : {"/psi.txt", "/ring.txt"}) std::filesystem::remove(folder + name);
+    const auto cpu = solve(folder, "ring", size);
+    const double psi = mean_of_last(folder + "/psi.txt"), ring = mean_of_last(folder + "/ring.txt");
+    if (cpu && std::isfinite(psi) && std::isfinite(ring))
+      add("GetDP, from below", unknowns_of(folder + "/getdp.log"), *cpu, psi, ring);
+    else
+      std::printf("size %.1f: no result, see %s/getdp.log\n", size, folder.c_str());
+  }
+  return list;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  const bool installed = bench::have_program("gmsh") && bench::have_program("getdp");
+  if (!installed) std::printf("gmsh or getdp is not installed\n");
+  const auto plates = team13_rows(installed), ring = ring_rows(installed);
+  return bench::write_json(argc, argv, {{"rows", plates}, {"ring", ring}});
+}
