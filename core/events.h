@@ -38,6 +38,11 @@ enum Flag : std::uint32_t {
       1U << 10,  ///< a settled force no contact has, or one film's far from the other's: a gain may be wrong
   flag_grazing = 1U << 11,     ///< the force only just reaches zero: whether it opened there is not known
   flag_resolution = 1U << 12,  ///< a later landing of the core, or a blow of the contacts: not told apart
+  flag_chatter =
+      1U
+      << 14,  ///< it had been closed for as long as it was at the end, and opened again: settled is unknown
+  flag_switch_on =
+      1U << 13,  ///< the coil's voltage or current begins at another time than 0, from which all counts
 };
 
 /// One closed interval of one contact.

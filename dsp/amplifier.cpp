@@ -4,37 +4,49 @@
 #include <cmath>
 #include <vector>
 
+#include "dsp/wide.h"
+
 namespace powbench::dsp {
 
 namespace {
 
 constexpr double table_step = 1.0 / 64;  // of x
 
-/// h(s) ds in units of D: w = sqrt(2), h = 2 exp(-s) sin(s).
-constexpr double longest_response = 14;
-constexpr int responses = 1400;
+/// h(s) ds in units of D: w = sqrt(2), h = 2 exp(-s) sin(s), in the middle of cells of a table step: the place where
+/// a power begins is the edge of one.
+constexpr double longest_response = 14, cell = table_step;
+constexpr auto responses = static_cast<std::size_t>(longest_response / cell);
 
-std::vector<QuarterPowers> table_of(int side) {
+POWBENCH_WIDE std::vector<QuarterPowers> table_of(int side) {
   const double from = side > 0 ? smoothed_from_touch : smoothed_from_release;
-  std::vector<double> weight(responses), at(responses);
-  double sum = 0;
-  for (int k = 0; k < responses; ++k) {
-    const double s = (k + 0.5) * longest_response / responses;
-    const auto i = static_cast<std::size_t>(k);
-    at[i] = s, weight[i] = std::exp(-s) * std::sin(s);
-    sum += weight[i];
+  // times inside are odd multiples of half a cell: their powers
+  std::vector<QuarterPowers> powers(static_cast<std::size_t>((smoothed_to + longest_response + 2) / cell));
+  for (std::size_t i = 0; i < powers.size(); ++i) {
+    const double root = std::sqrt(std::sqrt((static_cast<double>(i) + 0.5) * cell));
+    double p = 1;
+    for (double& v : powers[i]) v = p, p *= root;
   }
-  std::vector<QuarterPowers> table;
-  for (double x = from; x < smoothed_to + 1.5 * table_step; x += table_step) {
-    QuarterPowers g{};
-    for (std::size_t i = 0; i < at.size(); ++i) {
-      const double inside = side > 0 ? x + 1 - at[i] : x - 1 + at[i];
-      if (!(inside > 0)) continue;
-      const double root = std::sqrt(std::sqrt(inside));
-      double p = weight[i] / sum;
-      for (double& v : g) v += p, p *= root;
+  std::vector<double> weight(responses);
+  double sum = 0;
+  for (std::size_t k = 0; k < responses; ++k) {
+    const double s = (static_cast<double>(k) + 0.5) * cell;
+    weight[k] = std::exp(-s) * std::sin(s);
+    sum += weight[k];
+  }
+  for (double& w : weight) w /= sum;
+  const auto nodes = static_cast<std::size_t>((smoothed_to - from) / table_step) + 2;
+  std::vector<QuarterPowers> table(nodes, QuarterPowers{});
+  for (std::size_t j = 0; j < nodes; ++j) {
+    // cells from the force's start to x of the node, and on its other side
+    const double x = from + static_cast<double>(j) * table_step;
+    const auto start = static_cast<std::ptrdiff_t>(std::lround((side > 0 ? x + 1 : 1 - x) / cell));
+    for (std::size_t k = 0; k < responses; ++k) {
+      const auto at = static_cast<std::ptrdiff_t>(k);
+      const std::ptrdiff_t inside = side > 0 ? start - 1 - at : at - start;
+      if (inside < 0) continue;
+      const QuarterPowers& p = powers[static_cast<std::size_t>(inside)];
+      for (std::size_t q = 0; q < p.size(); ++q) table[j][q] += weight[k] * p[q];
     }
-    table.push_back(g);
   }
   return table;
 }

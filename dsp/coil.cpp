@@ -11,6 +11,7 @@
 #include "dsp/force.h"
 #include "dsp/signal.h"
 #include "dsp/statistics.h"
+#include "dsp/switch_on.h"
 
 namespace powbench::dsp {
 
@@ -131,6 +132,7 @@ CoilEvents coil_events(const Record& record, const std::optional<HarmonicFit>& s
   CoilEvents e;
   e.switch_on = switch_on_time(record, to_signal(record, Channel::mains_voltage));
   e.peak_current = peak_current(record);
+  if (!std::isnan(contradicted_switch_on(record))) e.flags |= flag_switch_on;
   if (!supply) {
     e.flags |= flag_no_hum_fit;
     e.no_angle = without_supply(record, o);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <span>
 #include <vector>
 
 #include "dsp/force.h"
@@ -10,6 +11,7 @@
 #include "dsp/least_squares.h"
 #include "dsp/signal.h"
 #include "dsp/statistics.h"
+#include "dsp/wide.h"
 
 namespace powbench::dsp {
 
@@ -22,6 +24,8 @@ struct Kink {
   double duration = 0;  ///< s, of the velocity's fall
   bool found = false;
 };
+
+constexpr std::size_t fewest = 12;  ///< samples of a kink
 
 struct KinkModel {
   LeastSquares ls;
@@ -45,7 +49,7 @@ KinkModel kink_model(const Signal& s, double t_s, double duration, double from, 
     for (std::size_t k = 0; k < 5; ++k) c[k].push_back(row[k]);
     y.push_back(s.value[i]);
   }
-  if (y.size() < 12) return {};
+  if (y.size() < fewest) return {};
   return {linear_least_squares(c, y), y.size()};
 }
 
@@ -67,9 +71,21 @@ Kink fit_kink(const Signal& s, double guess, double before, double after, double
               double finest = kink_step) {
   Kink kink;
   const double span = 0.35 * std::min(before, after), longest = 0.35 * after;
-  const auto cost = [&](double t, double duration) {
-    const KinkModel m = kink_model(s, t, duration, guess - before, guess + after);
-    return m.samples ? m.ls.chi2 : std::numeric_limits<double>::infinity();
+  std::vector<double> time, y, columns;
+  for (std::size_t i = s.index_at(guess - before); i < s.size() && s.time(i) <= guess + after; ++i)
+    if (!s.masked[i]) time.push_back(s.time(i)), y.push_back(s.value[i]);
+  columns.resize(5 * y.size());
+  const auto cost = [&](double t, double duration) {  // what kink_model leaves
+    const std::size_t n = y.size();
+    if (n < fewest) return std::numeric_limits<double>::infinity();
+    const double per = 1 / (before + after);
+    double* c = columns.data();
+    for (std::size_t i = 0; i < n; ++i) {
+      const double tau = time[i] - t, behind = std::max(tau - duration, 0.0), u = tau * per, v = behind * per;
+      c[i] = 1, c[n + i] = u, c[2 * n + i] = u * u, c[3 * n + i] = lost_distance(tau, duration) * per;
+      c[4 * n + i] = v * v;
+    }
+    return linear_misfit(columns, 5, y);
   };
   double best = guess, length = 0, lowest = cost(guess, 0);
   const auto look = [&](double t, double duration) {
@@ -126,7 +142,7 @@ struct Drops {
 /// a slow laser shows a value, whose middle is what `s` has. Its delay may have been set from there or from where the
 /// value is new: the mean of both is taken, half their distance is u. What is held counts once.
 Measured flight_velocity(const Signal& s, const Measured& seat, double held, double window, double noise) {
-  constexpr std::size_t order = 4, fewest = 16;
+  constexpr std::size_t order = 4, least = 16;
   std::array<std::vector<double>, order + 2> c;
   std::vector<double> y;
   for (std::size_t i = s.index_at(seat.value - window); i < s.size(); ++i) {
@@ -137,7 +153,7 @@ Measured flight_velocity(const Signal& s, const Measured& seat, double held, dou
     for (auto& column : c) column.push_back(power), power *= x;
     y.push_back(s.value[i]);
   }
-  if (y.size() < fewest) return {};
+  if (y.size() < least) return {};
   const LeastSquares fit = linear_least_squares(std::span(c).first(order + 1), y),
                      more = linear_least_squares(c, y);
   if (!fit.converged || !more.converged) return {};
@@ -157,6 +173,19 @@ constexpr double drop_reach =
     0.5e-3;                         ///< s on either side of a drop in which the rest of the travel is a cubic
 constexpr double drop_bin = 10e-6;  ///< s
 constexpr double clear_of_noise = 8;  ///< of a drop, over its noise
+
+/// y[k] += sum of weight[i] x[k + i], a stretch of y at a time that stays near the processor.
+POWBENCH_WIDE void add_weighted(std::span<double> y, std::span<const double> x,
+                                std::span<const double> weight) {
+  constexpr std::size_t stretch = 1024;
+  for (std::size_t from = 0; from < y.size(); from += stretch) {
+    const std::size_t to = std::min(y.size(), from + stretch);
+    for (std::size_t i = 0; i < weight.size(); ++i) {
+      const double w = weight[i], *const at = x.data() + i;
+      for (std::size_t k = from; k < to; ++k) y[k] += w * at[k];
+    }
+  }
+}
 
 /// At every bin the coefficient of max(t - t_bin, 0) beside a polynomial of third degree, by least squares over
 /// +-drop_reach. The motion of the base bends the travel, but within that reach it is a cubic to a few per cent of a
@@ -193,8 +222,7 @@ Drops velocity_drops(const Signal& s, double noise, double late) {
   double gain = 0;
   for (double& w : weight) w /= -square * static_cast<double>(reach) * d.dt, gain += w * w;
   d.lost.assign(x.size(), 0.0);
-  for (std::size_t k = reach; k + reach < x.size(); ++k)
-    for (std::size_t i = 0; i < weight.size(); ++i) d.lost[k] += weight[i] * x[k + i - reach];
+  if (x.size() > 2 * reach) add_weighted(std::span(d.lost).subspan(reach, x.size() - 2 * reach), x, weight);
   noise *= std::sqrt(gain);
   const auto quiet = static_cast<std::size_t>(std::max(0.0, -d.t0 / d.dt));
   if (quiet > 3 * reach)
@@ -234,7 +262,7 @@ constexpr double first_share = 0.5;  ///< of the largest drop: the first one abo
 /// Later landings. A blow of the contacts moves the static core off and the core after it, which takes velocity from
 /// the core's travel before and behind the blow, up to a fifth of what the impact took. Between `doubt_share` of what
 /// counts and what counts nobody can say which it was.
-constexpr double doubt_share = 0.6;
+constexpr double doubt_share = 0.65;
 constexpr double crowded = 100e-6;  ///< s: how far a blow beside it can move the time of a landing
 
 void later_landings(CoreEvents& e, Signal s, const Kink& seat, double first, double noise, double late,

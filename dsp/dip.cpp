@@ -26,6 +26,7 @@ constexpr double enough = 0.003;                       // gain of an iteration i
 constexpr int trial = 5, longest = 20, profiled = 10;  // iterations: of a start, of a fit, with m held
 constexpr double friction = 0.15;                      // standard deviation of e
 constexpr double zero_error = 1.5;                     // of z, over the noise of a mean over 20 us
+constexpr double slower = 1.5;                         // root of the rows that vibration moves as one
 constexpr double clear = 6;                            // noises of a row that both ends must stand above zero
 
 struct Rows {
@@ -221,7 +222,8 @@ Dip look_at_dip(const Signal& force, double release, double touch, double closed
   double beside = std::min(std::max(2 * gap, 150e-6), closed);
   const auto rows_beside = [&] { return rows_of(force, release - beside, touch + beside, noise, wander); };
   std::array<Parameters, laws.size()> at{};
-  std::optional<Rows> before;
+  std::optional<Rows> before, nearest;
+  double least_left = 1e300;
   while (beside < closed && !rows_beside()) beside = std::min(1.4 * beside, closed);
   for (; beside > 5 * force.dt; beside *= shrink) {
     const auto rows = rows_beside();
@@ -229,13 +231,23 @@ Dip look_at_dip(const Signal& force, double release, double touch, double closed
     if (before)
       for (std::size_t l = 0; l < laws.size(); ++l) at[l] = narrowed(at[l], laws[l], *before, *rows);
     last = dip_in(*rows, at, before.has_value());
+    if (!last.known && last.reduced_chi2 < least_left && beside > gap)
+      nearest = rows, least_left = last.reduced_chi2;
     if (!last.known) continue;
     before = rows;
     // A span that the model follows only nearly is surer than it may be: of three the most doubtful one counts.
     if (!doubtful.known || std::abs(last.opened - 0.5) < std::abs(doubtful.opened - 0.5)) doubtful = last;
     if (last.sure || ++followed == 3) break;
   }
-  return doubtful.known ? doubtful : last;
+  if (doubtful.known || !nearest) return doubtful.known ? doubtful : last;
+  // what no law follows, such as vibration, is more noise: as much as the nearest law leaves beyond it, and slower
+  const double white = nearest->noise;
+  nearest->noise *= std::sqrt(1 + slower * slower * std::max(least_left - 1, 0.0));
+  nearest->zero = std::hypot(nearest->zero, nearest->noise);
+  std::array<Parameters, laws.size()> afresh{};
+  last = dip_in(*nearest, afresh, false);
+  last.noise = white;
+  return last;
 }
 
 }  // namespace powbench::dsp

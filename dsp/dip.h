@@ -12,7 +12,7 @@ namespace powbench::dsp {
 /// 0.15); z: error of the zero, a normal prior of the noise and of `wander`, N. The likelihood is profiled along m
 /// for every q; uniform prior in m, equal weights of q.
 struct Dip {
-  bool known = false;   ///< one smooth indentation explains the force to its noise
+  bool known = false;   ///< one smooth indentation explains the force
   double opened = 0.5;  ///< probability that the contact opened
   double reduced_chi2 = 0;
   double noise = 0;   ///< of one row of the span used, over the larger force at its ends
@@ -20,7 +20,8 @@ struct Dip {
 };
 
 /// `release`, `touch`: s, first guesses of the edges. The span begins with two openings, at most `closed` s, on
-/// either side, and shrinks until the model follows it; of that and the two next ones the most doubtful counts.
+/// either side, and shrinks until the model follows it; of that and the two next ones the most doubtful counts. Where
+/// the model follows none of them, the one that it follows best is asked with what it leaves as the noise.
 Dip look_at_dip(const Signal& force, double release, double touch, double closed, double noise,
                 double wander = 0);
 

@@ -68,6 +68,17 @@ void check_gains(ContactTrain& a, ContactTrain& b) {
 
 }  // namespace
 
+void doubt_settled(ContactTrain& t, double t_end) {
+  constexpr double longer = 1.5;
+  if (!t.settled.known()) return;
+  double longest = 0;
+  for (const Contact& c : t.contacts)
+    if (c.release.known() && c.touch.known()) longest = std::max(longest, c.release.value - c.touch.value);
+  if (t_end - t.settled.value >= longer * longest) return;
+  t.settled = t.bounce_time = {};
+  t.flags |= flag_chatter;
+}
+
 void admit_doubt(Events& e, const Record& record) {
   if (record.samples() == 0) return;
   double delay = 0;  // events stand on the channels' own, earlier time axes

@@ -12,4 +12,9 @@ namespace powbench::dsp {
 /// (settled, bounce time, bounce count) follow. extract_events and conclude call it: their callers need not.
 void admit_doubt(Events&, const Record&);
 
+/// A contact that stays closed at the end of what is seen, `t_end` in s, may only be between two openings. Settled
+/// and bounce time are unknown, with flag_chatter, where it has been closed for less than 1.5 times as long as it was
+/// closed before an earlier opening.
+void doubt_settled(ContactTrain&, double t_end);
+
 }  // namespace powbench::dsp

@@ -23,9 +23,9 @@ FilterSpec spec_of(const EventFilter&, double rate);
 struct FilterEffect {
   double delay =
       0;  ///< the filtered step reaches half its height so much later; taken out of the time axis. 0 for zero phase
-  double before =
-      0;  ///< that taken out, from the first deviation above 3 % of the step to the step: a touch may seem as early;
-      ///< half a sample at least
+  /// That taken out, from the first deviation above 3 % of the step to the step: a touch may seem as early. Half a
+  /// sample at least.
+  double before = 0;
   double after = 0;  ///< and from the step to the last deviation: a release may seem as late
   double swing =
       0;  ///< largest deviation behind the rise, as a share of the step, times a period of the filter's edge

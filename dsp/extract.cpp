@@ -1,6 +1,7 @@
 #include "dsp/extract.h"
 
 #include <cmath>
+#include <utility>
 
 #include "core/commanded_phase.h"
 #include "core/phase.h"
@@ -10,6 +11,7 @@
 #include "dsp/core_seat.h"
 #include "dsp/doubt.h"
 #include "dsp/event_filter.h"
+#include "dsp/film_paths.h"
 #include "dsp/force.h"
 #include "dsp/pole.h"
 #include "dsp/requested.h"
@@ -26,15 +28,18 @@ double closing_end(const Record& record) {
 }
 
 ContactTrain film_train(const Record& record, Channel c, const ExtractOptions& o, std::optional<double> hertz,
-                        const Measured& seat) {
-  const Force f = restore_force(record, c, o, hertz);
+                        const Measured& seat, FilmPath& path) {
+  path.force = restore_force(record, c, o, hertz);
+  const Force& f = path.force;
   if (!f.present) {
     ContactTrain none;
     none.shows = Shows::not_usable;
     none.reason = record.find(c) ? "the channel stays at one value" : "no such channel";
     return none;
   }
-  ContactTrain train = analyse_force(f, closing_end(record, f.signal), seat, o).train;
+  ForceAnalysis found = analyse_force(f, closing_end(record, f.signal), seat, o);
+  ContactTrain train = std::move(found.train);
+  path.ring = std::move(found.ring), path.stripped = std::move(found.stripped);
   if (o.filter.judged) admit_filter(train, effect_of(o.filter, f.signal.rate()));
   return train;
 }
@@ -42,8 +47,17 @@ ContactTrain film_train(const Record& record, Channel c, const ExtractOptions& o
 }  // namespace
 
 Events extract_events(const Record& record, const ExtractOptions& o, const RunBoth& both) {
+  FilmPaths unused;
+  return extract_events(record, o, both, unused);
+}
+
+Events extract_events(const Record& record, const ExtractOptions& o, const RunBoth& both, FilmPaths& paths) {
   check(o);
-  if (o.filter.wanted() && !o.filter.judged) return extract_on_request(record, o).events;
+  if (o.filter.wanted() && !o.filter.judged) {
+    Extracted e = extract_on_request(record, o);
+    paths = std::move(e.bare);
+    return std::move(e.events);
+  }
   Events e;
   e.method = (o.filter.judged ? name_of(o.filter) : std::string("wide-band")) + " force, ring and pulse fit";
   e.parameters_hash = parameters_hash(o);
@@ -51,8 +65,8 @@ Events extract_events(const Record& record, const ExtractOptions& o, const RunBo
   const std::optional<double> hertz = supply ? std::optional(supply->hertz) : std::nullopt;
   e.coil = coil_events(record, supply, o);
   e.core = core_events(record, o);
-  both([&] { e.pvdf_a = film_train(record, Channel::pvdf_a, o, hertz, e.core.seat); },
-       [&] { e.pvdf_b = film_train(record, Channel::pvdf_b, o, hertz, e.core.seat); });
+  both([&] { e.pvdf_a = film_train(record, Channel::pvdf_a, o, hertz, e.core.seat, paths.a); },
+       [&] { e.pvdf_b = film_train(record, Channel::pvdf_b, o, hertz, e.core.seat, paths.b); });
   e.contact_voltage = contact_voltage_train(record, o);
 
   cross_check(e.contact_voltage, e.pvdf_a, e.pvdf_b, closing_end(record));
@@ -76,8 +90,10 @@ void conclude(Events& e, const Record& record, const ExtractOptions& o) {
   const Disagreement d = disagreement(e.pole.by_force, e.contact_voltage, closing_end(record));
   e.pole.disagreement = d.total;
   e.pole.longest_disagreement = d.longest;
-  for (ContactTrain* t : {&e.pvdf_a, &e.pvdf_b, &e.contact_voltage, &e.pole.by_force})
+  for (ContactTrain* t : {&e.pvdf_a, &e.pvdf_b, &e.contact_voltage, &e.pole.by_force}) {
     split_trains(*t, e.core.seat);
+    doubt_settled(*t, closing_end(record));
+  }
   for (const std::uint32_t f :
        {e.pvdf_a.flags, e.pvdf_b.flags, e.contact_voltage.flags, e.core.flags, e.coil.flags})
     e.flags |= f;

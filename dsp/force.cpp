@@ -35,9 +35,19 @@ std::span<const double> before(const Signal& s, double t) {
   return {s.value.data(), s.index_at(t)};
 }
 
-double tail_median(const Signal& s, double t_end, double window) {
-  const std::size_t i1 = s.index_at(std::max(t_end - window, 0.0)), i2 = s.index_at(t_end);
-  return i2 > i1 ? median(std::span(s.value).subspan(i1, i2 - i1)) : 0.0;
+/// Median of the last `window` s. A record that ends soon after the contact closed is open for most of that: the
+/// window is halved, to an eighth at most, until its median stands clear of zero; where none does, it is the first.
+double tail_median(const Signal& s, double t_end, double window, double noise) {
+  constexpr double clear = 6;
+  double whole = 0;
+  for (int part = 1; part <= 8; part *= 2) {
+    const std::size_t i1 = s.index_at(std::max(t_end - window / part, 0.0)), i2 = s.index_at(t_end);
+    if (i2 <= i1) break;
+    const double level = median(std::span(s.value).subspan(i1, i2 - i1));
+    if (part == 1) whole = level;
+    if (std::abs(level) > clear * noise) return level;
+  }
+  return whole;
 }
 
 /// White noise of one sample. Where it is no larger than a count, the median deviation says nothing (most samples are
@@ -180,7 +190,7 @@ Force restore_alone(const Record& record, Channel channel, const ExtractOptions&
   f.wander = follow_zero(s, f.noise, mains_hertz.value_or(o.mains_hertz)).wander;
 
   const double t_end = closing_end(record, s);
-  f.settled = tail_median(s, t_end, o.settled_window);
+  f.settled = tail_median(s, t_end, o.settled_window, f.noise);
   if (looks_inverted(s, f.noise, f.settled, std::min(t_quiet, 0.0), t_end)) {
     f.flags |= flag_polarity;
     for (double& v : s.value) v = -v;

@@ -3,7 +3,7 @@
 namespace powbench::dsp {
 
 const GramKernel& avx512_gram_kernel() {
-  static constexpr GramKernel kernel{"avx512", gram_run<4>};
+  static constexpr GramKernel kernel{"avx512", gram_run<1>};
   return kernel;
 }
 

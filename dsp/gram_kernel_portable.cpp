@@ -3,7 +3,7 @@
 namespace powbench::dsp {
 
 const GramKernel& portable_gram_kernel() {
-  static constexpr GramKernel kernel{"portable", gram_run<2>};
+  static constexpr GramKernel kernel{"portable", gram_run<4>};
   return kernel;
 }
 

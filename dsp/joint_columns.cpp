@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/units.h"
+#include "dsp/mode_columns.h"
 
 namespace powbench::dsp {
 
@@ -11,7 +12,6 @@ namespace {
 
 constexpr double exponent_middle = exponent_prior, exponent_sigma = exponent_prior_sigma, skew_sigma = 0.3;
 constexpr double pedestal_sigma = 0.2;  ///< N
-constexpr std::size_t rise_terms = 6;   ///< polynomial of the settled force
 constexpr double smooth_step = 2e-3;    ///< s: half period of the fastest cosine of a free settled force
 constexpr double free_rises[] = {1e-4, 2e-4, 4e-4};
 constexpr double gap_head = 60e-6;  ///< s around an unmodelled contact
@@ -135,32 +135,20 @@ struct Writer {
     out.pull[b.column + 4] = std::log(p.shape.skew) * out.prior[b.column + 4];
   }
 
+  BlockRows rows_of(const JointBlock& b) const {
+    return {b.last - b.first, rows.t.data() + b.first, rows.weight.data() + b.first, model.data() + b.first};
+  }
+
   void rise(const JointBlock& b, const JointRise& r) const {
-    for (std::size_t i = b.first; i < b.last; ++i) {
-      const double tau = rows.t[i] - r.touch;
-      if (tau <= 0) continue;
-      const double fall = std::exp(-tau / r.rise), up = 1 - fall, u = 2 * tau / joint_tail - 1;
-      double value = 0, slope = 0, before = 1, now = u;  // Chebyshev polynomials and their sum's slope
-      double slope_before = 0, slope_now = 1;
-      for (std::size_t k = 0; k < rise_terms; ++k) {
-        const double basis = k == 0 ? 1.0 : now, basis_slope = k == 0 ? 0.0 : slope_now;
-        value += r.linear[k] * basis;
-        slope += r.linear[k] * basis_slope;
-        if (derivatives) column(b, 2 + k)[i] = up * basis;
-        if (k == 0) continue;
-        const double next = 2 * u * now - before, slope_next = 2 * now + 2 * u * slope_now - slope_before;
-        before = now, now = next, slope_before = slope_now, slope_now = slope_next;
-      }
-      model[i] += up * value;
-      if (!derivatives) continue;
-      column(b, 0)[i] = -(fall / r.rise * value + up * slope * 2 / joint_tail);
-      column(b, 1)[i] = -fall * tau / r.rise * value;  // by ln rise
-    }
+    rise_block(rows_of(b), r.touch, r.rise, rows.dt, joint_tail, r.linear.data(),
+               derivatives ? column(b, 0) + b.first : nullptr, rows.size());
   }
 
   void tail(const JointBlock& b, const JointRise& r) const {
     std::size_t first = b.first;
     while (first < b.last && rows.t[first] <= r.touch) ++first;
+    for (std::size_t k = 0; derivatives && k < b.count; ++k)
+      std::fill_n(column(b, k) + b.first, first - b.first, 0.0);
     if (first == b.last) return;
     const std::size_t cosines = b.count - 3;
     const double tau = rows.t[first] - r.touch;
@@ -206,22 +194,24 @@ struct Writer {
   }
 
   void ring(const JointBlock& b, const Ring& ring) const {
+    const std::size_t n = b.last - b.first;
+    if (n == 0) return;
+    std::vector<double> value(derivatives ? 0 : 2 * n);
     for (std::size_t j = 0; j < ring.modes.size(); ++j) {
       const RingMode& mode = ring.modes[j];
-      const auto s = pole_of(mode.pole), turn = std::exp(s * rows.dt), gain = row_gain(rows, mode.pole);
-      std::complex<double> e = 0;
-      for (std::size_t i = b.first; i < b.last; ++i) {
-        const double tau = rows.t[i] - ring.reference;
-        e = (i - b.first) % 128 == 0 ? gain * std::exp(s * tau) : e * turn;
-        const double share = i < b.first + 3 ? after_onset(rows, i, ring.onset) : 1.0;
-        const double c = share * e.real(), d = share * e.imag(), x = mode.cosine, y = mode.sine;
-        model[i] += x * c + y * d;
-        if (!derivatives) continue;
-        column(b, 4 * j)[i] = tau * (y * c - x * d);       // by angular frequency
-        column(b, 4 * j + 1)[i] = -tau * (x * c + y * d);  // by decay
-        column(b, 4 * j + 2)[i] = c;
-        column(b, 4 * j + 3)[i] = d;
+      double* c = derivatives ? column(b, 4 * j + 2) + b.first : value.data();
+      double* d = derivatives ? column(b, 4 * j + 3) + b.first : value.data() + n;
+      mode_columns(pole_of(mode.pole), row_gain(rows, mode.pole), rows.t[b.first] - ring.reference, rows.dt,
+                   n, c, d);
+      for (std::size_t i = 0; i < std::min<std::size_t>(3, n); ++i) {
+        const double share = after_onset(rows, b.first + i, ring.onset);
+        c[i] *= share, d[i] *= share;
       }
+      if (derivatives)
+        mode_block(rows_of(b), ring.reference, mode.cosine, mode.sine, c, d, column(b, 4 * j) + b.first,
+                   column(b, 4 * j + 1) + b.first);
+      else
+        for (std::size_t i = 0; i < n; ++i) model[b.first + i] += mode.cosine * c[i] + mode.sine * d[i];
     }
   }
 };
@@ -292,7 +282,7 @@ void evaluate(const JointInput& in, const JointModel& m, const JointRows& r, Joi
   out.blocks = blocks_of(in, m, r);
   out.columns = out.blocks.empty() ? 0 : out.blocks.back().column + out.blocks.back().count;
   if (derivatives) {
-    out.jacobian.assign(n * out.columns, 0.0);
+    out.jacobian.resize(n * out.columns);
     out.prior.assign(out.columns, 0.0);
     out.pull.assign(out.columns, 0.0);
   }
@@ -326,9 +316,11 @@ void evaluate(const JointInput& in, const JointModel& m, const JointRows& r, Joi
     out.cost += out.residual[i] * out.residual[i];
   }
   if (!derivatives) return;
-  for (const JointBlock& b : out.blocks)
+  for (const JointBlock& b : out.blocks) {
+    if (b.kind == JointBlock::Kind::ring || b.kind == JointBlock::Kind::rise) continue;  // are weighted
     for (std::size_t k = b.column; k < b.column + b.count; ++k)
       for (std::size_t i = b.first; i < b.last; ++i) out.jacobian[k * n + i] *= r.weight[i];
+  }
 }
 
 namespace {
@@ -390,14 +382,13 @@ JointMisfit misfit(const JointRows& r, const JointSystem& s, double t1, double t
 }
 
 std::vector<double> ring_rows(const Ring& ring, const JointRows& r, std::size_t i1, std::size_t i2) {
-  std::vector<double> out(i2 - i1, 0.0);
+  const std::size_t n = i2 - i1;
+  std::vector<double> out(n, 0.0), value(2 * n);
+  if (n == 0) return out;
   for (const RingMode& m : ring.modes) {
-    const auto s = pole_of(m.pole), turn = std::exp(s * r.dt), gain = row_gain(r, m.pole);
-    std::complex<double> e = 0;
-    for (std::size_t i = i1; i < i2; ++i) {
-      e = (i - i1) % 128 == 0 ? gain * std::exp(s * (r.t[i] - ring.reference)) : e * turn;
-      out[i - i1] += m.cosine * e.real() + m.sine * e.imag();
-    }
+    mode_columns(pole_of(m.pole), row_gain(r, m.pole), r.t[i1] - ring.reference, r.dt, n, value.data(),
+                 value.data() + n);
+    for (std::size_t i = 0; i < n; ++i) out[i] += m.cosine * value[i] + m.sine * value[n + i];
   }
   return out;
 }

@@ -33,7 +33,8 @@ struct JointBlock {
 struct JointSystem {
   std::vector<JointBlock> blocks;
   std::size_t columns = 0;
-  std::vector<double> jacobian;  ///< (n, columns) column-major, weighted
+  std::vector<double>
+      jacobian;  ///< (n, columns) column-major, weighted; a column means something on its block's rows
   std::vector<double> residual;  ///< (n) weighted: (model - y) weight
   std::vector<double> prior;     ///< (columns) 1 / sigma^2 of the weak knowledge of a parameter
   std::vector<double> pull;      ///< (columns) its gradient

@@ -85,18 +85,19 @@ Solved solve(const Normal& n) {
           inverse.diagonal().cwiseProduct(scale.cwiseProduct(scale))};
 }
 
-/// A contact's span of derivatives, to be projected out while the onset is moved.
+/// The span of derivatives of a contact on rows i1 .. i2 - 1, to be projected out while the onset is moved there.
 struct Subspace {
   std::size_t first = 0, last = 0;
   Matrix q;       ///< (rows, k) orthonormal
   Vector inside;  ///< (k) component of the residual
 };
 
-std::vector<Subspace> contact_subspaces(const JointSystem& s, const JointRows& r) {
+std::vector<Subspace> contact_subspaces(const JointSystem& s, const JointRows& r, std::size_t i1,
+                                        std::size_t i2) {
   std::vector<Subspace> out;
   for (const JointBlock& b : s.blocks) {
     if (b.kind == JointBlock::Kind::ring || b.kind == JointBlock::Kind::pedestal ||
-        b.last < b.first + b.count + 2)
+        b.last < b.first + b.count + 2 || b.last <= i1 || b.first >= i2)
       continue;
     Subspace u{b.first, b.last, {}, {}};
     const Matrix A = columns(s, r, b, b.first, b.last);
@@ -131,7 +132,7 @@ double best_onset(const JointInput& in, const JointModel& m, const JointRows& r,
         std::clamp(std::floor((first - m.ring.onset) / r.sample + m_rows + 1e-6), 0.0, m_rows) / m_rows;
     left[now] += (1 - share) * ring[now - i1] * r.weight[now];
   }
-  auto spaces = contact_subspaces(s, r);
+  auto spaces = contact_subspaces(s, r, i1, i2);
   double raw = 0;
   for (Subspace& u : spaces) u.inside = cross<Matrix>(u.q, part(left, u.first, u.last));
   const auto inside = [&] {
@@ -166,14 +167,19 @@ double best_onset(const JointInput& in, const JointModel& m, const JointRows& r,
   return at;
 }
 
+/// Two evaluations whose memory a whole fit uses again.
+struct Work {
+  JointSystem now, next;
+};
+
 /// Reduced sums of squares of each contact, against the noise and not against raised weights.
-void judge(const JointInput& in, JointModel& m, const JointRows& rows) {
+void judge(const JointInput& in, JointModel& m, const JointRows& rows, Work& work) {
   JointRows r = rows;
   JointModel flat = m;
   for (JointPulse& p : flat.pulses) p.reduced_chi2 = 0;
   if (flat.rise) flat.rise->reduced_chi2 = 0;
   weigh_rows(in, flat, r);
-  JointSystem s;
+  JointSystem& s = work.now;
   evaluate(in, m, r, s, false);
   for (JointPulse& p : m.pulses) {
     if (!p.modelled) continue;
@@ -206,9 +212,9 @@ void unmodel(JointRise& r) {
 }
 
 /// Descends from `m`; true when it still moved in the last iteration.
-void descend(const JointInput& in, JointModel& m, JointRows& r, int iterations) {
+void descend(const JointInput& in, JointModel& m, JointRows& r, int iterations, Work& work) {
   weigh_rows(in, m, r);
-  JointSystem s, t;
+  JointSystem &s = work.now, &t = work.next;
   evaluate(in, m, r, s, true);
   const auto rows = std::max(
       1.0, static_cast<double>(r.size() -
@@ -244,11 +250,11 @@ void descend(const JointInput& in, JointModel& m, JointRows& r, int iterations) 
 
 /// Contacts of another shape than any pulse must not bend the ring: with the ring as it is, those go whose misfit is
 /// larger than the ring itself could be.
-void leave_out_misfits(JointInput in, JointModel& m, JointRows& r) {
+void leave_out_misfits(JointInput in, JointModel& m, JointRows& r, Work& work) {
   in.ring_fixed = true;
   in.onset_to = in.onset_from;
-  descend(in, m, r, 4);
-  judge(in, m, r);
+  descend(in, m, r, 4, work);
+  judge(in, m, r, work);
   const double noise = in.noise / std::sqrt(static_cast<double>(r.block));
   const auto gross = [&](double reduced, double t) {
     return std::sqrt(reduced) * noise > 4 * noise + 2 * m.ring.amplitude_at(t);
@@ -261,12 +267,17 @@ void leave_out_misfits(JointInput in, JointModel& m, JointRows& r) {
 
 /// Frees the skew of pulses where it is worth its parameter (Schwarz): the gain in the sum of squares, to second
 /// order from the symmetric solution, above the logarithm of the pulse's rows. True when any was freed.
-bool free_skews(const JointInput& in, JointModel& m, JointRows& r) {
+bool free_skews(const JointInput& in, JointModel& m, JointRows& r, Work& work) {
   JointModel free = m;
   const auto rows_of = [&](const JointPulse& p) { return (p.shape.release - p.shape.touch) / r.dt; };
-  for (JointPulse& p : free.pulses) p.skewed = p.modelled && (p.skewed || rows_of(p) > 8);
+  bool candidate = false;
+  for (JointPulse& p : free.pulses) {
+    candidate = candidate || (p.modelled && !p.skewed && rows_of(p) > 8);
+    p.skewed = p.modelled && (p.skewed || rows_of(p) > 8);
+  }
+  if (!candidate) return false;
   weigh_rows(in, free, r);
-  JointSystem s;
+  JointSystem& s = work.now;
   evaluate(in, free, r, s, true);
   const Normal n = normal_of(s, r);
   const Solved x = solve(n);
@@ -281,9 +292,9 @@ bool free_skews(const JointInput& in, JointModel& m, JointRows& r) {
   return any;
 }
 
-void fill_uncertainties(const JointInput& in, JointModel& m, JointRows& r) {
+void fill_uncertainties(const JointInput& in, JointModel& m, JointRows& r, Work& work) {
   weigh_rows(in, m, r);
-  JointSystem s;
+  JointSystem& s = work.now;
   evaluate(in, m, r, s, true);
   const Solved x = solve(normal_of(s, r));
   const auto u = [&](std::size_t c) { return std::sqrt(std::max(x.variance[signed_of(c)], 0.0)); };
@@ -313,12 +324,13 @@ JointModel fit_joint(const JointInput& in, JointModel m, int iterations) {
   }
   JointRows r = joint_rows(in, m);
   if (r.size() < 40) return m;
-  if (!in.keep_all && !in.judged && !m.ring.modes.empty()) leave_out_misfits(in, m, r);
-  descend(in, m, r, iterations);
-  judge(in, m, r);
-  if (free_skews(in, m, r)) {
-    descend(in, m, r, std::min(iterations, 5));
-    judge(in, m, r);
+  Work work;
+  if (!in.keep_all && !in.judged && !m.ring.modes.empty()) leave_out_misfits(in, m, r, work);
+  descend(in, m, r, iterations, work);
+  judge(in, m, r, work);
+  if (free_skews(in, m, r, work)) {
+    descend(in, m, r, std::min(iterations, 5), work);
+    judge(in, m, r, work);
   }
   if (in.keep_all) {
     for (JointPulse& p : m.pulses) p.reduced_chi2 = 0;
@@ -333,10 +345,10 @@ JointModel fit_joint(const JointInput& in, JointModel m, int iterations) {
     changed = true;
   }
   if (changed) {
-    descend(in, m, r, iterations);
-    judge(in, m, r);
+    descend(in, m, r, iterations, work);
+    judge(in, m, r, work);
   }
-  fill_uncertainties(in, m, r);
+  if (!in.times_only) fill_uncertainties(in, m, r, work);
   m.pedestal_span = !in.pedestal ? 0.0 : m.rise ? m.rise->touch - m.ring.onset : r.t.back() - m.ring.onset;
   return m;
 }

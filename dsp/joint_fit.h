@@ -62,9 +62,10 @@ struct JointInput {
       false;  ///< a static share of the core's force from the onset to the last touch is fitted too
   bool ring_fixed = false;                  ///< the ring is taken out as it is
   double blind_from = 0.0, blind_to = 0.0;  ///< s: samples left out while the core is still landing
-  bool keep_all = false;  ///< pulses that do not fit stay in (what does not fit may be ring)
-  double enough = 0.01;   ///< gain of an iteration in the sum of squares: a tenth of a standard uncertainty
-  bool judged = false;    ///< the contacts of the start were judged by a fit like this one
+  bool keep_all = false;    ///< pulses that do not fit stay in (what does not fit may be ring)
+  double enough = 0.01;     ///< gain of an iteration in the sum of squares: a tenth of a standard uncertainty
+  bool judged = false;      ///< the contacts of the start were judged by a fit like this one
+  bool times_only = false;  ///< nobody asks for the standard uncertainties: they stay 0
 };
 
 inline constexpr double joint_margin_before =

@@ -156,4 +156,14 @@ LeastSquares linear_least_squares(std::span<const std::vector<double>> columns, 
   return out;
 }
 
+double linear_misfit(std::span<const double> columns, std::size_t count, std::span<const double> y) {
+  const auto m = static_cast<Index>(y.size()), n = static_cast<Index>(count);
+  const Eigen::Map<const Matrix> A(columns.data(), m, n);
+  const Eigen::Map<const Vector> b(y.data(), m);
+  Matrix normal = cross<Matrix>(A, A);
+  normal.diagonal() *= 1 + 1e-13;  // columns that are no two stay solvable
+  const Vector c = normal.ldlt().solve(Vector(cross<Matrix>(A, b)));
+  return (b - A * c).squaredNorm();
+}
+
 }  // namespace powbench::dsp

@@ -44,4 +44,8 @@ LeastSquares levenberg_marquardt(const Residuals&, std::size_t rows, std::span<c
 /// minimum-norm-like basic solution, covariance of dropped columns infinite.
 LeastSquares linear_least_squares(std::span<const std::vector<double>> columns, std::span<const double> y);
 
+/// The sum of squares alone that such a fit leaves, from normal equations: a fraction of the price. `columns`: the
+/// `count` columns one behind the other, each of the length of y and scaled so that their sizes compare.
+double linear_misfit(std::span<const double> columns, std::size_t count, std::span<const double> y);
+
 }  // namespace powbench::dsp

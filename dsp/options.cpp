@@ -82,8 +82,6 @@ void check(const ExtractOptions& o) {
   require(o.seat_window > 0, "seat_window", o.seat_window, "> 0 s");
   require(o.display_order >= 1 && o.display_order <= 16, "display_order", o.display_order, "1 .. 16");
   require(o.display_hertz > 0, "display_hertz", o.display_hertz, "> 0 Hz");
-  require(o.core_band_high_hertz > o.core_band_low_hertz && o.core_band_low_hertz > 0, "core_band_low_hertz",
-          o.core_band_low_hertz, "0 .. core_band_high_hertz");
 }
 
 }  // namespace powbench::dsp

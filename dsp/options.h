@@ -42,9 +42,7 @@ namespace powbench::dsp {
   X(double, seat_window, 400e-6, "s: travel on either side of the core seat that enters its fit")           \
   X(double, seat_share, 0.25, "later velocity drop, as a share of the first, that counts as a core bounce") \
   X(int, display_order, 4, "order of the Butterworth low-pass of the displayed force")                      \
-  X(double, display_hertz, 10e3, "Hz: its -3 dB frequency after both passes")                               \
-  X(double, core_band_low_hertz, 1e3, "Hz: lower edge of the displayed core-vibration band")                \
-  X(double, core_band_high_hertz, 10e3, "Hz: upper edge of the displayed core-vibration band")
+  X(double, display_hertz, 10e3, "Hz: its -3 dB frequency after both passes")
 
 enum class FilterPhase : std::uint8_t { zero, causal };
 

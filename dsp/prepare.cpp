@@ -13,14 +13,11 @@ namespace {
 
 /// Filtered copy; the input itself when the band does not fit below half the rate; empty when the record is
 /// too short.
-Signal filtered(const Signal& in, const FilterSpec& spec, std::size_t* memory) {
-  if (in.empty()) return in;
-  const double top =
-      spec.kind == FilterKind::low ? spec.high_hertz : std::max(spec.low_hertz, spec.high_hertz);
-  if (top >= 0.5 * in.rate()) return spec.kind == FilterKind::low ? in : Signal{};
+Signal low_passed(const Signal& in, const FilterSpec& spec, std::size_t& memory) {
+  if (in.empty() || spec.high_hertz >= 0.5 * in.rate()) return in;
   try {
     ZeroPhase out = filter_zero_phase(to_sections(spec), in);
-    if (memory) *memory = out.memory;
+    memory = out.memory;
     return std::move(out.signal);
   } catch (const FilterMemoryError&) {
     return {};
@@ -41,21 +38,14 @@ Prepared prepare(const Record& record, const ExtractOptions& o) {
   Prepared p;
   const auto supply = supply_fit(record, o);
   const std::optional<double> hertz = supply ? std::optional(supply->hertz) : std::nullopt;
-  const auto film = [&](Channel c, Signal& restored, Signal& shown, Signal& vibration) {
-    restored = restore_force(record, c, o, hertz).signal;
-    FilterSpec low{FilterKind::low,
-                   o.display_order,
-                   0.0,
-                   o.display_hertz,
-                   restored.empty() ? 0.0 : restored.rate(),
-                   true};
-    shown = filtered(restored, low, &p.edge_samples);
-    FilterSpec band{FilterKind::band,       o.display_order, o.core_band_low_hertz,
-                    o.core_band_high_hertz, low.rate,        true};
-    vibration = filtered(restored, band, nullptr);
+  const auto film = [&](Channel c) {
+    const Signal restored = restore_force(record, c, o, hertz).signal;
+    const double rate = restored.empty() ? 0.0 : restored.rate();
+    return low_passed(restored, {FilterKind::low, o.display_order, 0.0, o.display_hertz, rate, true},
+                      p.edge_samples);
   };
-  film(Channel::pvdf_a, p.restored_a, p.pvdf_a, p.vibration_a);
-  film(Channel::pvdf_b, p.restored_b, p.pvdf_b, p.vibration_b);
+  p.pvdf_a = film(Channel::pvdf_a);
+  p.pvdf_b = film(Channel::pvdf_b);
   p.laser = from_zero(to_signal(record, Channel::laser));
   p.coil_current = from_zero(to_signal(record, Channel::coil_current));
   p.coil_voltage = to_signal(record, Channel::coil_voltage);

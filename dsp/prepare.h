@@ -10,11 +10,9 @@ namespace powbench::dsp {
 
 /// SI, time after switch-on; a channel that is absent or too short for the filter is empty.
 struct Prepared {
-  Signal pvdf_a, pvdf_b;            ///< N: offset, hum and droop removed, zero-phase low-pass (display_hertz)
-  Signal restored_a, restored_b;    ///< N: the same before the low-pass: what the events are taken from
-  Signal vibration_a, vibration_b;  ///< N: zero-phase band-pass of the core-vibration band
-  Signal laser;                     ///< m, 0 = open position
-  Signal coil_current;              ///< A, zero from the pre-trigger
+  Signal pvdf_a, pvdf_b;  ///< N: offset, hum and droop removed, zero-phase low-pass (display_hertz)
+  Signal laser;           ///< m, 0 = open position
+  Signal coil_current;    ///< A, zero from the pre-trigger
   Signal coil_voltage, mains_voltage, contact_voltage;  ///< V
   std::size_t edge_samples = 0;  ///< memory of the display low-pass: masked at either end
 };

@@ -72,12 +72,12 @@ bool one_trough(const CalmForce& quiet, const Signal& force, const Contact& befo
 }
 
 /// An opening shows no force. What the levels took for one is looked at again: one smooth indentation through both
-/// edges says how probable it is that the contact opened; with less than 0.6 (0.1 in loud noise) it is not listed.
+/// edges says how probable it is that the contact opened; with less than one half (0.3 in loud noise) it is not listed.
 /// Where none explains the force, a least force that stands clear of zero makes the two contacts one.
 std::vector<Grazing> close_dips(std::vector<Contact>& contacts, const CalmForce& quiet, const Signal& force,
                                 double noise, double vibration, double wander) {
   constexpr double longest_dip = 0.6e-3, beside = 40e-6;  // s
-  constexpr double sure = 0.003, loud = 0.03;
+  constexpr double sure = 0.003, loud = 0.03, trough = 0.3;
   std::vector<Grazing> out;
   for (std::size_t i = 0; i + 1 < contacts.size(); ++i) {
     Contact &a = contacts[i], &b = contacts[i + 1];
@@ -93,10 +93,9 @@ std::vector<Grazing> close_dips(std::vector<Contact>& contacts, const CalmForce&
           locate_extreme(force, a.release.value - margin, b.touch.value + margin, -1, noise);
       opened = least.known() && least.value > least.u + 2 * wander ? 0 : 1;
     }
-    constexpr double unclear = 0.7;
-    if (one_trough(quiet, force, a, b, vibration)) opened = std::clamp(opened, 1 - unclear, unclear);
+    if (one_trough(quiet, force, a, b, vibration)) opened = std::clamp(opened, trough, 1 - trough);
     // where the noise hides how the force bends, what two levels saw apart stays apart unless the dip speaks against it
-    const bool listed = opened > (dip.noise > loud ? 0.1 : 0.6);
+    const bool listed = opened >= (dip.noise > loud ? trough : 0.5);
     const bool uncertain = std::min(opened, 1 - opened) > sure;
     if (uncertain) (listed ? b : a).flags |= flag_grazing;
     if (listed) b.probability *= opened;
@@ -113,16 +112,20 @@ std::vector<Grazing> close_dips(std::vector<Contact>& contacts, const CalmForce&
   return out;
 }
 
-/// s from the edge inwards (side +1: later) until the calm force first stands at `level`; no further than 0.5 ms.
+/// s from the edge inwards (side +1: later) until the calm force stands at `level` for good: the last time below it
+/// before it comes to twice that; no further than 0.5 ms. A crest of the vibration passes the level and comes back.
 double time_to(const CalmForce& calm, const Signal& force, double edge, int side, double level) {
   constexpr double farthest_rise = 0.5e-3;  // s
   const auto n = static_cast<std::ptrdiff_t>(force.size());
   const auto at = static_cast<std::ptrdiff_t>(force.index_at(edge));
   const auto reach = static_cast<std::ptrdiff_t>(farthest_rise / force.dt);
-  std::ptrdiff_t i = at;
-  while (i >= 0 && i < n && std::abs(i - at) <= reach && calm.value[static_cast<std::size_t>(i)] < level)
-    i += side;
-  return static_cast<double>(std::abs(i - at)) * force.dt;
+  std::ptrdiff_t below = 0;
+  for (std::ptrdiff_t k = 0; k <= reach && at + side * k >= 0 && at + side * k < n; ++k) {
+    const double v = calm.value[static_cast<std::size_t>(at + side * k)];
+    if (v >= 2 * level) break;
+    if (v < level) below = k + 1;
+  }
+  return static_cast<double>(below) * force.dt;
 }
 
 /// s by which vibration that is still in the force may move an edge: as far as it swings below zero on the open side,
@@ -195,14 +198,14 @@ struct Agreement {
   double open(double u) const { return 0.4 * u / std::sqrt(edges); }
 };
 
-/// Touch of a contact that stays closed. Its shape is a guess about what comes afterwards: the further it is from
-/// what the edge says, the less it counts.
+/// Touch of a contact that stays closed. Its shape is a guess about what comes afterwards: the further it is from what
+/// the edge says, the less it counts, and only two thirds of the certainty that it adds are taken.
 Measured touch_that_lasts(const Contact& c, const EdgeAnswer& beside) {
   if (!beside.known) return c.touch;
   const Measured own = beside.time;
-  const double apart = c.touch.value - own.value;
-  const double guess = std::hypot(std::hypot(c.touch.u, 0.5 * own.u), apart), all = std::hypot(own.u, guess);
-  return {own.value + own.u * own.u / (all * all) * apart, own.u * guess / all};
+  const double apart = c.touch.value - own.value, guess = std::hypot(c.touch.u, own.u, apart),
+               all = std::hypot(own.u, guess), both = guess / all;
+  return {own.value + own.u * own.u / (all * all) * apart, own.u * std::sqrt((1 + 2 * both * both) / 3)};
 }
 
 /// An edge that was not dated with the amplifier's response: it shows up to a delay D early on rising and late on

@@ -118,14 +118,15 @@ std::string impossible(const EventFilter& f, const std::vector<FilmVibration>& v
 
 }  // namespace
 
-FilterJudgement judge_filter(const Record& record, const Events& unfiltered, const ExtractOptions& o) {
+FilterJudgement judge_filter(const Record& record, const Events& unfiltered, const FilmPaths& paths,
+                             const ExtractOptions& o) {
   FilterJudgement j;
   j.filter = o.filter;
   ExtractOptions bare = o;
   bare.filter = {};
   std::vector<FilmVibration> vibrations;
   for (const Channel c : {Channel::pvdf_a, Channel::pvdf_b}) {
-    FilmVibration v = film_vibration(record, c, unfiltered, bare);
+    FilmVibration v = film_vibration(record, c, unfiltered, bare, &paths.of(c));
     if (!v.present) continue;
     FilmFilter film;
     film.film = c;
@@ -162,9 +163,10 @@ FilterJudgement judge_filter(const Record& record, const Events& unfiltered, con
 Extracted extract_on_request(const Record& record, const ExtractOptions& o) {
   ExtractOptions used = o;
   used.filter = {};
-  Extracted out{extract_events(record, used), std::nullopt};
+  Extracted out;
+  out.events = extract_events(record, used, in_turn, out.bare);
   if (!o.filter.wanted()) return out;
-  out.filter = judge_filter(record, out.events, o);
+  out.filter = judge_filter(record, out.events, out.bare, o);
   if (out.filter->filter.judged) {
     used.filter = out.filter->filter;
     out.events = extract_events(record, used);

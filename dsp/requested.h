@@ -7,6 +7,7 @@
 #include "core/events.h"
 #include "core/record.h"
 #include "dsp/event_filter.h"
+#include "dsp/film_paths.h"
 #include "dsp/options.h"
 
 /// Events behind a filter that somebody requested: judged by what it takes from the contacts before it is applied.
@@ -34,12 +35,14 @@ struct FilterJudgement {
 /// Most of the energy of the shortest contact or opening that a filter may take, dB: one hundredth.
 inline constexpr double most_taken_db = -20;
 
-/// `unfiltered`: events of the record without the filter.
-FilterJudgement judge_filter(const Record&, const Events& unfiltered, const ExtractOptions&);
+/// `unfiltered`: events of the record without the filter, and how they came.
+FilterJudgement judge_filter(const Record&, const Events& unfiltered, const FilmPaths&,
+                             const ExtractOptions&);
 
 struct Extracted {
   Events events;
   std::optional<FilterJudgement> filter;  ///< where one was wanted
+  FilmPaths bare;                         ///< without a filter
 };
 
 /// Events, behind the filter of the options where rate and length of the record allow it and it leaves contacts and

@@ -8,6 +8,7 @@
 
 #include "core/units.h"
 #include "dsp/gram.h"
+#include "dsp/mode_columns.h"
 #include "dsp/ring_rows.h"
 
 namespace powbench::dsp {
@@ -71,6 +72,15 @@ std::complex<double> block_gain(const RingRows& r, const Pole& p) {
   return std::sinh(r.block * half) / (r.block * std::sinh(half));
 }
 
+/// gain exp(s (t - reference)) of the rows from `first` on, over stretches without a gap.
+void fill_modes(const RingRows& r, std::size_t first, std::complex<double> s, std::complex<double> gain,
+                double reference, double* real, double* imaginary) {
+  for (std::size_t i = first, last = 0; i < r.t.size(); i = last) {
+    for (last = i + 1; last < r.t.size() && r.t[last] - r.t[last - 1] < 1.5 * r.dt;) ++last;
+    mode_columns(s, gain, r.t[i] - reference, r.dt, last - i, real + i, imaginary + i);
+  }
+}
+
 /// Smooth settled force: cosines up to 1 / (2 smooth_step) and a few exponential rises. Zero before
 /// `closed_from`.
 Matrix smooth_columns(const RingRows& r, double closed_from, double to) {
@@ -78,12 +88,14 @@ Matrix smooth_columns(const RingRows& r, double closed_from, double to) {
   // the usual span is a whole number of steps: which side of it rounding falls on may not decide
   const int cosines = span > 0 ? 1 + static_cast<int>(span / smooth_step + 1e-6) : 0;
   Matrix M = Matrix::Zero(static_cast<Index>(r.t.size()), cosines ? cosines + 3 : 0);
-  for (Index i = 0; i < M.rows(); ++i) {
-    const double tau = r.t[static_cast<std::size_t>(i)] - closed_from;
-    if (tau < 0) continue;
-    for (int k = 0; k < cosines; ++k) M(i, k) = std::cos(pi * k * tau / span);
-    for (int k = 0; k < 3 && cosines; ++k) M(i, cosines + k) = std::exp(-tau / rise_times[k]);
-  }
+  if (!cosines) return M;
+  const auto open =
+      static_cast<std::size_t>(std::lower_bound(r.t.begin(), r.t.end(), closed_from) - r.t.begin());
+  std::vector<double> unused(r.t.size());
+  for (int k = 0; k < cosines; ++k)
+    fill_modes(r, open, {0, pi * k / span}, 1.0, closed_from, M.col(k).data(), unused.data());
+  for (int k = 0; k < 3; ++k)
+    fill_modes(r, open, -1 / rise_times[k], 1.0, closed_from, M.col(cosines + k).data(), unused.data());
   return M;
 }
 
@@ -129,17 +141,8 @@ Solution solve(const RingRows& r, const std::vector<Pole>& poles, double referen
   s.modes.resize(n, 2 * k);
   for (Index j = 0; j < k; ++j) {
     const Pole& p = poles[static_cast<std::size_t>(j)];
-    const auto g = block_gain(r, p), turn = std::exp(pole_s(p) * r.dt);
-    std::complex<double> e = 0;
-    for (Index i = 0; i < n; ++i) {
-      const auto at = static_cast<std::size_t>(i);
-      // one step of the recurrence where rows are neighbours; afresh behind a gap and often enough to keep its
-      // rounding small
-      const bool neighbour = i % 128 != 0 && r.t[at] - r.t[at - 1] < 1.5 * r.dt;
-      e = neighbour ? e * turn : g * std::exp(pole_s(p) * (r.t[at] - reference));
-      s.modes(i, 2 * j) = e.real();
-      s.modes(i, 2 * j + 1) = e.imag();
-    }
+    fill_modes(r, 0, pole_s(p), block_gain(r, p), reference, s.modes.col(2 * j).data(),
+               s.modes.col(2 * j + 1).data());
   }
   const Eigen::Map<const Vector> y(r.y.data(), n);
   s.gram.resize(2 * k + m, 2 * k + m);
@@ -240,15 +243,12 @@ double Ring::amplitude_at(double t) const {
 }
 
 void Ring::add_to(Signal& s, double factor) const {
-  const std::size_t first = s.index_at(onset);
+  const std::size_t first = s.index_at(onset), n = s.size() - first;
+  if (n == 0) return;
+  std::vector<double> value(2 * n);
   for (const RingMode& m : modes) {
-    const std::complex<double> turn = std::exp(pole_s(m.pole) * s.dt);
-    std::complex<double> e = 0;
-    for (std::size_t i = first; i < s.size(); ++i) {
-      // Recurrence, restarted often enough that its rounding stays far below the noise.
-      e = (i - first) % 512 == 0 ? std::exp(pole_s(m.pole) * (s.time(i) - reference)) : e * turn;
-      s.value[i] += factor * (m.cosine * e.real() + m.sine * e.imag());
-    }
+    mode_columns(pole_s(m.pole), factor, s.time(first) - reference, s.dt, n, value.data(), value.data() + n);
+    for (std::size_t i = 0; i < n; ++i) s.value[first + i] += m.cosine * value[i] + m.sine * value[n + i];
   }
 }
 

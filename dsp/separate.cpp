@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <utility>
+#include <vector>
 
 #include "dsp/joint_start.h"
 #include "dsp/landing.h"
@@ -170,13 +171,13 @@ struct Search {
 
   /// One round in the window from `from` on: detect on the stripped force, fit jointly, add modes.
   bool round(Separated& s, double from, std::pair<double, double> onset, int iterations,
-             bool also_wide = true) const {
+             bool also_wide = true, bool rough = false) const {
     const double to = std::min(last + 2e-3, t_end);
     const Signal raw = cut(force.signal, from - 0.5e-3, to);
     Signal stripped = raw;
     take_out(s.model, stripped);
     Separated next = fitted(s, detect_round(stripped, force.noise, force.settled, to, options, false), from,
-                            onset, iterations);
+                            onset, iterations, rough);
     const bool unexplained = next.model.left_out > 0 || next.model.reduced() > 1.15;
     if (unexplained && also_wide && !seat_known) {
       Separated wide =
@@ -188,8 +189,8 @@ struct Search {
     return true;
   }
 
-  Separated fitted(const Separated& s, Round r, double from, std::pair<double, double> onset,
-                   int iterations) const {
+  Separated fitted(const Separated& s, Round r, double from, std::pair<double, double> onset, int iterations,
+                   bool rough = false) const {
     const bool complete = from <= range.first;  // the window reaches back to the landing
     std::erase_if(r.intervals, [&](const Interval& c) {
       if (c.touch > from + 40e-6) return false;
@@ -200,18 +201,20 @@ struct Search {
     out.from = from;
     out.round = std::move(r);
     if (out.round.intervals.empty() || out.round.intervals.size() > most_contacts) return out;
-    const JointInput in{force.signal,
-                        force.noise,
-                        t_end,
-                        std::max(onset.first, from),
-                        onset.second,
-                        options,
-                        from,
-                        seat_known ? 10e-6 : 5e-6,
-                        seat_known,
-                        false,
-                        seat_known ? range.first - 3 * seat_u - 10e-6 : 0.0,
-                        seat_known ? range.first + landing_time : 0.0};
+    JointInput in{force.signal,
+                  force.noise,
+                  t_end,
+                  std::max(onset.first, from),
+                  onset.second,
+                  options,
+                  from,
+                  seat_known ? 10e-6 : 5e-6,
+                  seat_known,
+                  false,
+                  seat_known ? range.first - 3 * seat_u - 10e-6 : 0.0,
+                  seat_known ? range.first + landing_time : 0.0};
+    in.times_only = seat_known || rough;  // a ring alone comes out of it (separate_ring)
+    if ((seat_known && !complete) || rough) in.enough = 1;
     const double limit = 1.5 * std::max(force.settled, 20 * force.noise);
     JointModel start = start_of(out.round, force.settled, s.model);
     if (start.ring.empty()) {  // whatever rings is found in what the contacts leave
@@ -233,7 +236,7 @@ struct Search {
       if (!out.found) out.model.ring = {};
       return out;
     }
-    if (!out.model.ring.empty()) {
+    if (!out.model.ring.empty() && !rough) {
       add_modes(in, out.model, limit);
       if (!seat_known)
         drop_stand_ins(in, out.model);
@@ -252,21 +255,34 @@ struct Search {
     if (!s.found || fresh.model.cost() < s.model.cost()) s = std::move(fresh);
   }
 
-  /// A contact that nothing describes may hold the onset: starts all along it, the best is kept.
+  /// A contact that nothing describes may hold the onset: starts all along it. A rough fit says which are worth a
+  /// whole one, of which the best is kept.
   void rescue(Separated& s, double from) const {
+    constexpr std::size_t most_starts = 40, worth = 12;
+    constexpr int glance = 4;  // iterations
     const Separated before = s;
-    int trials = 0;
+    std::vector<std::pair<double, double>> starts;  // cost, s
+    const auto fit_from = [&](double t, int iterations, bool rough) {
+      Separated trial = before;
+      trial.model.ring.onset = t;
+      const std::pair near(std::max(t - 80e-6, range.first), std::min(t + 80e-6, range.second));
+      if (!round(trial, from, near, iterations, false, rough)) trial.found = false;
+      return trial;
+    };
     for (const JointPulse& p : before.model.pulses) {
       if (p.modelled) continue;
-      for (double t = p.shape.touch - 0.4e-3; t < p.shape.release + 0.15e-3 && trials < 40;
-           t += 0.1e-3, ++trials) {
-        Separated trial = before;
-        trial.model.ring.onset = t;
-        if (!round(trial, from, {std::max(t - 80e-6, range.first), std::min(t + 80e-6, range.second)}, 8,
-                   false))
-          continue;
-        if (trial.found && trial.model.cost() < s.model.cost()) s = std::move(trial);
+      for (double t = p.shape.touch - 0.4e-3; t < p.shape.release + 0.15e-3 && starts.size() < most_starts;
+           t += 0.1e-3) {
+        const Separated trial = fit_from(t, glance, true);
+        starts.emplace_back(trial.found ? trial.model.cost() : 1e300, t);
       }
+    }
+    std::sort(starts.begin(), starts.end());
+    if (starts.size() > worth) starts.resize(worth);
+    for (const auto& [cost, t] : starts) {
+      if (!(cost < 1e300)) break;
+      Separated trial = fit_from(t, 8, false);
+      if (trial.found && trial.model.cost() < s.model.cost()) s = std::move(trial);
     }
   }
 

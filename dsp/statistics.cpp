@@ -1,9 +1,11 @@
 #include "dsp/statistics.h"
-#include "core/normal.h"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
+
+#include "core/normal.h"
+#include "dsp/wide.h"
 
 namespace powbench::dsp {
 
@@ -48,6 +50,23 @@ double reduced_chi2_quantile(double p, double dof) {
   return base * base * base;
 }
 
+namespace {
+
+/// y += k (a[i - j] + a[i + j]) of all taps j, a stretch of y at a time that stays near the processor.
+POWBENCH_WIDE void add_taps(std::span<double> y, const double* middle, std::span<const double> k) {
+  constexpr std::size_t stretch = 1024;
+  for (std::size_t from = 0; from < y.size(); from += stretch) {
+    const std::size_t to = std::min(y.size(), from + stretch);
+    for (std::size_t i = from; i < to; ++i) y[i] = k[0] * middle[i];
+    for (std::size_t j = 1; j < k.size(); ++j) {
+      const double *before = middle - j, *after = middle + j, share = k[j];
+      for (std::size_t i = from; i < to; ++i) y[i] += share * (before[i] + after[i]);
+    }
+  }
+}
+
+}  // namespace
+
 std::vector<double> gaussian_smooth(std::span<const double> x, double sigma) {
   const auto k = gaussian_half_kernel(sigma);
   const std::size_t n = x.size(), half = k.size() - 1;
@@ -57,9 +76,7 @@ std::vector<double> gaussian_smooth(std::span<const double> x, double sigma) {
   std::fill_n(padded.begin(), half, x.front());
   std::copy(x.begin(), x.end(), padded.begin() + static_cast<std::ptrdiff_t>(half));
   std::fill(padded.end() - static_cast<std::ptrdiff_t>(half), padded.end(), x.back());
-  for (std::size_t i = 0; i < n; ++i) y[i] = k[0] * padded[i + half];
-  for (std::size_t j = 1; j <= half; ++j)
-    for (std::size_t i = 0; i < n; ++i) y[i] += k[j] * (padded[i + half - j] + padded[i + half + j]);
+  add_taps(y, padded.data() + half, k);
   return y;
 }
 
@@ -74,11 +91,18 @@ std::vector<double> bell_mean(std::span<const double> x, double sigma) {
     in.swap(y);
     double sum = 0;
     for (std::size_t i = 0; i < std::min(half, n); ++i) sum += in[i];
-    for (std::size_t i = 0; i < n; ++i) {
+    const auto step = [&](std::size_t i) {
       if (i + half < n) sum += in[i + half];
       if (i > half) sum -= in[i - half - 1];
       y[i] = sum * share;
+    };
+    const std::size_t first = std::min(half + 1, n), last = std::max(first, n > half ? n - half : 0);
+    for (std::size_t i = 0; i < first; ++i) step(i);
+    for (std::size_t i = first; i < last; ++i) {
+      sum += in[i + half] - in[i - half - 1];  // one sum to wait for a sample
+      y[i] = sum * share;
     }
+    for (std::size_t i = last; i < n; ++i) step(i);
   }
   return y;
 }

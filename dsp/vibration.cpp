@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 #include <stdexcept>
+#include <utility>
 
 #include "core/units.h"
 #include "dsp/coil.h"
@@ -85,18 +86,23 @@ Signal on_axis_of(const Signal& s, const Signal& axis) {
 }
 
 FilmVibration film_vibration(const Record& record, Channel film, const Events& events,
-                             const ExtractOptions& o) {
+                             const ExtractOptions& o, const FilmPath* path) {
   FilmVibration v;
-  const Force f = film_force(record, film, events, o);
+  FilmPath own;
+  if (!path) {
+    own.force = film_force(record, film, events, o);
+    ForceAnalysis a = analyse_force(own.force, closing_end(record, own.force.signal), events.core.seat, o);
+    own.ring = std::move(a.ring), own.stripped = std::move(a.stripped);
+    path = &own;
+  }
+  const Force& f = path->force;
   if (!f.present) return v;
   v.present = true;
   const auto seat = events.core.seat.known() ? std::optional(events.core.seat.value) : std::nullopt;
-  const double t_end = closing_end(record, f.signal);
-  ForceAnalysis a = analyse_force(f, t_end, events.core.seat, o);
   v.force = f.signal;
   v.settled = f.settled;
-  v.stripped = std::move(a.stripped);
-  v.ring = std::move(a.ring);
+  v.stripped = path->stripped;
+  v.ring = path->ring;
   const ContactTrain& train = train_of(events, film);
   v.shortest = shortest_contact(train);
   v.impact = seat                      ? *seat

@@ -10,6 +10,7 @@
 #include "core/record.h"
 #include "dsp/bands.h"
 #include "dsp/canceller.h"
+#include "dsp/film_paths.h"
 #include "dsp/options.h"
 #include "dsp/ring.h"
 #include "dsp/signal.h"
@@ -33,8 +34,9 @@ struct FilmVibration {
 };
 
 /// `events`: those of the record. The reference is the auxiliary channel (an accelerometer) if it moves at the
-/// impact, else the laser.
-FilmVibration film_vibration(const Record&, Channel film, const Events& events, const ExtractOptions&);
+/// impact, else the laser. `path`: what the extraction with these options went through, where somebody kept it.
+FilmVibration film_vibration(const Record&, Channel film, const Events& events, const ExtractOptions&,
+                             const FilmPath* path = nullptr);
 
 /// Bands of one closing, from its fitted modes: each from its frequency minus to plus half its half-power width
 /// (decay / pi), weighted with its energy amplitude^2 / (4 decay). `closings` is 1, `threshold` 0.

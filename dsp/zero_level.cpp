@@ -3,11 +3,13 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdint>
 #include <functional>
 #include <vector>
 
 #include "core/units.h"
 #include "dsp/least_squares.h"
+#include "dsp/statistics.h"
 
 namespace powbench::dsp {
 
@@ -15,8 +17,11 @@ namespace {
 
 constexpr double block_time = 0.1e-3;  // s
 constexpr double calm = 1.6;           // scatter of an open block over the noise
+constexpr std::size_t in_a_row = 4;    // blocks that an open one stands among
+constexpr std::size_t beside = 3;      // blocks in which a contact rises
 constexpr double before_touch = 2e-3;  // s after switch-on in which nothing touches
 constexpr std::size_t together = 3;    // fewer open blocks tell nothing
+constexpr double alike = 20;           // blocks of a wandering zero that tell as much as one: 2 ms
 
 /// How far and how fast a zero may go, N and N/s: what 1.1 N of hum at 50 Hz does, but no more than a tenth of the
 /// largest force and no more than twenty times the noise, whichever is larger. A contact that presses little is not
@@ -98,27 +103,66 @@ class ZeroModel {
   std::array<double, unknowns> x_{};
 };
 
-/// Open blocks, given what the zero is expected to be.
-std::vector<Block> open_blocks(const std::vector<Block>& blocks, double noise, double sigma,
-                               const Reach& reach, const std::function<double(double)>& expected,
-                               bool first) {
-  const auto calm_pair = [&](const Block& a, const Block& b) {
-    return std::max(a.scatter, b.scatter) < calm * noise &&
-           std::abs(a.mean - b.mean) < 4 * sigma + reach.fastest * block_time;
+/// 1: one of some blocks in a row that scatter like noise and lie on a straight line, or one of two or three between
+/// contacts. A force that only dips towards zero is level for one block; a trough of vibration for two, and bends: no
+/// more than before switch-on is allowed.
+std::vector<std::uint8_t> level_blocks(const std::vector<Block>& blocks, double noise, double sigma,
+                                       const Reach& reach) {
+  const auto bend = [&](std::size_t i) {
+    double sum = 0;
+    for (std::size_t k = 0; k < in_a_row; ++k)
+      sum += (k == 0 || k + 1 == in_a_row ? 1 : -1) * blocks[i + k].mean;
+    return sum;
   };
+  std::vector<double> idle;
+  for (std::size_t i = 0; i + in_a_row <= blocks.size() && blocks[i + in_a_row - 1].time < 0; ++i)
+    idle.push_back(bend(i));
+  const double most = 4 * std::max(std::sqrt(static_cast<double>(in_a_row)) * sigma, robust_sigma(idle));
+  std::vector<std::uint8_t> out(blocks.size());
+  const auto calm_step = [&](std::size_t i) {
+    return blocks[i].scatter < calm * noise &&
+           std::abs(blocks[i].mean - blocks[i - 1].mean) < 4 * sigma + reach.fastest * block_time;
+  };
+  // to one side and the other of a short run a contact presses far more than the zero can go
+  const auto between_contacts = [&](std::size_t first, std::size_t last) {
+    const double mean = 0.5 * (blocks[first].mean + blocks[last - 1].mean);
+    double left = 0, right = 0;
+    for (std::size_t k = 1; k <= beside && k <= first && last + k <= blocks.size(); ++k) {
+      const double l = blocks[first - k].mean - mean, r = blocks[last - 1 + k].mean - mean;
+      if (std::abs(l) > std::abs(left)) left = l;
+      if (std::abs(r) > std::abs(right)) right = r;
+    }
+    return left * right > 0 && std::min(std::abs(left), std::abs(right)) > reach.farthest;
+  };
+  for (std::size_t first = 0, last = 0; first < blocks.size(); first = last) {
+    last = first + 1;
+    if (!(blocks[first].scatter < calm * noise)) continue;
+    while (last < blocks.size() && calm_step(last)) ++last;
+    const auto mark = [&](std::size_t from, std::size_t count) {
+      std::fill_n(out.begin() + static_cast<std::ptrdiff_t>(from), count, std::uint8_t{1});
+    };
+    for (std::size_t i = first; i + in_a_row <= last; ++i)
+      if (std::abs(bend(i)) < most) mark(i, in_a_row);
+    if (last - first < in_a_row && last - first > 1 && between_contacts(first, last))
+      mark(first, last - first);
+  }
+  return out;
+}
+
+/// Open blocks of the level ones, given what the zero is expected to be.
+std::vector<Block> open_blocks(const std::vector<Block>& blocks, const std::vector<std::uint8_t>& level,
+                               double sigma, const Reach& reach,
+                               const std::function<double(double)>& expected, bool first) {
   std::vector<Block> open;
   for (std::size_t i = 0; i < blocks.size(); ++i) {
     const Block& b = blocks[i];
-    // a force that only dips towards zero is level for one block, not for two
-    const bool pair =
-        (i > 0 && calm_pair(blocks[i - 1], b)) || (i + 1 < blocks.size() && calm_pair(b, blocks[i + 1]));
     const double since = open.empty() ? 1e300 : b.time - open.back().time;
     const double step =
         b.mean - expected(b.time) - (open.empty() ? 0.0 : open.back().mean - expected(open.back().time));
     const bool switched_on = b.time > 0 && b.time < before_touch && !open.empty() && open.back().time < 0;
     const double rate = first ? reach.fastest : reach.unforeseen,
                  most = first ? reach.farthest : 0.5 * reach.farthest;
-    if (pair && std::abs(step) < (switched_on ? reach.jump : std::min(8 * sigma + rate * since, most)))
+    if (level[i] && std::abs(step) < (switched_on ? reach.jump : std::min(8 * sigma + rate * since, most)))
       open.push_back(b);
     else if (first && b.time > before_touch && std::abs(step) > reach.farthest)
       break;  // something touches: what comes later waits for the model
@@ -152,8 +196,9 @@ Zero follow_zero(Signal& s, double noise, double mains_hertz) {
   const auto blocks = blocks_of(s);
   const double sigma = noise / std::sqrt(std::max(8.0, std::floor(block_time / s.dt)));
   const Reach reach(s, noise);
+  const auto level = level_blocks(blocks, noise, sigma, reach);
   auto open = open_blocks(
-      blocks, noise, sigma, reach, [](double) { return 0.0; }, true);
+      blocks, level, sigma, reach, [](double) { return 0.0; }, true);
   if (open.size() < together) return {};
   const auto quiet = open;
   double largest = 0;  // mean of a millisecond
@@ -163,11 +208,19 @@ Zero follow_zero(Signal& s, double noise, double mains_hertz) {
     largest = std::max(largest, std::abs(sum) / together);
   }
   if (largest < std::max(5 * sigma / std::sqrt(together), 0.5 * noise)) return {};
+  // of a block about the model, as large as if no block knew of its neighbours: what is open tells it before the model
+  // says what else is
+  double spread = sigma;
   std::function<double(double)> expected;
-  for (int round = 0; round < 2; ++round) {
-    const ZeroModel before(open, false, sigma, mains_hertz), after(open, true, sigma, mains_hertz);
+  const auto learn = [&] {
+    const ZeroModel before(open, false, spread, mains_hertz), after(open, true, spread, mains_hertz);
     expected = [before, after](double t) { return t > 0 ? after(t) : before(t); };
-    open = open_blocks(blocks, noise, sigma, reach, expected, false);
+  };
+  learn();
+  spread = std::hypot(sigma, std::sqrt(alike) * wander_of(quiet, expected, sigma));
+  for (int round = 0; round < 2; ++round) {
+    learn();
+    open = open_blocks(blocks, level, sigma, reach, expected, false);
   }
   if (open.size() < together) return {};
   std::vector<Block> left;  // of the model, neighbours averaged
@@ -182,10 +235,10 @@ Zero follow_zero(Signal& s, double noise, double mains_hertz) {
   for (std::size_t i = 0; i < s.size(); ++i) {
     const double t = s.time(i);
     while (k + 1 < left.size() && left[k + 1].time <= t) ++k;
-    double level = left[k].mean;
+    double zero = left[k].mean;
     if (t > left[k].time && k + 1 < left.size())
-      level += (t - left[k].time) / (left[k + 1].time - left[k].time) * (left[k + 1].mean - left[k].mean);
-    s.value[i] -= level + expected(t);
+      zero += (t - left[k].time) / (left[k + 1].time - left[k].time) * (left[k + 1].mean - left[k].mean);
+    s.value[i] -= zero + expected(t);
   }
   return {largest, wander_of(quiet, expected, sigma)};
 }

@@ -80,10 +80,14 @@ void list(const Row& row, std::uint64_t seed, const std::vector<TrueContact>& tr
               std::string(powbench::name(t.shows)).c_str(), t.reason.empty() ? "" : ", ", t.reason.c_str());
   for (const TrueContact& c : truth)
     std::printf("#   true  %9.1f .. %9.1f  peak %6.2f\n", 1e6 * c.touch, 1e6 * c.release, c.peak);
+  const auto near = [&](const Contact& c) {
+    return std::any_of(truth.begin(), truth.end(),
+                       [&](const TrueContact& x) { return std::abs(x.touch - c.touch.value) < 300e-6; });
+  };
   for (const Contact& c : t.contacts)
-    std::printf("#   found %9.1f +- %5.1f .. %9.1f +- %5.1f  peak %6.2f +- %.2f  flags %x\n",
+    std::printf("#   found %9.1f +- %5.1f .. %9.1f +- %5.1f  peak %6.2f +- %.2f  flags %x  p %.3f%s\n",
                 1e6 * c.touch.value, 1e6 * c.touch.u, 1e6 * c.release.value, 1e6 * c.release.u, c.peak.value,
-                c.peak.u, c.flags);
+                c.peak.u, c.flags, c.probability, near(c) ? "" : "  invented");
   std::printf("#   settled %.1f +- %.1f\n", 1e6 * t.settled.value, 1e6 * t.settled.u);
 }
 
@@ -275,10 +279,14 @@ int main(int argc, char** argv) try {
     figures.push_back(
         at_most("simulated rig: contacts with a flag, %", 100 * share(rig.flagged, rig.contacts), 20, 10));
   }
-  const Tally::Doubted& d = whole.doubted;
-  std::printf(
-      "listed with a probability below 0.9: %d contacts, mean probability %.2f, share that is real %.2f\n",
-      d.listed, d.expected / std::max(1, d.listed), share(d.real, d.listed));
+  const auto say_doubted = [&share](const char* of, const Tally::Doubted& d) {
+    std::printf(
+        "listed with a probability below 0.9, %s: %d contacts, mean probability %.2f, share that is real "
+        "%.2f\n",
+        of, d.listed, d.expected / std::max(1, d.listed), share(d.real, d.listed));
+  };
+  say_doubted("impacts and nothing", whole.doubted);
+  say_doubted("simulated rig", rig.doubted);
   const nlohmann::json judged = print(figures);
   if (!a.json.empty()) {
     rows.push_back(json_of(all));

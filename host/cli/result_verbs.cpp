@@ -211,6 +211,9 @@ void print_events(const Events& events) {
                shown_unit(unit), time ? micro(2 * m.u) : shown(2 * m.u, unit, 2 * m.u),
                time ? "us" : shown_unit(unit), q.meaning);
   }
+  constexpr std::uint32_t of_record = flag_no_calibration | flag_angle_off | flag_switch_on | flag_no_hum_fit;
+  if (const std::uint32_t flags = events.flags & of_record; flags != 0)
+    fmt::print("  record [{}]\n", flag_names(flags));
   if (!events.coil.no_angle.empty()) fmt::print("  no closing angle: {}\n", events.coil.no_angle);
   print_train("contact voltage", events.contact_voltage);
   print_train("film A", events.pvdf_a);
@@ -244,7 +247,8 @@ void write_strip(const Record& record, const FilteredEvents& found, const Events
 void print_bands(const Record& record, const FilteredEvents& found) {
   if (found.filter)
     for (const std::string& line : filter_lines(*found.filter)) fmt::print("  {}\n", line);
-  for (const std::string& line : band_lines(record, found.events, found.bare)) fmt::print("  {}\n", line);
+  for (const std::string& line : band_lines(record, found.events, found.bare, found.films))
+    fmt::print("  {}\n", line);
 }
 
 Exit show_events(const EventsArgs& args) {
@@ -272,7 +276,7 @@ Exit show_events(const EventsArgs& args) {
     // What a file's result has under these keys stands here too; `core` alone differs, as the store has it.
     Json agreed = Json::parse(to_events_json(events, record, 2, options.extract));
     for (const char* key : {"channels", "closing_angle_deg", "u_closing_angle_deg"}) out[key] = agreed[key];
-    out["bands"] = Json::parse(bands_json(record, events, found.bare));
+    out["bands"] = Json::parse(bands_json(record, events, found.bare, found.films));
     if (found.filter) out["filter"] = Json::parse(filter_json(*found.filter));
     fmt::print("{}\n", out.dump(2));
     return Exit::pass;
@@ -294,11 +298,12 @@ Exit compare_campaign(const ResultArgs& args) {
   Json list = Json::array();
   if (!args.json)
     fmt::print(
-        "{}, campaign {}, {}; U covers 95.45 % (k = 2 and more)\n{:<9} {:>7}  {:>3} {:>10} {:>8} {:>8} {:>8} "
-        "{:>10} "
+        "{}, campaign {}, {}; U covers 95.45 % (k = 2 and more); diff./U over both U\n{:<9} {:>7}  {:>3} "
+        "{:>10} {:>8} {:>8} {:>8} "
+        "{:>10} {:>8} "
         "{:>7} {:<9} {:>4} {}\n",
         name(campaign.origin), campaign.id, campaign.name, "quantity", "deg", "n", "measured", "U", "scatter",
-        "to sim.", "simulated", "diff./U", "", "", "limits");
+        "to sim.", "simulated", "U sim.", "diff./U", "", "", "limits");
   for (const ComparisonRow& r : comparison.rows) {
     if (args.json) {
       list.push_back(row_json(r));
@@ -306,10 +311,11 @@ Exit compare_campaign(const ResultArgs& args) {
     }
     const double E = r.difference_over_U(), U = r.coverage * r.measured.u;
     const double U_simulated = std::isfinite(r.u_simulated) ? 2 * r.u_simulated : U;
-    fmt::print("{:<9} {:>7}  {:>3} {:>10} {:>8} {:>8} {:>8} {:>10} {:>7} {:<9} {:>4} {}{}\n", r.quantity,
-               degrees_text(r.closing_angle), r.repeats, shown(r.measured.value, r.unit, U),
+    fmt::print("{:<9} {:>7}  {:>3} {:>10} {:>8} {:>8} {:>8} {:>10} {:>8} {:>7} {:<9} {:>4} {}{}\n",
+               r.quantity, degrees_text(r.closing_angle), r.repeats, shown(r.measured.value, r.unit, U),
                shown(U, r.unit, U), shown(r.scatter, r.unit, U), shown(r.unexplained, r.unit, U),
-               shown(r.simulated, r.unit, U_simulated), std::isfinite(E) ? fmt::format("{:.2f}", E) : "-",
+               shown(r.simulated, r.unit, U_simulated), shown(2 * r.u_simulated, r.unit, U_simulated),
+               std::isfinite(E) ? fmt::format("{:.2f}", E) : "-",
                std::isfinite(r.simulated) ? agreement(E) : "", shown_unit(r.unit), name(r.outcome),
                r.against_simulation == Outcome::fail ? ", FAIL against the simulation" : "");
   }

@@ -27,6 +27,7 @@ FilteredEvents extract_filtered(const Record& record, const RunOptions& options,
   dsp::Extracted e = dsp::extract_on_request(record, options.extract);
   out.events = std::move(e.events);
   out.filter = std::move(e.filter);
+  out.films = std::move(e.bare);
   if (out.filter) {
     if (!out.filter->refused.empty() && !keep_refused)
       throw BadInput({"filter " + text_of(options.extract.filter) + " refused: " + out.filter->refused});

@@ -18,6 +18,7 @@ struct FilteredEvents {
   std::optional<dsp::FilterJudgement> filter;  ///< where one was wanted
   dsp::ExtractOptions used;                    ///< with the filter as it was applied, if it was
   dsp::ExtractOptions bare;                    ///< without it: for what is said about the vibration itself
+  dsp::FilmPaths films;                        ///< how the events came without it
 };
 /// extract_checked, with all that is known of the filter. Throws BadInput where the filter is refused, unless
 /// `keep_refused`.

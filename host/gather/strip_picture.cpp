@@ -32,7 +32,7 @@ std::span<const double> part(const dsp::Signal& s, double from, double to) {
 std::vector<Strip> strips(const Record& record, const FilteredEvents& found) {
   std::vector<Strip> out;
   for (const Channel c : {Channel::pvdf_a, Channel::pvdf_b}) {
-    dsp::FilmVibration bare = dsp::film_vibration(record, c, found.events, found.bare);
+    dsp::FilmVibration bare = dsp::film_vibration(record, c, found.events, found.bare, &found.films.of(c));
     if (!bare.present) continue;
     dsp::FilmVibration used = dsp::film_vibration(record, c, found.events, found.used);
     const auto& contacts = (c == Channel::pvdf_a ? found.events.pvdf_a : found.events.pvdf_b).contacts;

@@ -186,10 +186,10 @@ struct FilmRing {
 };
 
 std::vector<FilmRing> film_rings(const Record& record, const Events& events,
-                                 const dsp::ExtractOptions& options) {
+                                 const dsp::ExtractOptions& options, const dsp::FilmPaths& films) {
   std::vector<FilmRing> out;
   for (const Channel film : {Channel::pvdf_a, Channel::pvdf_b}) {
-    const dsp::FilmVibration v = dsp::film_vibration(record, film, events, options);
+    const dsp::FilmVibration v = dsp::film_vibration(record, film, events, options, &films.of(film));
     if (!v.present) continue;
     out.push_back({film, v.ring, {}});
     if (v.ring.empty()) continue;
@@ -202,11 +202,12 @@ std::vector<FilmRing> film_rings(const Record& record, const Events& events,
 
 }  // namespace
 
-std::string bands_json(const Record& record, const Events& events, const dsp::ExtractOptions& options) {
+std::string bands_json(const Record& record, const Events& events, const dsp::ExtractOptions& options,
+                       const dsp::FilmPaths& films) {
   using Json = nlohmann::ordered_json;
   const auto number = [](double x) { return std::isfinite(x) ? Json(x) : Json(nullptr); };
   Json out = Json::array();
-  for (const FilmRing& f : film_rings(record, events, options)) {
+  for (const FilmRing& f : film_rings(record, events, options, films)) {
     Json modes = Json::array();
     for (const auto& m : f.ring.modes) modes.push_back(m.pole.hertz);
     Json j = {{"film", info(f.film).name}, {"modes_hertz", modes}};
@@ -223,9 +224,9 @@ std::string bands_json(const Record& record, const Events& events, const dsp::Ex
 }
 
 std::vector<std::string> band_lines(const Record& record, const Events& events,
-                                    const dsp::ExtractOptions& options) {
+                                    const dsp::ExtractOptions& options, const dsp::FilmPaths& films) {
   std::vector<std::string> lines;
-  for (const FilmRing& f : film_rings(record, events, options)) {
+  for (const FilmRing& f : film_rings(record, events, options, films)) {
     if (f.ring.empty()) {
       lines.push_back(fmt::format("{}: no core vibration stands out", film_name(f.film)));
       continue;

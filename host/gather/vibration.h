@@ -49,12 +49,13 @@ void set_rule(dsp::ExtractOptions&, const LabRule&);
 /// Replaces the films' trains by crossings of a level where a share of the settled force is given.
 void apply_rule(Events&, const Record&, const dsp::ExtractOptions&, const LabRule&);
 
-/// Bands of one closing alone as JSON text, one entry a film: {"film", "modes_hertz": [], "contact_hertz",
-/// "ring_in_contact_db", "pulse_in_core_db", "overlaps", "filter", "canceller"}; without vibration only "film" and no
-/// modes.
-std::string bands_json(const Record&, const Events&, const dsp::ExtractOptions&);
+/// Bands of one closing alone, with the options and paths of its extraction, as JSON text, one entry a film: {"film",
+/// "modes_hertz": [], "contact_hertz", "ring_in_contact_db", "pulse_in_core_db", "overlaps", "filter", "canceller"};
+/// without vibration only "film" and no modes.
+std::string bands_json(const Record&, const Events&, const dsp::ExtractOptions&, const dsp::FilmPaths&);
 
 /// The same, one line a film, for the terminal.
-std::vector<std::string> band_lines(const Record&, const Events&, const dsp::ExtractOptions&);
+std::vector<std::string> band_lines(const Record&, const Events&, const dsp::ExtractOptions&,
+                                    const dsp::FilmPaths&);
 
 }  // namespace powbench::host

@@ -81,7 +81,7 @@ std::string short_hash(const std::string& hash) {
 }
 
 std::string flags_text(std::uint32_t flags) {
-  static constexpr std::array<std::pair<std::uint32_t, std::string_view>, 13> words{
+  static constexpr std::array<std::pair<std::uint32_t, std::string_view>, 15> words{
       {{flag_clipped, "clipped"},
        {flag_gap, "lost samples"},
        {flag_edge, "filter edge"},
@@ -94,7 +94,9 @@ std::string flags_text(std::uint32_t flags) {
        {flag_angle_off, "angle off"},
        {flag_gain, "gain implausible"},
        {flag_grazing, "opening not certain"},
-       {flag_resolution, "later landing not certain"}}};
+       {flag_resolution, "later landing not certain"},
+       {flag_switch_on, "time 0 is not the switch-on"},
+       {flag_chatter, "chatters: settled not known"}}};
   std::string text;
   for (const auto& [flag, word] : words) {
     if ((flags & flag) == 0) continue;

@@ -14,7 +14,7 @@ namespace {
 using nlohmann::json;
 using Ordered = nlohmann::ordered_json;
 
-constexpr std::array<std::pair<std::uint32_t, const char*>, 13> flag_table{
+constexpr std::array<std::pair<std::uint32_t, const char*>, 15> flag_table{
     {{flag_clipped, "clipped"},
      {flag_gap, "gap"},
      {flag_edge, "edge"},
@@ -27,7 +27,9 @@ constexpr std::array<std::pair<std::uint32_t, const char*>, 13> flag_table{
      {flag_angle_off, "angle_off"},
      {flag_gain, "gain"},
      {flag_grazing, "grazing"},
-     {flag_resolution, "resolution"}}};
+     {flag_resolution, "resolution"},
+     {flag_switch_on, "switch_on"},
+     {flag_chatter, "chatter"}}};
 
 Ordered flags_json(std::uint32_t flags) {
   Ordered list = Ordered::array();

@@ -4,11 +4,15 @@
 #include "bench/dsp_synth.h"
 #include "core/events.h"
 #include "core/normal.h"
+#include "dsp/doubt.h"
+#include "dsp/extract.h"
 #include "dsp/force.h"
 #include "dsp/mains.h"
 #include "dsp/options.h"
 #include "dsp/prepare.h"
 #include "dsp/statistics.h"
+#include "dsp/switch_on.h"
+#include "rigs/simulated_record.h"
 
 using namespace powbench;
 using namespace powbench::dsp;
@@ -199,18 +203,86 @@ TEST_CASE("options have one canonical text and are checked") {
   CHECK_THROWS_AS(check(b), std::invalid_argument);
 }
 
-TEST_CASE("prepared signals: low-passed force with its edge masked, vibration split off") {
+TEST_CASE("prepared signals: low-passed force with its edge masked") {
   const Record r = bench::synthesise_full(1e5, 50, 1.0, 1);
   const Prepared p = prepare(r);
   REQUIRE(p.pvdf_a.size() == r.samples());
-  REQUIRE(p.vibration_b.size() == r.samples());
   CHECK(p.edge_samples > 5);
   CHECK(p.pvdf_a.masked[p.edge_samples - 1] == mask_edge);
   CHECK(p.pvdf_a.masked[p.edge_samples] == mask_none);
   const std::size_t late = p.pvdf_a.index_at(0.09);
   CHECK(p.pvdf_a.value[late] == Approx(3.0).margin(0.2));
-  CHECK(std::abs(p.vibration_a.value[late]) < 0.2);
   CHECK(p.laser.value[100] == Approx(0.0).margin(5e-6));
+}
+
+TEST_CASE("a time 0 that is not the switch-on is flagged, whatever shows it") {
+  int cuts = 0, seen = 0;
+  for (const double angle : {0.0, 0.7, 1.57, 2.6}) {
+    for (const bool voltage : {true, false}) {
+      Conditions c;
+      c.closing_angle = angle;
+      Record r = rigs::simulate_record(sim::Specimen{}, c, rigs::SimRigConfig{}).record;
+      if (!voltage)
+        std::erase_if(r.channels, [](const auto& x) { return x.channel == Channel::coil_voltage; });
+      INFO("angle " << angle << ", voltage " << voltage);
+      CHECK((extract_events(r).flags & flag_switch_on) == 0);
+      CHECK(std::isnan(contradicted_switch_on(r)));
+      const auto shifted = [&](double by) {
+        Record other = r;
+        other.fire_sample += std::lround(by * r.sample_rate);
+        return other;
+      };
+      for (const double late : {6e-3, 17.2e-3, 40e-3})  // the clock counts from the contact, say
+        CHECK(contradicted_switch_on(shifted(late)) == Approx(-late).margin(voltage ? 2.5e-3 : 6e-3));
+      CHECK_FALSE(std::isnan(contradicted_switch_on(shifted(-8e-3))));
+      if (angle == 0.7) {
+        CHECK((extract_events(shifted(6e-3)).flags & flag_switch_on) != 0);
+        CHECK((extract_events(shifted(-8e-3)).flags & flag_switch_on) != 0);
+      }
+      for (const double at : {9e-3, 13e-3, 17e-3, 31e-3}) {  // the record begins where something triggered it
+        Record cut = r;
+        const auto first = static_cast<std::size_t>(r.fire_sample + std::lround(at * r.sample_rate));
+        for (ChannelRecord& x : cut.channels)
+          x.raw.erase(x.raw.begin(), x.raw.begin() + std::ptrdiff_t(first));
+        cut.fire_sample = 0;
+        if (!voltage) ++cuts, seen += !std::isnan(contradicted_switch_on(cut));
+      }
+    }
+  }
+  CHECK(seen > 0);  // a current that happens to be near zero looks like one that begins
+  CHECK(seen < cuts);
+}
+
+TEST_CASE("a contact that chatters to the end of the record has not settled") {
+  ContactTrain t;
+  for (int k = 0; k < 6; ++k) {  // closed for 6 ms, open for 4
+    Contact c;
+    c.touch = {0.012 + 0.01 * k, 1e-6};
+    if (k < 5) c.release = {c.touch.value + 6e-3, 1e-6};
+    t.contacts.push_back(c);
+  }
+  t.settled = t.contacts.back().touch;
+  t.bounce_time = {0.05, 2e-6};
+  for (const double end : {0.063, 0.066, 0.0709}) {
+    ContactTrain seen = t;
+    doubt_settled(seen, end);
+    CHECK_FALSE(seen.settled.known());
+    CHECK_FALSE(seen.bounce_time.known());
+    CHECK((seen.flags & flag_chatter) != 0);
+  }
+  ContactTrain longer = t;  // closed for 9 ms and more
+  doubt_settled(longer, 0.0711);
+  CHECK(longer.settled.known());
+  CHECK((longer.flags & flag_chatter) == 0);
+}
+
+TEST_CASE("noise on the coil's channels says nothing of the switch-on") {
+  Record r = bench::synthesise_full(1e5, 50, 1.0, 1);
+  Random random(5);
+  for (ChannelRecord& x : r.channels)
+    if (x.channel == Channel::coil_voltage || x.channel == Channel::coil_current)
+      for (auto& v : x.raw) v = static_cast<std::int16_t>(20 * random.normal());
+  CHECK((extract_events(r).coil.flags & flag_switch_on) == 0);
 }
 
 TEST_CASE("statistics") {

@@ -2,11 +2,14 @@
 
 #include "dsp/gram.h"
 
+#include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
+#include <complex>
 #include <vector>
 
 #include "core/random.h"
+#include "dsp/mode_columns.h"
 
 using namespace powbench;
 using namespace powbench::dsp;
@@ -83,4 +86,23 @@ TEST_CASE("a set of columns with itself gives a symmetric matrix, to the bit", "
   const std::vector<double> copy = a;
   cross_products(x, {copy.data(), rows, n}, rows, other.data(), n);
   CHECK(c == other);
+}
+
+TEST_CASE(
+    "columns of a mode are its exponentials for every number of rows, and nothing is written behind them",
+    "[gram]") {
+  const std::complex<double> s{-900, 2 * 3.14159265358979 * 17e3}, gain{0.7, -0.2};
+  const double tau = -3e-4, dt = 5e-6;
+  for (const std::size_t n : {1U, 7U, 8U, 9U, 127U, 128U, 131U, 1000U}) {
+    CAPTURE(n);
+    std::vector<double> c(n + 1, 77), d(n + 1, 77);
+    mode_columns(s, gain, tau, dt, n, c.data(), d.data());
+    double worst = 0;
+    for (std::size_t i = 0; i < n; ++i) {
+      const std::complex<double> exact = gain * std::exp(s * (tau + static_cast<double>(i) * dt));
+      worst = std::max(worst, std::abs(std::complex(c[i], d[i]) - exact) / std::abs(exact));
+    }
+    CHECK(worst < 1e-13);
+    CHECK((c[n] == 77 && d[n] == 77));
+  }
 }

@@ -84,3 +84,12 @@ TEST_CASE("noise alone has no ring") {
   const RingInput in{s.signal, s.usable, 0.0, 0.0, 0.014, 0.1};
   CHECK(grow_ring(in, tail_poles(in, {}), {}).empty());
 }
+
+TEST_CASE("where no sample is usable there is no ring, and nothing is read") {
+  Scene s = two_modes(1e5, 0.03, 3.0);
+  std::fill(s.usable.begin(), s.usable.end(), std::uint8_t{0});
+  const RingInput in{s.signal, s.usable, 1.001e-3, 2e-3, 0.014, 0.03};
+  CHECK(fit_ring(in, {{1700, 130}, {3100, 290}}, {}).empty());
+  CHECK(grow_ring(in, {{1700, 130}}, {}).empty());
+  CHECK(tail_poles({s.signal, s.usable, 0.02, 0.03, 0.04, 0.03}, {}).empty());
+}
