@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Builds the Debian packages of the sources in SOURCE into OUTPUT: build.sh SOURCE OUTPUT. The time stamps are those of the last
-# commit, so that equal sources give equal packages.
+# commit, so that equal sources give equal packages. POWBENCH_BUILD: a build of these sources that goes in as it is.
 set -euo pipefail
 source=$(realpath "$1")
 mkdir -p "$2"
@@ -14,5 +14,7 @@ leave_nothing() { rm -rf debian/tmp debian/.debhelper debian/files debian/*.subs
   debian/powbench debian/python3-powbench debian/powbench-firmware debian/powbench-doc debian/libpowbench-dev; }
 trap leave_nothing EXIT
 export POWBENCH_PACKAGES=$output
+# that build knows no debug information to put into packages of its own
+if [[ -n ${POWBENCH_BUILD-} ]]; then export DEB_BUILD_OPTIONS="${DEB_BUILD_OPTIONS-} noautodbgsym"; fi
 dpkg-buildpackage --build=binary --no-sign --no-pre-clean --buildinfo-option=-u"$output" \
   --buildinfo-file="$output/powbench.buildinfo" --changes-option=-u"$output" --changes-file="$output/powbench.changes"

@@ -9,6 +9,7 @@
 
 #include "host/cli/picture.h"
 #include "host/cli/study.h"
+#include "host/compare/compare.h"
 #include "host/export/write_file.h"
 #include "host/gather/gather.h"
 #include "host/gather/scene.h"
@@ -148,7 +149,12 @@ void take_options(const FitArgs& args, Source& s) {
       throw BadInput({std::string("--free ") + e.what()});
     }
   }
-  for (const double a : args.hold_out) s.job.unseen.push_back(radians(a));
+  for (const double a : args.hold_out) {
+    const auto there = [&](const auto& m) { return same_angle(m.conditions.closing_angle, radians(a)); };
+    if (std::none_of(s.closings.begin(), s.closings.end(), there))
+      throw BadInput({fmt::format("--hold-out {:g}: no measured closing has this angle", a)});
+    s.job.unseen.push_back(radians(a));
+  }
   s.job.problem.closings = without(s.closings, s.job.unseen);
   if (s.job.problem.closings.empty()) throw BadInput({"--hold-out leaves no closing to fit to"});
   if (args.leave_one_out)

@@ -7,6 +7,7 @@
 
 #include "core/phase.h"
 #include "core/version.h"
+#include "dsp/switch_on.h"
 #include "host/cli/show.h"
 #include "host/cli/verbs.h"
 #include "host/compare/compare.h"
@@ -50,6 +51,17 @@ std::string no_angle_reason(const Imported& in, const Events& e) {
                           : "the file has no " + missing) +
          (in.angle_commanded ? "; the commanded one stands for it"
                              : "; closing_angle_deg in the calibration file can give it");
+}
+
+/// What the record says against time 0 being the switch-on; "" when nothing.
+std::string wrong_zero(const Imported& in, const Events& e) {
+  if ((e.coil.flags & flag_switch_on) == 0) return "";
+  const double at = dsp::contradicted_switch_on(in.record);
+  return fmt::format(
+      "time 0 is not the switch-on: the coil {} {}. All times count from time 0, so they are wrong; write "
+      "switch_on_s, on the time column, into the calibration file",
+      in.record.find(Channel::coil_voltage) ? "voltage begins" : "current begins",
+      std::isfinite(at) ? fmt::format("at about {:.1f} ms", at * 1e3) : std::string("before the record"));
 }
 
 /// What stands for the plan of imported records: as far as it matters, what their calibration says.
@@ -143,7 +155,7 @@ Exit import_waveform_file(const ImportArgs& args) {
   options.angle_tolerance = 0;  // nobody set one
   const Events events = extract_checked(in.record, options);
   take_angle(in, events);
-  const std::string no_angle = no_angle_reason(in, events);
+  const std::string no_angle = no_angle_reason(in, events), wrong = wrong_zero(in, events);
   Record& record = in.record;
   record.conditions.seed = identity(record);
   Store store(args.database);
@@ -159,11 +171,12 @@ Exit import_waveform_file(const ImportArgs& args) {
     shot.conditions = record.conditions;
     shot.angle_deg = stored_degrees(record.conditions.closing_angle);
     shot.outcome = Outcome::not_judged;
-    shot.reason = no_angle;
+    shot.reason = wrong.empty() ? no_angle : wrong;
     shot.id = store.store_shot(shot, &record, &events, {dsp::to_text(options.extract), program_version});
   }
   for (const std::string& note : in.notes) fmt::print(stderr, "{}: {}\n", args.file, note);
-  if (!no_angle.empty()) fmt::print(stderr, "{}: {}\n", args.file, no_angle);
+  for (const std::string& text : {no_angle, wrong})
+    if (!text.empty()) fmt::print(stderr, "{}: {}\n", args.file, text);
   fmt::print(stderr, "{}: {} shot {} of {}; next: powbench events {} --db {}\n", args.file,
              there ? "is already" : "stored as", shot.id, args.database, shot.id, args.database);
   if (args.json)
@@ -194,14 +207,19 @@ Exit show_file_events(const EventsArgs& args) {
               "waveform file " + std::filesystem::path(args.shot).filename().string());
   apply_rule(events, in.record, found.used, rule);
   for (const std::string& note : in.notes) fmt::print(stderr, "{}: {}\n", args.shot, note);
+  if (const std::string wrong = wrong_zero(in, events); !wrong.empty())
+    fmt::print(stderr, "{}: {}\n", args.shot, wrong);
   if (args.json) {
     auto out = nlohmann::ordered_json::parse(to_events_json(events, in.record, 2, in.options));
-    out["bands"] = nlohmann::ordered_json::parse(bands_json(in.record, events, found.bare));
+    out["bands"] = nlohmann::ordered_json::parse(bands_json(in.record, events, found.bare, found.films));
     if (found.filter) out["filter"] = nlohmann::ordered_json::parse(filter_json(*found.filter));
     fmt::print("{}\n", out.dump(2));
     return Exit::pass;
   }
   fmt::print("{}, method {}\n", args.shot, events.method);
+  if (in.angle_commanded)
+    fmt::print("  closing angle of the calibration file: {:.2f} deg\n",
+               degrees(in.record.conditions.closing_angle));
   print_events(events);
   print_bands(in.record, found);
   return Exit::pass;

@@ -4,18 +4,14 @@
 #include <exception>
 #include <functional>
 
-#include "core/version.h"
 #include "host/cli/commands.h"
 #include "host/cli/manual.h"
+#include "host/cli/program.h"
 #include "host/cli/unknown_verb.h"
 #include "host/cli/verbs.h"
 #include "host/config/bad_input.h"
 #include "host/store/store.h"
 #include "rigs/rig.h"
-
-namespace powbench::host {
-extern const char* const program_commit;  ///< of the sources; made by the build
-}
 
 /// The command line: words to arguments, exceptions to sentences and exit codes. The work is in the verbs.
 
@@ -297,7 +293,9 @@ void add_study_verbs(CLI::App& app) {
   field->add_option("--current", field_args->current, "A in the coil, with --mesh or of a solenoid")
       ->capture_default_str();
   field->add_flag("--symmetric", field_args->symmetric, "the mesh is one half of the device");
-  field->add_flag("--ends", field_args->ends, "with the ends of stack and coil, from three dimensions");
+  field->add_flag(
+      "--ends", field_args->ends,
+      "with the ends of stack and coil, and with --ring of the ring, from three dimensions: minutes with it");
   field->add_option(
       "--out", field_args->tables,
       "table of flux linkage and force over current and position; FILE.csv, FILE.mat (Simscape and "

@@ -5,6 +5,7 @@
 #include <charconv>
 
 #include "core/counted.h"
+#include "host/cli/program.h"
 #include "host/config/bad_input.h"
 
 namespace powbench::host {
@@ -37,7 +38,7 @@ Shard read_shard(const std::string& text) {
 
 Points open_points(const ShardArgs& args) {
   const Shard shard = read_shard(args.shard);
-  if (!args.database.empty()) return {args.database, args.verb, shard};
+  if (!args.database.empty()) return {args.database, args.verb, shard, program_identity()};
   if (shard.of > 1)
     throw BadInput({"--shard " + args.shard + ": name a store for its points with --points-db"});
   return {};

@@ -8,6 +8,7 @@
 
 #include "core/version.h"
 #include "host/cli/picture.h"
+#include "host/cli/program.h"
 #include "host/cli/shard.h"
 #include "host/cli/study.h"
 #include "host/gather/scene.h"
@@ -97,7 +98,7 @@ std::string design_text(const SweepArgs& args, const Study& s) {
                            {"points", args.points},
                            {"seed", args.seed},
                            {"forces", s.options.sample_dt > 0},
-                           {"program", program_version}};
+                           {"program", program_identity()}};
   return j.dump();
 }
 

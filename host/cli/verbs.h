@@ -186,7 +186,7 @@ struct FieldArgs {
   std::string mesh_unit = "mm";
   double current = 0.3;             ///< A, with a mesh
   bool symmetric = false;           ///< the mesh is one half of a symmetric device
-  bool ends = false;                ///< with what three dimensions add at the ends of stack and coil
+  bool ends = false;                ///< with what three dimensions add at the ends of stack, coil and ring
   std::vector<std::string> tables;  ///< files for other simulators; their endings say how
   double largest_current = 0;       ///< A, of these; 0: from the table
   int threads = 0;                  ///< 0 = all cores

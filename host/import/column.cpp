@@ -174,8 +174,12 @@ std::vector<Column> read_header(const std::vector<std::string>& cells, const std
     if (!foreign[i].empty() && answered[i] == 0 && mistakes.empty()) {
       std::string header;
       for (const std::string& cell : cells) header += (header.empty() ? "'" : ", '") + cell + "'";
-      fail("[columns] " + names()[i] + " = \"" + foreign[i] + "\": no column has that name; the header has " +
-           header);
+      std::size_t other = 0;
+      while (other < i && (foreign[other].empty() || apart(foreign[other]).first != apart(foreign[i]).first))
+        ++other;
+      fail("[columns] " + names()[i] + " = \"" + foreign[i] + "\": " +
+           (other < i ? "that column is " + names()[other] + " already; allowed once"
+                      : "no column has that name; the header has " + header));
     }
   const auto passed = std::count_if(columns.begin(), columns.end(), [](auto& c) { return c.passed_over; });
   if ((times > 1 || (times == 0 && clock)) && mistakes.empty())

@@ -173,8 +173,8 @@ class Reader {
     read_clock_cells(names, n);
     read_clock_cells(units, n);
     if (names.size() == n + 2 && lower(names[n]) == "start" && units.size() == n + 2) {
-      first_ = cell_number(units[n], false).value_or(unknown);
-      step_ = cell_number(units[n + 1], false).value_or(unknown);
+      first_ = cell_number(units[n], body_.separator != ',').value_or(unknown);
+      step_ = cell_number(units[n + 1], body_.separator != ',').value_or(unknown);
     }
     const bool bare = names.size() <= 1 && n >= 1 && (names.empty() || lower(names[0]).starts_with("data"));
     if (!bare && names.size() < n)
@@ -204,7 +204,7 @@ class Reader {
       const std::string_view cell = cells.back();
       const std::size_t equals = cell.find('=');
       if (equals == std::string_view::npos) return;
-      const auto value = cell_number(trimmed_cell(cell.substr(equals + 1)), false);
+      const auto value = cell_number(trimmed_cell(cell.substr(equals + 1)), body_.separator != ',');
       const std::string key = lower(trimmed_cell(cell.substr(0, equals)));
       if (key == "t0") first_ = value.value_or(unknown);
       if (key == "tinc") step_ = value.value_or(unknown);

@@ -8,6 +8,7 @@
 #include <cmath>
 
 #include "core/phase.h"
+#include "host/import/scope_header.h"
 
 namespace powbench::host {
 namespace {
@@ -192,8 +193,13 @@ class Chooser {
   explicit Chooser(const CsvTable& table) : table_(table) {
     for (std::size_t c = 0; c < table.header.size(); ++c) {
       const Title t = title_of(table.header[c]);
-      if (time_ == table.header.size() && lower(t.name) == "time") {
+      if (time_ == table.header.size() && is_time_name(t.name)) {
         time_ = c;
+        out_.time = table.header[c];
+        seconds_ = table.columns[c];
+        const ScopeUnit unit = scope_unit(t.unit);
+        const double factor = unit.unit == "ms" ? 1e-3 : unit.unit == "us" ? 1e-6 : 1.0;
+        for (double& s : seconds_) s *= factor * unit.factor;
         continue;
       }
       out_.columns.push_back({.column = c, .channel = {}, .ground = Ground::guess, .why = ""});
@@ -218,7 +224,7 @@ class Chooser {
     if (time_ < table_.header.size()) {
       each(Ground::shape, [&](Suggestion& s) -> std::optional<Channel> {
         if (unit_is_other(s.column)) return std::nullopt;
-        const auto shape = shape_of(table_.columns[time_], table_.columns[s.column]);
+        const auto shape = shape_of(seconds_, table_.columns[s.column]);
         return shape ? shaped(*shape, s.why) : std::nullopt;
       });
       find_switch_on();
@@ -259,7 +265,7 @@ class Chooser {
   void find_switch_on() {
     for (const Suggestion& s : out_.columns) {
       if (s.channel != Channel::coil_voltage) continue;
-      const auto& t = table_.columns[time_];
+      const auto& t = seconds_;
       const auto& v = table_.columns[s.column];
       double peak = 0, quiet = 0;
       for (const double x : v)
@@ -277,6 +283,7 @@ class Chooser {
 
   const CsvTable& table_;
   std::size_t time_ = table_.header.size();
+  std::vector<double> seconds_;
   std::array<bool, channel_count> taken_{};
   Suggested out_;
 };
@@ -288,6 +295,11 @@ std::string quoted(const std::string& text) {
     out += static_cast<unsigned char>(c) < ' ' ? '?' : c;
   }
   return out + "\"";
+}
+
+/// A column without a unit is taken as V; the file says so where a person sees it.
+std::string with_unit(const std::string& header) {
+  return title_of(header).unit.empty() ? header + " [V]" : header;
 }
 
 }  // namespace
@@ -311,21 +323,25 @@ std::string suggested_file(const CsvTable& table, const Suggested& s, const std:
     out += fmt::format("switch_on_s = {:.9g}  # where the coil voltage begins\n", *s.switch_on);
   else
     out += "# switch_on_s = 0.0   # when the coil was switched on, on the time column\n";
-  out += "\n[columns]\n";
+  out +=
+      "# closing_angle_deg = 90.0   # where you know it and the record does not show it\n"
+      "\n[columns]\n";
+  if (!s.time.empty() && lower(title_of(s.time).name) != "time")
+    out += fmt::format("time = {}\n", quoted(s.time));
   for (const Suggestion& c : s.columns)
     out += c.channel ? fmt::format("{} = {}  # {}: {}\n", info(*c.channel).name,
-                                   quoted(table.header[c.column]), name(c.ground), c.why)
+                                   quoted(with_unit(table.header[c.column])), name(c.ground), c.why)
                      : fmt::format("# {} : {}\n", quoted(table.header[c.column]), c.why);
   for (const Suggestion& c : s.columns) {
     if (!c.channel || info(*c.channel).unit == "V") continue;
     const Title title = title_of(table.header[c.column]);
     const std::string& unit = title.unit;
-    if (unit != "V" && unit != "mV") continue;
+    if (unit != "V" && unit != "mV" && !unit.empty()) continue;
     const std::string_view own = info(*c.channel).unit;
     out += fmt::format(
         "\n[{}]\n# gain_{}_per_V = ?   # the column is in {}: what one volt stands for; or certificate = "
         "\"FILE.xml\"\n",
-        info(*c.channel).name, own == "m" ? "mm" : own, unit);
+        info(*c.channel).name, own == "m" ? "mm" : own, unit.empty() ? "V" : unit);
   }
   return out;
 }

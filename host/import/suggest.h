@@ -30,6 +30,7 @@ struct Suggestion {
 
 struct Suggested {
   std::vector<Suggestion> columns;  ///< one for each column but the time
+  std::string time;                 ///< header of the time column; "" = none was found
   std::optional<double> switch_on;  ///< s, where the switched mains begins
 };
 

@@ -23,7 +23,7 @@ class Points {
   Points();  ///< without a store: all are computed, none is kept
   /// Opens `path` or makes it. `study`: one word. Throws StoreError as `Store` does.
   Points(const std::string& path, std::string study, Shard = {},
-         std::string program = "");  ///< "": this program's version
+         std::string program = "");  ///< "": the version alone
   ~Points();
   Points(const Points&) = delete;
   Points& operator=(const Points&) = delete;

@@ -10,8 +10,6 @@
 #include "host/study/fit_text.h"
 #include "host/study/held_out.h"
 #include "host/study/problem.h"
-#include "host/study/study_svg.h"
-#include "host/study/sweep_text.h"
 #include "sim/closing.h"
 #include "tests/host/store_samples.h"
 
@@ -236,14 +234,20 @@ TEST_CASE("a fit in parts, merged in any order, is the fit of one run, word for 
   CHECK(collected(job, "rest.db", {parts[2], parts[0]}, 1) == serial);
   CHECK(hash(folder.file("forth.db")) == hash(folder.file("rest.db")));
   // another device, seed or condition finds none
+  const auto found = [&](const FitJob& j) {
+    Points points(folder.file("forth.db"), "fit", {1, 3});
+    run_fits(j, team, always, {}, points);
+    return points.found();
+  };
+  CHECK(found(job) == 1);
   FitJob other = job;
   other.problem.base.core.mass *= 1.01;
-  CHECK(collected(other, "forth.db", {}, 3) != serial);
+  CHECK(found(other) == 0);
   other = job, other.options.seed = 2;
-  collected(other, "forth.db", {}, 3);
+  CHECK(found(other) == 0);
   other = job;
   for (auto& m : other.problem.closings) m.conditions.ambient += 5;
-  collected(other, "forth.db", {}, 3);
+  CHECK(found(other) == 0);
 }
 
 TEST_CASE("a fit file is read back as it was written; what is no fit file is told in one sentence",
@@ -289,50 +293,6 @@ TEST_CASE("a fit file is read back as it was written; what is no fit file is tol
   CHECK_THROWS_AS(parse_fit_state(to_json(g), "f.json"), BadInput);
 }
 
-TEST_CASE("predictions: the median of the specimens that close, nothing where most do not", "[study]") {
-  sim::Specimen dead;
-  dead.core.return_preload = 500;
-  const std::vector<sim::Specimen> two{{}, {}, dead};
-  const Prediction p = predict(two, {});
-  const auto t = sim::simulate({}, {}, 0.06, 0).truth;
-  CHECK(p.touch.median == *t.touch);
-  CHECK((p.touch.low == p.touch.high));
-  const std::vector<sim::Specimen> mostly_dead{{}, dead, dead};
-  CHECK(std::isnan(predict(mostly_dead, {}).touch.median));
-}
-
-TEST_CASE("a specimen that is not usable, as a search may try, is one that does not close", "[study]") {
-  sim::Specimen wide;
-  wide.bridges.gap = 1.1 * wide.core.travel;
-  REQUIRE_THROWS(sim::simulate(wide, {}, 0.05, 0));
-  CHECK_FALSE(sim::tried_closing(wide, {}, 0.05).touch);
-  CHECK(sim::tried_closing({}, {}, 0.05).touch == sim::simulate({}, {}, 0.05, 0).truth.touch);
-  CHECK(predict(std::vector<sim::Specimen>{{}, {}, wide}, {}).touch.median > 0);
-}
-
-TEST_CASE("a calibrated prediction: bounce by its factors and what the others say, settled time by adding up",
-          "[study]") {
-  std::vector<sim::Specimen> list(3);
-  list[1].bridges.gap += 0.1e-3;
-  list[2].bridges.gap += 0.2e-3;
-  const Prediction plain = predict(list, {});
-  sim::BounceCalibration c;
-  c.factors = {2, 2, 2};
-  const Prediction alone = predict(list, {}, c);  // no deviations: samples times factors, nothing pooled
-  CHECK(alone.bounce.median == Approx(2 * plain.bounce.median));
-  CHECK(alone.bounce.high == Approx(2 * plain.bounce.high));
-  CHECK(alone.touch.median == plain.touch.median);
-  CHECK(alone.seat.low == plain.seat.low);
-  c.deviation = c.median_deviation = 0.2;
-  c.median = 3e-3;
-  const Prediction p = predict(list, {}, c);
-  CHECK(p.bounce.median == Approx(std::sqrt(2 * plain.bounce.median * 3e-3)));
-  CHECK(p.bounce.high == Approx(p.bounce.median * std::exp(0.2 / std::sqrt(2.0))));
-  CHECK(p.settled.median == Approx(p.touch.median + p.bounce.median));
-  CHECK(p.settled.high - p.settled.median ==
-        Approx(std::hypot(p.touch.high - p.touch.median, p.bounce.high - p.bounce.median)));
-}
-
 TEST_CASE("texts of a fit name every number, mark what lies at a bound, and never print nan", "[study]") {
   sim::Team team(1);
   FitJob job = small_job();
@@ -352,49 +312,4 @@ TEST_CASE("texts of a fit name every number, mark what lies at a bound, and neve
   CHECK(unknown_text.find("nan") == std::string::npos);
   CHECK(unknown_text.find("weight of samples") == std::string::npos);
   CHECK(unknown_json.find("nan") == std::string::npos);
-}
-
-TEST_CASE("pictures of studies are whole SVG files that show every point and angle", "[study]") {
-  const auto count = [](const std::string& text, const std::string& word) {
-    int n = 0;
-    for (std::size_t at = text.find(word); at != std::string::npos; at = text.find(word, at + 1)) ++n;
-    return n;
-  };
-  const sim::Design design({sim::uniform_axis("angle_deg", 0, 180)}, sim::Sampling::latin, 5, 1);
-  std::vector<std::vector<double>> rows;
-  for (int k = 0; k < 5; ++k) {
-    sim::ClosingMetrics m;
-    m.touch = 0.012 + 1e-3 * k;
-    m.bounce = 0.005;
-    rows.push_back(metric_values(m));
-  }
-  rows[4] = metric_values({});  // does not close: no point
-  const std::string scatter = sweep_svg(design, rows);
-  CHECK(scatter.starts_with("<svg"));
-  CHECK(count(scatter, "<circle") == 8);
-  CHECK(scatter.find("nan") == std::string::npos);
-
-  const std::vector<sim::Sensitivity> list{{0.0, "supply_volts", 2.3, 0.0121, 0.012, 0.0118},
-                                           {1.0, "supply_volts", 2.3, 0.0123, 0.012, 0.0117},
-                                           {0.0, "core.mass_g", 1, 0.012, 0.012, 0.012}};
-  const std::string bars = sensitivity_svg(list, *sim::find_metric("touch"));
-  CHECK(bars.find("supply_volts") != std::string::npos);
-  CHECK(bars.find("core.mass_g") != std::string::npos);
-
-  sim::BestAngle best;
-  best.angles = {0, 1, 2};
-  best.mean = {0.006, 0.005, 0.007};
-  best.low = {0.0055, 0.0045, 0.0065};
-  best.high = {0.0065, 0.0055, 0.0075};
-  best.mode_count = {1, 1, 2};
-  best.best = 1;
-  best.random_mean = 0.006;
-  best.gain = 1.0 / 6;
-  const std::string angle = best_angle_svg(best, *sim::find_metric("bounce"));
-  CHECK(angle.find("Best closing angle 57 deg, 17 % below") != std::string::npos);
-
-  FitCell cell{30, "t_ct1", 0.0119, 0.0118, {0.011, 0.0113, 0.0115}, 1, 5, 20};
-  const std::string fitted = fit_svg({cell}, "fitted & held out");
-  CHECK(fitted.find("fitted &amp; held out") != std::string::npos);
-  CHECK(fitted.find("nan") == std::string::npos);
 }

@@ -140,10 +140,10 @@ TEST_CASE("live page: what comes while another page is looked at has its size an
   tab.until("document.getElementById('text').value.length > 10");
   tab.value(
       "(()=>{const t=document.getElementById('text');t.value='name = \"half\"\\nangles_deg = [0, 90]\\n"
-      "repeats = 3\\npause_s = 0.3\\n';t.dispatchEvent(new Event('input'))})()");
+      "repeats = 3\\npause_s = 2\\n';t.dispatchEvent(new Event('input'))})()");
   tab.until(says("6 shots in about"));
   press(tab, "run");
-  tab.until("document.getElementById('end').hidden === false");
+  tab.until("fetch('/api/bench').then(r=>r.json()).then(b=>b.job&&b.job.done>=1)");
   press(tab, "end");
   tab.until("/^half: ended at [1-5] of 6/.test(document.getElementById('job').textContent)");
   press(tab, "tab-documents");

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <catch2/catch.hpp>
 #include <cstdlib>
 #include <sstream>
@@ -30,6 +31,16 @@ void reach(Tab& tab, int shots) {
   REQUIRE(done >= shots);
 }
 
+/// What the page keeps, bytes: the least of five looks. A picture that is just on its way adds 5 MB to a single one.
+double kept(Tab& tab) {
+  double least = tab.heap();
+  for (int more = 0; more < 4; ++more) {
+    tab.value("new Promise(r=>setTimeout(r,300))");
+    least = std::min(least, tab.heap());
+  }
+  return least;
+}
+
 }  // namespace
 
 /// POWBENCH_SHOTS sets how many closings it takes; 10 000 are those of docs/how-to/serve.md.
@@ -50,9 +61,9 @@ TEST_CASE("live bench: shots come, the memory of program and page stays", "[.slo
   tab.until("fetch('/api/bench').then(r=>r.json()).then(b=>b.job!==null&&b.job.shots===" +
             std::to_string(all / 4 * 4) + ")");
   reach(tab, first);
-  const double page = tab.heap(), program = resident(bench.program.pid());
+  const double page = kept(tab), program = resident(bench.program.pid());
   reach(tab, all);
-  const double page_after = tab.heap(), program_after = resident(bench.program.pid());
+  const double page_after = kept(tab), program_after = resident(bench.program.pid());
   WARN(all - first << " more shots: page " << page / 1e6 << " -> " << page_after / 1e6 << " MB, program "
                    << program / 1e6 << " -> " << program_after / 1e6 << " MB");
   CHECK(page_after < page + 3e6);

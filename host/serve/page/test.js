@@ -72,8 +72,8 @@ const askedOf = (shot) => (known(shot.supply_volts) && known(shot.mains_hertz) ?
 
 /** Events in words first: where a person who has never seen a closing finds touch and bounce. @param {number} id */
 export async function showShot(id) {
-  const waveforms = call('GET', '/api/shots/' + id + '/closing').catch(() => []);  // asked for at once: one way less to wait for
-  const shot = /** @type {Shot} */ (await call('GET', '/api/shots/' + id));
+  // asked for at once, and shown in one frame: a text painted before its curves would keep them waiting
+  const [shot, waveforms] = /** @type {[Shot, any[]]} */ (await Promise.all([call('GET', '/api/shots/' + id), call('GET', '/api/shots/' + id + '/closing').catch(() => [])]));
   const angle = known(shot.angle_deg) ? String(Math.round(100 * shot.angle_deg) / 100) + '°' : 'an angle not known';
   /** @param {string} s @param {number} factor */
   const value = (s, factor) => {
@@ -90,7 +90,7 @@ export async function showShot(id) {
   $('shot-title').classList.toggle('bad', shot.outcome === 'FAIL');
   showQuantities(shot);
   const again = id === drawn, zoomed = again && panels ? panels.range() : null;
-  closing = (await waveforms)[0] || null;
+  closing = waveforms[0] || null;
   drawn = id;
   whole = !shot.has_record || shot.quantities.some((q) => known(q.simulated));
   undrawn = !visible;

@@ -1,3 +1,5 @@
+#include <fmt/format.h>
+
 #include <catch2/catch.hpp>
 #include <cmath>
 
@@ -90,6 +92,31 @@ TEST_CASE("a scope's file becomes a record by [columns] and gains", "[import][fo
   const Calibration shown =
       parse_calibration("[columns]\npvdf_a = \"CH1(V)\"\n[pvdf_a]\ngain_N_per_V = 2.0\n", "k.toml");
   CHECK_NOTHROW(import_waveform(scope_texts(w)[6].bytes, "x.csv", shown, "k.toml", "2026-05-04"));
+}
+
+TEST_CASE("a clock beside the names may have decimal commas where the numbers have them",
+          "[import][foreign]") {
+  const Calibration k = parse_calibration("[columns]\npvdf_a = \"CH1 [N]\"\n", "k.toml");
+  for (const char* clock : {"-3,999415e-02;1,000000e-05", "-0,03999415;0,00001", "-0.03999415;1e-05"}) {
+    std::string text = std::string("X;CH1;CH2;Start;Increment\nSequence;Volt;Volt;") + clock + "\n";
+    for (int i = 0; i < 20; ++i) text += fmt::format("{};{},5;1\n", i, i % 7);
+    const Imported in = import_waveform(text, "x.csv", k, "k.toml", "2026-05-04");
+    CHECK(in.record.sample_rate == Approx(1e5));
+    CHECK(in.record.time(0) == Approx(-0.03999415).margin(1e-9));
+  }
+}
+
+TEST_CASE("one column for two channels is told so", "[import][foreign]") {
+  const std::string toml = "[columns]\npvdf_a = \"CH1 [N]\"\npvdf_b = \"CH1 [N]\"\n";
+  std::string text = "time [s],CH1 [N]\n";
+  for (int i = 0; i < 20; ++i) text += fmt::format("{}e-5,{}\n", i, i % 7);
+  try {
+    import_waveform(text, "x.csv", parse_calibration(toml, "k.toml"), "k.toml", "2026-05-04");
+    FAIL("imported");
+  } catch (const BadInput& e) {
+    CHECK_THAT(e.what(),
+               Contains("[columns] pvdf_b = \"CH1 [N]\": that column is pvdf_a already; allowed once"));
+  }
 }
 
 TEST_CASE("a preamble that cannot be read is named as such", "[import][foreign]") {

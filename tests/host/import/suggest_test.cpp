@@ -105,6 +105,40 @@ TEST_CASE("names and units decide before shapes, and the file that is written is
   CHECK(k.columns[1 + index(Channel::pvdf_a)] == "Force A [V]");
 }
 
+TEST_CASE("a time in milliseconds, under another name, changes no suggestion", "[import][suggest]") {
+  for (const std::uint64_t seed : {41U, 42U, 43U}) {
+    const Shown s = shown(seed);
+    const Suggested seconds = suggest_columns(s.table);
+    for (const char* title : {"time [ms]", "Zeit [ms]"}) {
+      CsvTable t = s.table;
+      t.header[0] = title;
+      for (double& v : t.columns[0]) v *= 1e3;
+      const Suggested found = suggest_columns(t);
+      REQUIRE(found.columns.size() == seconds.columns.size());
+      for (std::size_t i = 0; i < found.columns.size(); ++i) {
+        CHECK(found.columns[i].channel == seconds.columns[i].channel);
+        CHECK(found.columns[i].ground == seconds.columns[i].ground);
+      }
+      REQUIRE(found.switch_on.has_value() == seconds.switch_on.has_value());
+      if (found.switch_on) CHECK(*found.switch_on == Approx(*seconds.switch_on).margin(1e-9));
+      const Calibration k = parse_calibration(suggested_file(t, found, "x.csv"), "x.toml");
+      CHECK(k.columns[0] == (title[0] == 'Z' ? "Zeit [ms]" : ""));
+    }
+  }
+}
+
+TEST_CASE("columns without units are suggested as volts, and the file asks for their gains",
+          "[import][suggest]") {
+  Shown s = shown(44);
+  for (std::size_t c = 1; c < s.table.header.size(); ++c) s.table.header[c] = fmt::format("K{}", c);
+  const Suggested found = suggest_columns(s.table);
+  const std::string text = suggested_file(s.table, found, "x.csv");
+  const Calibration k = parse_calibration(text, "x.toml");
+  for (const Suggestion& x : found.columns)
+    if (x.channel) CHECK(k.columns[1 + index(*x.channel)] == s.table.header[x.column] + " [V]");
+  CHECK_THAT(text, Contains("# gain_N_per_V = ?"));
+}
+
 TEST_CASE("a column that no channel fits stays without one", "[import][suggest]") {
   CsvTable t;
   t.header = {"time [s]", "T [degC]", "mains [V]", "mains 2 [V]"};
