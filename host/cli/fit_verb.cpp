@@ -181,6 +181,10 @@ bool moves_default_magnet(const sim::FitProblem& problem) {
 
 }  // namespace
 
+std::vector<sim::MeasuredClosing> fit_closings(const FitArgs& args) {
+  return (args.database.empty() ? published_source(args) : campaign_source(args)).closings;
+}
+
 Exit fit_specimen(const FitArgs& args) {
   if (!args.shards.database.empty() && !args.state_file.empty())
     throw BadInput({"--state and --points-db: both keep what is done, allowed one of them"});

@@ -47,7 +47,7 @@ sim::Case case_of(const LadderArgs& args) {
   } else if (!args.scene.empty()) {
     c.specimen = read_specimen(args.scene);
   }
-  if (args.angle_deg) c.conditions.closing_angle = radians(*args.angle_deg);
+  if (!args.angles_deg.empty()) c.conditions.closing_angle = radians(args.angles_deg.front());
   if (args.supply_volts) c.conditions.supply_volts = *args.supply_volts;
   if (args.ambient_degC) c.conditions.ambient = *args.ambient_degC + zero_celsius;
   return c;
@@ -121,7 +121,7 @@ sim::LadderTimes model_error_of(std::size_t rung, const std::vector<sim::Rung>& 
   const auto place = [](const auto& names, const std::string& name) {
     return std::find(names.begin(), names.end(), name) - names.begin();
   };
-  sim::LadderTimes error = sim::AxisError::nan_times;
+  sim::LadderTimes error = sim::nan_times;
   for (const auto& m : ladder.models) {
     if (m.rung != rung && m.other != rung) continue;
     const sim::Rung &mine = rungs[rung], &other = rungs[m.rung == rung ? m.other : m.rung];
@@ -178,7 +178,7 @@ Exit choose(const sim::Case& c, const std::vector<sim::Rung>& rungs, double accu
                             {"verdict", choice.met ? "not known" : "not met"},
                             {"step_met", choice.met},
                             {"step_error_s", choice.estimate},
-                            {"model_error_s", sim::AxisError::nan_times},
+                            {"model_error_s", sim::nan_times},
                             {"input_error_s", input},
                             {"estimate", choice.relative},
                             {"taken", taken},
@@ -320,7 +320,14 @@ Exit show_ladder(const LadderArgs& args) {
     throw BadInput(
         {"--accuracy: each run decides on the next by its CPU time, so there are no points to share out; "
          "--points-db, --shard and --slurm are for the whole ladder"});
+  if (!args.judge.empty() && (shared_out || !args.accuracy.empty() || !args.table_file.empty()))
+    throw BadInput(
+        {"--judge: the table of all pairs; without --accuracy, --table and the options of points"});
+  if (args.judge.empty() && args.angles_deg.size() > 1)
+    throw BadInput({"--angle: one for a ladder; several with --judge"});
+  if (args.judge.empty() && !args.fit_file.empty()) throw BadInput({"--fit: for --judge only"});
   const sim::Case c = case_of(args);
+  if (!args.judge.empty()) return judge_ladder(args, c);
   if (args.shards.slurm > 0) {
     fmt::print("{}", slurm_script(args.shards, args.shards.database));
     return Exit::pass;

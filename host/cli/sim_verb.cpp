@@ -10,6 +10,7 @@
 #include "core/cpu_time.h"
 #include "core/units.h"
 #include "host/cli/percent.h"
+#include "host/cli/scene_text.h"
 #include "host/cli/solenoid_verb.h"
 #include "host/cli/verbs.h"
 #include "host/config/solenoid_file.h"
@@ -77,18 +78,6 @@ Json milliseconds(double seconds) {
   return seconds > 0 ? Json(seconds * 1e3) : Json();
 }
 
-std::string us(double seconds) {
-  return std::isnan(seconds) ? "-" : std::isinf(seconds) ? "no" : fmt::format("{:.3g}", seconds * 1e6);
-}
-
-/// An error that is not known is never a number.
-std::string known_or(double seconds) {
-  return std::isnan(seconds) ? "not known" : us(seconds);
-}
-
-constexpr const char* numbers_not_known =
-    "how uncertain the specimen's own numbers are is not stated: what they move is not known";
-
 std::string inputs_text(const sim::SceneChoice& c) {
   std::string out = "input error: standard, from";
   for (const auto& i : c.inputs) out += fmt::format(" {} +- {:.3g}", i.name, i.u);
@@ -100,12 +89,6 @@ std::vector<sim::InputUncertainty> inputs_of(const Scene& scene) {
   const RunOptions o = run_options(scene.plan);
   return {{"supply_volts", o.supply_u * scene.shots.front().conditions.supply_volts},
           {"ambient_degC", o.coil_temperature_u}};
-}
-
-/// Error of an axis: to the next rung, or, in brackets, from the one below.
-std::string axis_text(const sim::AxisError& e, std::size_t q) {
-  if (!std::isnan(e.next[q])) return us(e.next[q]);
-  return std::isnan(e.below[q]) ? "?" : "(" + us(e.below[q]) + ")";
 }
 
 std::string verdict_text(const sim::SceneChoice& c) {
@@ -133,7 +116,7 @@ void print_choice(const sim::SceneChoice& c, const Wish& wish, const sim::Specim
     for (std::size_t q = 0; q < s.step_error.size(); ++q)
       fmt::print(stderr, " {:>11} {:>9} {:>9} {:>9}",
                  std::isnan(s.run.times[q]) ? "-" : fmt::format("{:.4f}", s.run.times[q] * 1e3),
-                 us(s.step_error[q]), axis_text(s.fields, q), axis_text(s.mechanics, q));
+                 us_text(s.step_error[q]), axis_text(s.fields, q), axis_text(s.mechanics, q));
     fmt::print(stderr, " {:>7.2g} x\n", s.share);
   }
   fmt::print(stderr,
@@ -161,19 +144,7 @@ void print_choice(const sim::SceneChoice& c, const Wish& wish, const sim::Specim
 
 Json choice_json(const sim::SceneChoice& c, bool wanted) {
   Json steps = Json::array();
-  for (const auto& s : c.steps)
-    steps.push_back({{"rung", s.name},
-                     {s.setting_name, s.run.tolerance},
-                     {"times_s", s.run.times},
-                     {"step_error_s", s.step_error},
-                     {"field_error_s", s.fields.next},
-                     {"field_error_of_rung_below_s", s.fields.below},
-                     {"mechanics_error_s", s.mechanics.next},
-                     {"mechanics_error_of_rung_below_s", s.mechanics.below},
-                     {"model_error_s", s.model_error},
-                     {"known_share_of_wanted", s.share},
-                     {"unknown", s.unknown},
-                     {"cpu_ms", milliseconds(s.run.cpu)}});
+  for (const auto& s : c.steps) steps.push_back(Json::parse(step_json(s)));
   Json inputs = Json::object();
   for (const auto& i : c.inputs) inputs[i.name] = i.u;
   return {{"rung", c.rung.name()},

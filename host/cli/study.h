@@ -10,6 +10,11 @@
 
 /// Verbs that need many simulated closings.
 
+namespace powbench::sim {
+struct Case;
+struct MeasuredClosing;
+}  // namespace powbench::sim
+
 namespace powbench::host {
 
 struct FitArgs {
@@ -35,6 +40,8 @@ struct FitArgs {
   std::string progress = "auto";
 };
 Exit fit_specimen(const FitArgs&);
+/// The measured closings of a fit: of the published tables, or of a campaign.
+std::vector<sim::MeasuredClosing> fit_closings(const FitArgs&);
 
 struct SweepArgs {
   std::string specimen_file;      ///< "" = built-in reference
@@ -59,7 +66,11 @@ Exit sweep(const SweepArgs&);
 
 struct LadderArgs {
   std::string scene;  ///< specimen file, or a plan file NAME.plan.toml; "" = the reference contactor
-  std::optional<double> angle_deg, supply_volts, ambient_degC;  ///< in place of the plan's first shot
+  std::vector<double> angles_deg;  ///< in place of the plan's first shot; several for `judge`
+  std::optional<double> supply_volts, ambient_degC;  ///< likewise
+  std::string judge;               ///< of the touch time: the table of all pairs held against it; "" = none
+  std::string fit_file, database;  ///< of `judge`: what a fit missed at the angles it held out, as `FitArgs`
+  std::optional<std::int64_t> campaign;
   std::string accuracy;  ///< of the touch time, "1%" or "0.01": choose a rung; "" = the whole ladder
   std::vector<std::string> fields;  ///< of the rungs; empty = circuit
   std::string mechanics;            ///< only rungs with these; "" = all that take less than seconds
@@ -72,5 +83,7 @@ struct LadderArgs {
   bool json = false;
 };
 Exit show_ladder(const LadderArgs&);
+/// Every pair at every angle with its times, three errors, cost and verdict. `scene`: the conditions of all of them.
+Exit judge_ladder(const LadderArgs&, const sim::Case& scene);
 
 }  // namespace powbench::host

@@ -188,9 +188,20 @@ void add_ladder_verb(CLI::App& app) {
   v->add_option(
       "scene", args->scene,
       "specimen file or plan (NAME.plan.toml, its first shot); the reference contactor if left out");
-  v->add_option("--angle", args->angle_deg, "closing angle in degrees");
+  v->add_option("--angle", args->angles_deg, "closing angle in degrees; several with --judge");
   v->add_option("--volts", args->supply_volts, "supply, V rms");
   v->add_option("--ambient", args->ambient_degC, "coil temperature, degC");
+  v->add_option(
+      "--judge", args->judge,
+      "such as 1%: what each pair is worth: its times, errors of step, model and input, cost, and whether "
+      "touch, seat and settled are known to that share of the touch time");
+  v->add_option(
+      "--fit", args->fit_file,
+      "with --judge: file of `powbench fit --leave-one-out`; what it missed at an angle it held out is the "
+      "error of the fields of the identified specimen there");
+  v->add_option("--db", args->database,
+                "with --fit: store with the closings; the published tables if left out");
+  v->add_option("--campaign", args->campaign, "with --fit: number of the campaign; the newest if left out");
   v->add_option("--accuracy", args->accuracy,
                 "such as 0.1%: take the cheapest rung and tolerance whose estimated error in touch, seat and "
                 "settled is below this share of the touch time");

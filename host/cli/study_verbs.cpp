@@ -2,7 +2,6 @@
 
 #include <cmath>
 #include <filesystem>
-#include <fstream>
 #include <set>
 
 #include "host/cli/demo_end.h"
@@ -41,12 +40,7 @@ Exit show_tables(const TablesArgs& args) {
   ClosingProvider held_out;
   if (args.specimen_file.empty() && args.fit_file.empty())
     held_out = held_out_provider(parse_fit_file(std::string(published_fit), "published.fit.json"));
-  if (!args.fit_file.empty()) {
-    std::ifstream in(args.fit_file, std::ios::binary);
-    if (!in) throw BadInput({args.fit_file + ": cannot be read"});
-    const std::string text{std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
-    held_out = held_out_provider(parse_fit_file(text, args.fit_file));
-  }
+  if (!args.fit_file.empty()) held_out = held_out_provider(load_fit_file(args.fit_file));
   const auto rows = evaluate_tables(simulator_provider(specimen), held_out);
   if (args.json) {
     fmt::print("{}\n", tables_json(rows));

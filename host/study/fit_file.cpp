@@ -1,6 +1,8 @@
 #include "host/study/fit_file.h"
 
 #include <cmath>
+#include <fstream>
+#include <iterator>
 #include <nlohmann/json.hpp>
 
 #include "host/config/bad_input.h"
@@ -156,6 +158,12 @@ FitFile parse_fit_file(const std::string& text, const std::string& file) {
           throw std::invalid_argument("a member has too few or too many numbers");
     return f;
   });
+}
+
+FitFile load_fit_file(const std::string& file) {
+  std::ifstream in(file, std::ios::binary);
+  if (!in) throw BadInput({file + ": cannot be read"});
+  return parse_fit_file({std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()}, file);
 }
 
 std::string to_json(const FitState& s) {

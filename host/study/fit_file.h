@@ -35,6 +35,8 @@ std::vector<sim::Specimen> specimens(const FitFile&, const FitFold&);
 std::string to_json(const FitFile&);
 /// Throws BadInput naming `file` when the text is not such a file.
 FitFile parse_fit_file(const std::string& text, const std::string& file);
+/// Throws BadInput also where the file cannot be read.
+FitFile load_fit_file(const std::string& file);
 
 /// A search that was stopped: the folds that are done and the state of the one that was running.
 struct FitState {

@@ -38,6 +38,16 @@ class Chooser {
           const CpuClock& clock)
       : axes_(axes), case_(c), wanted_(wanted), duration_(duration), clock_(clock) {}
 
+  std::vector<SceneStep> look_at_all(const std::function<void(std::size_t)>& done) {
+    std::vector<SceneStep> steps;
+    for (std::size_t f = 0; f < axes_.fields.size(); ++f)
+      for (std::size_t m = 0; m < axes_.mechanics.size(); ++m) {
+        steps.push_back(look(f, m));
+        if (done) done(steps.size());
+      }
+    return steps;
+  }
+
   SceneChoice choose(std::span<const InputUncertainty> inputs) {
     SceneChoice choice;
     std::size_t f = 0, m = 0;
@@ -109,6 +119,9 @@ class Chooser {
     };
     if (f + 1 < axes_.fields.size()) s.fields.next = to(f + 1, m);
     if (f > 0) s.fields.below = to(f - 1, m);
+    for (std::size_t q = 0; f == 0 && q < s.fields.next.size(); ++q)
+      for (const double known : {std::abs(here.run.times[q] - axes_.measured[q]), axes_.held_out_error[q]})
+        s.fields.next[q] = std::fmax(s.fields.next[q], known);  // of the two that are known
     if (m + 1 < axes_.mechanics.size()) s.mechanics.next = to(f, m + 1);
     if (m > 0) s.mechanics.below = to(f, m - 1);
     s.model_error = model_error(s);
@@ -126,20 +139,27 @@ class Chooser {
   }
 
   void judge(SceneStep& s) const {
-    const double whole = whole_of(s.run);
     bool too_large = false;
     for (std::size_t q = 0; q < wanted_.size(); ++q) {
       if (std::isnan(wanted_[q])) continue;
-      const double allowed = wanted_[q] * whole;
-      const auto known = [](double x) { return std::isnan(x) ? 0.0 : x; };
-      double sum = known(s.step_error[q]) + known(s.fields.next[q]) + known(s.mechanics.next[q]);
-      s.share = std::max(s.share, sum / allowed);
-      too_large = too_large || sum > allowed;
-      const std::string time(ladder_quantities[q]);
-      if (std::isnan(s.run.times[q])) {
-        s.unknown.push_back(time + ": does not happen");
-        continue;
-      }
+      s.by_time[q] = judge_time(s, q);
+      too_large = too_large || s.by_time[q] == Reached::not_met;
+    }
+    s.reached = too_large ? Reached::not_met : s.unknown.empty() ? Reached::met : Reached::not_known;
+  }
+
+  /// One of the times; what is not known of it is added to `unknown`.
+  Reached judge_time(SceneStep& s, std::size_t q) const {
+    const double allowed = wanted_[q] * whole_of(s.run);
+    const auto known = [](double x) { return std::isnan(x) ? 0.0 : x; };
+    double sum = known(s.step_error[q]) + known(s.fields.next[q]) + known(s.mechanics.next[q]);
+    s.share = std::max(s.share, sum / allowed);
+    const bool too_large = sum > allowed;
+    const std::size_t before = s.unknown.size();
+    const std::string time(ladder_quantities[q]);
+    if (std::isnan(s.run.times[q])) {
+      s.unknown.push_back(time + ": does not happen");
+    } else {
       if (std::isnan(s.step_error[q])) s.unknown.push_back(time + ": error of the step");
       const auto judge_axis = [&](const AxisError& error, const char* axis, std::string_view rung) {
         if (!std::isnan(error.next[q])) return;
@@ -156,7 +176,7 @@ class Chooser {
       judge_axis(s.fields, "the fields", s.name.substr(0, s.name.find('+')));
       judge_axis(s.mechanics, "the mechanics", s.name.substr(s.name.find('+') + 1));
     }
-    s.reached = too_large ? Reached::not_met : s.unknown.empty() ? Reached::met : Reached::not_known;
+    return too_large ? Reached::not_met : s.unknown.size() == before ? Reached::met : Reached::not_known;
   }
 
   static std::string microseconds(double seconds) {
@@ -178,7 +198,7 @@ class Chooser {
 
 LadderTimes input_error(const Rung& rung, double setting, const Case& c, double duration,
                         std::span<const InputUncertainty> inputs, const CpuClock& clock, double* spent) {
-  LadderTimes variance = AxisError::nan_times;
+  LadderTimes variance = nan_times;
   if (rung.costly) return variance;  // two closings an input, each of seconds
   for (const auto& input : inputs) {
     const Variable v = variable(input.name);
@@ -204,6 +224,13 @@ SceneChoice choose_scene(const SceneAxes& axes, const Case& c, const WantedTimes
                          std::span<const InputUncertainty> inputs, const CpuClock& clock) {
   check(axes, wanted);
   return Chooser(axes, c, wanted, duration, clock).choose(inputs);
+}
+
+std::vector<SceneStep> look_at_all(const SceneAxes& axes, const Case& c, const WantedTimes& wanted,
+                                   double duration, const CpuClock& clock,
+                                   const std::function<void(std::size_t)>& done) {
+  check(axes, wanted);
+  return Chooser(axes, c, wanted, duration, clock).look_at_all(done);
 }
 
 }  // namespace powbench::sim

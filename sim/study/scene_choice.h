@@ -14,6 +14,10 @@
 
 namespace powbench::sim {
 
+inline constexpr LadderTimes nan_times{std::numeric_limits<double>::quiet_NaN(),
+                                       std::numeric_limits<double>::quiet_NaN(),
+                                       std::numeric_limits<double>::quiet_NaN()};
+
 /// Wanted error of touch, seat and settled as a share of the touch time; NaN: not wanted.
 using WantedTimes = LadderTimes;
 
@@ -22,6 +26,9 @@ using WantedTimes = LadderTimes;
 struct SceneAxes {
   std::vector<std::string> fields, mechanics;
   std::function<Rung(std::size_t field, std::size_t mechanics)> rung;
+  /// A measurement of the case, and what the first fields missed it by when it had no part in their identification,
+  /// s. NaN: none. The larger of that and of the distance to the measurement is evidence of these fields' error.
+  LadderTimes measured{nan_times}, held_out_error{nan_times};
 };
 
 /// Whether a wanted accuracy is reached.
@@ -32,14 +39,12 @@ enum class Reached : std::uint8_t {
 };
 inline constexpr std::array<std::string_view, 3> reached_names{"met", "not met", "not known"};
 
-/// Error of the model along one axis (`model_difference`), s. NaN: there is no such rung, or the time did not happen.
+/// Error of the model along one axis, s: `model_difference`, or a measurement's where that is larger. NaN: there is
+/// neither, or the time did not happen.
 struct AxisError {
   LadderTimes next{nan_times};  ///< to the next rung: the error of this one
   LadderTimes below{
       nan_times};  ///< from the rung below; at the top it stands for the error where it is within what is wanted
-  static constexpr LadderTimes nan_times{std::numeric_limits<double>::quiet_NaN(),
-                                         std::numeric_limits<double>::quiet_NaN(),
-                                         std::numeric_limits<double>::quiet_NaN()};
 };
 
 /// An input (`variable` of sim/study/axis.h) and its standard uncertainty in the unit of its name.
@@ -56,17 +61,19 @@ struct SceneStep {
   AxisError fields, mechanics;
   LadderTimes model_error{};  ///< s, of fields and mechanics together; NaN: not known
   double share = 0;           ///< largest sum of the known errors over what is wanted
-  Reached reached = Reached::not_known;
-  std::vector<std::string> unknown;  ///< what is not known, a clause each
+  std::array<Reached, 3> by_time{Reached::not_known, Reached::not_known,
+                                 Reached::not_known};  ///< where wanted
+  Reached reached = Reached::not_known;                ///< of all that are wanted
+  std::vector<std::string> unknown;                    ///< what is not known, a clause each
 };
 
 struct SceneChoice {
-  Rung rung;                                      ///< taken
-  double setting = 0;                             ///< its tolerance, step or cell
-  std::vector<SceneStep> steps;                   ///< what was looked at; the last was taken
-  LadderTimes input_error{AxisError::nan_times};  ///< s, standard, from `inputs`; NaN: not known
-  std::vector<InputUncertainty> inputs;           ///< those that were varied
-  double spent = 0;                               ///< s CPU, all runs
+  Rung rung;                             ///< taken
+  double setting = 0;                    ///< its tolerance, step or cell
+  std::vector<SceneStep> steps;          ///< what was looked at; the last was taken
+  LadderTimes input_error{nan_times};    ///< s, standard, from `inputs`; NaN: not known
+  std::vector<InputUncertainty> inputs;  ///< those that were varied
+  double spent = 0;                      ///< s CPU, all runs
   Reached reached() const { return steps.back().reached; }
 };
 
@@ -78,5 +85,10 @@ LadderTimes input_error(const Rung&, double setting, const Case&, double duratio
 /// Throws std::invalid_argument for an accuracy outside 1e-9 .. 0.5, or nothing wanted.
 SceneChoice choose_scene(const SceneAxes&, const Case&, const WantedTimes&, double duration,
                          std::span<const InputUncertainty>, const CpuClock&);
+
+/// Every pair of the axes, fields first, refined and judged as `choose_scene` does: what each rung is worth. `done` is
+/// told how many there are so far. Throws as `choose_scene`.
+std::vector<SceneStep> look_at_all(const SceneAxes&, const Case&, const WantedTimes&, double duration,
+                                   const CpuClock&, const std::function<void(std::size_t)>& done = {});
 
 }  // namespace powbench::sim

@@ -2,6 +2,7 @@
 #include <nlohmann/json.hpp>
 
 #include "host/store/store.h"
+#include "tests/places.h"
 #include "tests/system/program.h"
 
 using namespace powbench;
@@ -134,4 +135,32 @@ TEST_CASE("a ladder states three errors, and an accuracy of the step alone is no
   CHECK(j["step_met"] == true);
   CHECK(j["model_error_s"][0].is_null());
   CHECK(j["input_error_s"][0].get<double>() > 1e-6);
+}
+
+TEST_CASE("a ladder judges every pair at every angle, against the measurement where there is one",
+          "[system]") {
+  Folder folder;
+  const std::string specimen = source_dir() + "/scenes/published.specimen.toml",
+                    fit = source_dir() + "/scenes/published.fit.json";
+  const std::vector<std::string> words{"ladder",  specimen, "--mechanics", "rigid", "--judge", "5%",
+                                       "--angle", "30",     "90",          "--fit", fit};
+  const auto text = run(folder, words);
+  REQUIRE(text.status == 0);
+  CHECK_THAT(text.out,
+             Contains("measured") && Contains("verdict") && Contains("of 2 angles and 3 times each"));
+  auto as_json = words;
+  as_json.emplace_back("--json");
+  const auto j = nlohmann::json::parse(run(folder, as_json).out);
+  REQUIRE(j["angles"].size() == 2);
+  const auto& first = j["angles"][0];
+  CHECK(first["measured_s"][0].get<double>() == Approx(11.86e-3).margin(1e-9));  // table 2 of the paper
+  const auto& pair = first["pairs"][0];
+  CHECK(pair["rung"] == "circuit+rigid");
+  // no verdict without evidence: nothing tells the error of rigid parts here
+  CHECK(pair["verdicts"] == nlohmann::json({"not known", "not known", "not known"}));
+  CHECK(pair["field_error_s"][0].get<double>() >=
+        std::abs(pair["times_s"][0].get<double>() - first["measured_s"][0].get<double>()));
+  // the core row of 90 degrees is impossible as printed, so nothing is known of the seat
+  CHECK(j["angles"][1]["measured_s"][1].is_null());
+  CHECK(j["angles"][1]["pairs"][0]["field_error_s"][1].is_null());
 }

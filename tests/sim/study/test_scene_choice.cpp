@@ -116,6 +116,35 @@ TEST_CASE("a single rung is refined by its step alone, and says when that is not
   CHECK(coarse.steps.back().setting_name == "cell mm");
 }
 
+TEST_CASE("every pair is looked at, and each time has a verdict of its own", "[scene]") {
+  std::size_t counted = 0;
+  const auto all = look_at_all(known_axes(3, 2), at(0), {0.06, 0.06, unwanted}, 0.08, no_clock,
+                               [&](std::size_t done) { counted = done; });
+  REQUIRE(all.size() == 6);
+  CHECK(counted == 6);
+  CHECK(all[0].name == "field0+mechanics0");
+  CHECK(all[1].name == "field0+mechanics1");
+  // touch: 9e-4 + 3.6e-4 s of 0.06 * 11.4 ms; seat: equal on all rungs
+  CHECK(all[0].by_time[0] == Reached::not_met);
+  CHECK(all[0].by_time[1] == Reached::met);
+  CHECK(all[0].by_time[2] == Reached::not_known);  // not wanted
+  CHECK(all[0].reached == Reached::not_met);
+  CHECK(all[2].reached == Reached::met);
+  // as the choice judges the same pair
+  const auto one = choose_scene(known_axes(3, 2), at(0), {0.06, 0.06, unwanted}, 0.08, {}, no_clock);
+  CHECK(one.steps.back().name == all[2].name);
+  CHECK(one.steps.back().model_error[0] == all[2].model_error[0]);
+  // a measurement counts where it says more than the next rung, and where there is none
+  SceneAxes measured = known_axes(2, 1);
+  measured.measured = {0.0114 + 2e-3, unwanted, unwanted};
+  measured.held_out_error = {unwanted, 5e-5, unwanted};
+  const auto told_by = look_at_all(measured, at(0), {0.06, 0.06, unwanted}, 0.08, no_clock);
+  CHECK(told_by[0].fields.next[0] == Approx(2e-3).margin(2e-6));
+  CHECK(told_by[0].fields.next[1] == 5e-5);
+  CHECK(std::isnan(told_by[1].fields.next[0]));  // of the first fields alone
+  CHECK_THROWS_AS(look_at_all({}, at(0), {0.1, unwanted, unwanted}, 0.08, no_clock), std::invalid_argument);
+}
+
 TEST_CASE("bad wishes are refused", "[scene]") {
   CHECK_THROWS_AS(choose_scene(known_axes(1, 1), at(0), {unwanted, unwanted, unwanted}, 0.08, {}, no_clock),
                   std::invalid_argument);
