@@ -274,8 +274,8 @@ ForceAnalysis analyse_force(const Force& f, double t_end, const Measured& core_s
         out.ring.empty() ? f.noise : open_noise(out.stripped, best.round, out.ring, t_end, f.noise);
     round = find_contacts(out.stripped, noise, f.settled, t_end, o);
   }
-  // a model that explains the whole record to its noise has nothing left that could be a contact
-  if (!out.ring.empty() && !bare_enough && !convincing(best) &&
+  // a ring that explains all open time to its noise has taken no contact: no few modes look like one pulse
+  if (!out.ring.empty() && !bare_enough && !convincing(best) && !best.open_time &&
       takes_a_contact(f.signal, unaided, round.intervals)) {
     out.ring = {};
     out.stripped = f.signal;

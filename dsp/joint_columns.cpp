@@ -270,7 +270,7 @@ void weigh_rows(const JointInput& in, const JointModel& m, JointRows& r) {
   }
   if (!m.rise) return;
   if (!m.rise->modelled)
-    scale(m.rise->touch - gap_head, m.rise->touch + joint_settling, 0.0);
+    scale(m.rise->touch - gap_head, m.rise->touch + in.settling(), 0.0);
   else if (m.rise->reduced_chi2 > 1.3)
     scale(m.rise->touch, m.rise->touch + joint_head, 1 / std::sqrt(m.rise->reduced_chi2));
 }

@@ -64,9 +64,6 @@ std::vector<double> ring_rows(const Ring&, const JointRows&, std::size_t i1, std
 /// Number of linear amplitudes of the settled force.
 std::size_t settled_terms(bool modelled);
 
-inline constexpr double joint_tail = 5e-3;    ///< s of closed time after the last touch
 inline constexpr double joint_head = 0.5e-3;  ///< s of closed time that decides whether the rise is modelled
-inline constexpr double joint_settling =
-    1e-3;  ///< s of closed time left out when it is not: the contact still moves
 
 }  // namespace powbench::dsp

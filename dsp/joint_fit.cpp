@@ -195,7 +195,7 @@ void judge(const JointInput& in, JointModel& m, const JointRows& rows, Work& wor
   m.dof = -static_cast<double>(s.columns);
   for (const JointPulse& p : m.pulses)
     if (!p.modelled) m.left_out += (p.shape.release - p.shape.touch) / r.dt;
-  if (m.rise && !m.rise->modelled) m.left_out += joint_settling / r.dt;
+  if (m.rise && !m.rise->modelled) m.left_out += in.settling() / r.dt;
   for (std::size_t i = 0; i < r.size(); ++i) {
     if (r.weight[i] == 0) continue;
     m.chi2 += s.residual[i] * s.residual[i];
@@ -317,6 +317,10 @@ double JointModel::cost() const {
 }
 
 JointModel fit_joint(const JointInput& in, JointModel m, int iterations) {
+  if (in.open_below > 0) {
+    for (JointPulse& p : m.pulses) p.modelled = p.modelled && p.shape.peak < in.open_below;
+    if (m.rise && m.rise->modelled && !m.rise->linear.empty()) unmodel(*m.rise);
+  }
   if (m.rise && m.rise->linear.size() != settled_terms(m.rise->modelled)) {
     const double level = m.rise->linear.empty() ? 0.0 : m.rise->linear.front();
     m.rise->linear.assign(settled_terms(m.rise->modelled), 0.0);

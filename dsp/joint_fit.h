@@ -50,6 +50,8 @@ struct JointModel {
   double cost() const;
 };
 
+inline constexpr double joint_tail = 5e-3;  ///< s of closed time after the last touch that is used
+
 struct JointInput {
   const Signal& force;
   double noise = 0.0;                       ///< N, one sample
@@ -62,9 +64,13 @@ struct JointInput {
       false;  ///< a static share of the core's force from the onset to the last touch is fitted too
   bool ring_fixed = false;                  ///< the ring is taken out as it is
   double blind_from = 0.0, blind_to = 0.0;  ///< s: samples left out while the core is still landing
-  bool keep_all = false;    ///< pulses that do not fit stay in (what does not fit may be ring)
-  double enough = 0.01;     ///< gain of an iteration in the sum of squares: a tenth of a standard uncertainty
-  bool judged = false;      ///< the contacts of the start were judged by a fit like this one
+  bool keep_all = false;  ///< pulses that do not fit stay in (what does not fit may be ring)
+  double enough = 0.01;   ///< gain of an iteration in the sum of squares: a tenth of a standard uncertainty
+  bool judged = false;    ///< the contacts of the start were judged by a fit like this one
+  /// N, > 0: contacts of a larger peak and the settled one are left out, so that the ring is what open time shows.
+  double open_below = 0.0;
+  /// s of closed time left out where the rise is not modelled: the contact still moves
+  double settling() const { return open_below > 0 ? joint_tail : 1e-3; }
   bool times_only = false;  ///< nobody asks for the standard uncertainties: they stay 0
 };
 

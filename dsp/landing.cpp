@@ -8,7 +8,7 @@ namespace powbench::dsp {
 
 namespace {
 
-constexpr double farthest = 0.5e-3;  ///< s between the two sightings of one edge
+constexpr double one_edge = 0.5e-3;  ///< s between the two sightings of one edge
 
 struct Window {
   double first = 0, last = 0;
@@ -17,7 +17,7 @@ struct Window {
 
 /// The crossing nearest to `t` among touches or releases; NaN when none is near.
 double nearest(const std::vector<Interval>& unaided, double t, bool touch) {
-  double best = std::numeric_limits<double>::quiet_NaN(), distance = farthest;
+  double best = std::numeric_limits<double>::quiet_NaN(), distance = one_edge;
   for (const Interval& i : unaided) {
     const double at = touch ? i.touch : i.release;
     if (!(std::abs(at - t) < distance)) continue;

@@ -74,7 +74,9 @@ Ring grow_ring(const RingInput&, std::vector<Pole> start, const ExtractOptions&,
                double hopeless = std::numeric_limits<double>::infinity());
 
 /// The time in [t1, t2] from which on taking the ring out leaves less behind. With `usable` the signal is a
-/// residual and compared as it is where usable; without, it is a force, and both are high-passed first.
-double find_onset(const Signal&, const std::vector<std::uint8_t>* usable, const Ring&, double t1, double t2);
+/// residual and compared as it is where usable; without, it is a force, and of both what is slower than `slow` (s,
+/// standard deviation of a Gaussian) is taken out first.
+double find_onset(const Signal&, const std::vector<std::uint8_t>* usable, const Ring&, double t1, double t2,
+                  double slow = 150e-6);
 
 }  // namespace powbench::dsp

@@ -142,7 +142,7 @@ Ring grow_ring(const RingInput& in, std::vector<Pole> start, const ExtractOption
 }
 
 double find_onset(const Signal& signal, const std::vector<std::uint8_t>* usable, const Ring& ring, double t1,
-                  double t2) {
+                  double t2, double slow) {
   Ring everywhere = ring;
   everywhere.onset = t1;
   const RingRows f = ring_rows(signal, usable, t1, t2);
@@ -151,7 +151,7 @@ double find_onset(const Signal& signal, const std::vector<std::uint8_t>* usable,
   for (std::size_t i = 0; i < r.size(); ++i) r[i] = everywhere.value(f.t[i]);
   if (!usable) {
     // Both through the same high-pass, so that the slow part of the contact force does not count.
-    const double width = 150e-6 / f.dt;
+    const double width = slow / f.dt;
     const auto f_low = gaussian_smooth(x, width), r_low = gaussian_smooth(r, width);
     for (std::size_t i = 0; i < r.size(); ++i) x[i] -= f_low[i], r[i] -= r_low[i];
   }

@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "dsp/joint_ring.h"
 #include "dsp/joint_start.h"
 #include "dsp/landing.h"
 #include "dsp/ring.h"
@@ -14,8 +15,9 @@ namespace powbench::dsp {
 
 namespace {
 
-constexpr double most_reduced = 3.0;  ///< of the joint fit: with more left the ring is not believed
-constexpr double stage = 1.5e-3;      ///< s by which the window grows backwards
+constexpr double most_reduced = 3.0;     ///< of the joint fit: with more left the ring is not believed
+constexpr double stage = 1.5e-3;         ///< s by which the window grows backwards
+constexpr double badly_explained = 1.5;  ///< reduced sum of squares of a joint fit
 constexpr double inside = 0.6e-3;  ///< s between the window's start and an onset that needs no earlier window
 
 double last_event(const Round& r) {
@@ -55,32 +57,6 @@ std::pair<double, double> onset_range(const Round& r, const Measured& seat, doub
   return {std::max({r.intervals.front().touch - 4e-3, last - longest, 0.5e-3, t0}), last + 150e-6};
 }
 
-/// Modes larger than any vibration can be cancel each other where they are seen and say nothing elsewhere.
-bool bounded(const Ring& ring, double limit) {
-  return std::all_of(ring.modes.begin(), ring.modes.end(), [&](const RingMode& m) {
-    return std::hypot(m.cosine, m.sine) * std::exp(-m.pole.decay * (ring.onset - ring.reference)) < limit;
-  });
-}
-
-/// One more mode while what is left of the model's own samples shows one that is worth its four parameters.
-void add_modes(const JointInput& in, JointModel& m, double limit) {
-  JointInput trial = in;  // whether a mode is worth it shows long before its parameters are final
-  trial.enough = 1;
-  trial.judged = true;
-  while (static_cast<int>(m.ring.modes.size()) < in.options.ring_modes) {
-    const JointResidual left = joint_residual(in, m);
-    const double to = left.signal.end();
-    const auto more =
-        strongest_pole({left.signal, left.usable, m.ring.onset, to, to, left.noise}, {}, in.options);
-    if (!more) return;
-    JointModel next = m;
-    next.ring.modes.push_back({*more, 0.0, 0.0});
-    next = fit_joint(trial, std::move(next), 6);
-    if (!(next.chi2 < m.chi2 - 40 * std::max(1.0, m.reduced())) || !bounded(next.ring, limit)) return;
-    m = std::move(next);
-  }
-}
-
 /// The strongest mode of `ring` at its onset is one of those of `other`, to a tenth.
 bool same_vibration(const Ring& ring, const Ring& other) {
   const auto size = [&](const RingMode& m) {
@@ -92,25 +68,6 @@ bool same_vibration(const Ring& ring, const Ring& other) {
          std::any_of(other.modes.begin(), other.modes.end(), [&](const RingMode& m) {
            return std::abs(m.pole.hertz - main->pole.hertz) < 0.1 * main->pole.hertz;
          });
-}
-
-/// A ring that is not known yet: the strongest oscillation in what the contacts leave, its start tried every 0.2 ms.
-/// False when there is none.
-bool seed_ring(const JointInput& in, JointModel& m, double from, double to) {
-  const JointResidual left = joint_residual(in, m);
-  double best = 0;
-  for (double t = from; t < to; t += 0.2e-3) {
-    const double end = std::min(t + 2.5e-3, left.signal.end());
-    double gain = 0;
-    const auto pole =
-        strongest_pole({left.signal, left.usable, t, end, end, left.noise}, {}, in.options, &gain);
-    if (!pole || gain <= best) continue;
-    Ring ring = fit_ring({left.signal, left.usable, t, end, end, left.noise}, {*pole}, in.options);
-    if (ring.empty()) continue;
-    best = gain;
-    m.ring = std::move(ring);
-  }
-  return best > 0;
 }
 
 /// Samples of [t1, t2].
@@ -126,40 +83,6 @@ Signal cut(const Signal& s, double t1, double t2) {
   return out;
 }
 
-/// A piece of ring before the onset looks like a contact, and the other way round: a pulse next to the onset goes
-/// when the fit without it, its time open to the onset, explains as much.
-void drop_stand_ins(const JointInput& in, JointModel& m) {
-  for (std::size_t k = 0; k < m.pulses.size(); ++k) {
-    const PulseShape f = m.pulses[k].shape;
-    const double t = m.ring.onset;
-    if (f.release - f.touch > 0.25e-3 || t < f.touch - 60e-6 || t > f.release + 150e-6) continue;
-    JointModel without = m;
-    without.pulses.erase(without.pulses.begin() + static_cast<std::ptrdiff_t>(k));
-    without.ring.onset = f.touch;
-    JointInput wide = in;
-    wide.onset_from = std::min(in.onset_from, f.touch - 100e-6);
-    wide.onset_to = std::max(in.onset_to, f.release + 100e-6);
-    without = fit_joint(wide, std::move(without), 8);
-    if (!(without.cost() < m.cost() + 10)) continue;
-    m = std::move(without);
-    --k;
-  }
-}
-
-/// The same after the core was seen to land: vibration that its own model did not reach yet crosses the levels as a
-/// small contact, and a fit with that contact keeps the vibration wrong. A pulse smaller than the ring where it lies
-/// stays only where it earns its parameters.
-void drop_ring_pieces(const JointInput& in, JointModel& m) {
-  for (std::size_t k = m.pulses.size(); k-- > 0;) {
-    const PulseShape f = m.pulses[k].shape;
-    if (!(f.peak < m.ring.amplitude_at(f.touch))) continue;
-    JointModel without = m;
-    without.pulses.erase(without.pulses.begin() + static_cast<std::ptrdiff_t>(k));
-    without = fit_joint(in, std::move(without), 8);
-    if (without.cost() < m.cost()) m = std::move(without);
-  }
-}
-
 struct Search {
   const Force& force;
   double t_end;
@@ -168,6 +91,7 @@ struct Search {
   bool seat_known;
   double seat_u;  ///< s
   const ExtractOptions& options;
+  bool open_only = false;  ///< the ring from what open time shows
 
   /// One round in the window from `from` on: detect on the stripped force, fit jointly, add modes.
   bool round(Separated& s, double from, std::pair<double, double> onset, int iterations,
@@ -213,6 +137,7 @@ struct Search {
                   false,
                   seat_known ? range.first - 3 * seat_u - 10e-6 : 0.0,
                   seat_known ? range.first + landing_time : 0.0};
+    if (open_only) in.open_below = 0.5 * force.settled;
     in.times_only = seat_known || rough;  // a ring alone comes out of it (separate_ring)
     if ((seat_known && !complete) || rough) in.enough = 1;
     const double limit = 1.5 * std::max(force.settled, 20 * force.noise);
@@ -284,6 +209,37 @@ struct Search {
       Separated trial = fit_from(t, 8, false);
       if (trial.found && trial.model.cost() < s.model.cost()) s = std::move(trial);
     }
+  }
+
+  /// A contact's own motion that no pulse and no rise describes bends the ring. Where much is left, the ring is looked
+  /// for in open time alone: it is taken where it explains that to the noise, and no crest of it stands as a contact.
+  void look_in_open_time(Separated& s, double from) const {
+    constexpr double near = 0.5e-3, explained = 1.3, crest = 2;
+    Search open = *this;
+    open.open_only = true;
+    Separated other;
+    if (!open.round(other, from, range, 8) || !other.found) return;
+    const double at = other.model.ring.onset;
+    open.settle(other, from, {std::max(at - near, range.first), std::min(at + near, range.second)});
+    const auto is_crest = [&](const JointPulse& p) {
+      return p.shape.peak < crest * other.model.ring.amplitude_at(p.shape.touch);
+    };
+    if (!other.found || !(other.model.reduced() < explained) || !(other.model.cost() < s.model.cost()) ||
+        std::any_of(other.model.pulses.begin(), other.model.pulses.end(), is_crest))
+      return;
+    place_in_contact(other.model);
+    other.open_time = true;
+    s = std::move(other);
+  }
+
+  /// An onset next to a contact that was left out may lie in it: where taking out the fast part of the ring leaves less
+  /// of the fast part of the force.
+  void place_in_contact(JointModel& m) const {
+    constexpr double before = 50e-6, after = 100e-6, slow = 25e-6;  // s
+    const double at = m.ring.onset;
+    for (const JointPulse& p : m.pulses)
+      if (!p.modelled && at > p.shape.touch - before && at < p.shape.release + after)
+        m.ring.onset = find_onset(force.signal, nullptr, m.ring, p.shape.touch - before, at, slow);
   }
 
   /// Rounds in the whole window until nothing changes.
@@ -391,6 +347,7 @@ Separated separate_ring(const Force& f, const Round& unaided, const Measured& co
     const double at = s.model.ring.onset;
     search.settle(s, begin, {std::max(at - 0.2e-3, t1), std::min(at + 0.2e-3, t2)});
   }
+  if (s.model.left_out > 0 && s.model.reduced() > badly_explained) search.look_in_open_time(s, begin);
   s.whole = s.found;
   return s;
 }

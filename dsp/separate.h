@@ -11,10 +11,11 @@ namespace powbench::dsp {
 
 struct Separated {
   JointModel model;
-  Round round;         ///< contacts crossed on the stripped force, the start of `model`
-  double from = 0.0;   ///< s: start of the samples used
-  bool found = false;  ///< there is a ring
-  bool whole = false;  ///< the model holds all contacts, not only those after the core landed
+  Round round;             ///< contacts crossed on the stripped force, the start of `model`
+  double from = 0.0;       ///< s: start of the samples used
+  bool found = false;      ///< there is a ring
+  bool open_time = false;  ///< the ring explains all open time; contacts were left out
+  bool whole = false;      ///< the model holds all contacts, not only those after the core landed
 };
 
 /// Is the force better without the ring that was found? `noise`: N, one sample.

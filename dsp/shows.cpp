@@ -16,7 +16,7 @@ constexpr double clear = 6;        // standard deviations of the calm force
 constexpr double faint = 8;        // the same: a contact whose peak is no larger is none
 constexpr double beside = 0.5e-3;  // s
 constexpr double larger_than_swing = 2.5;
-constexpr double sticking = 12,
+constexpr double most_pull = 12,
                  breaking = 150e-6;  // a contact this much larger may pull for so long when it breaks
 
 }  // namespace
@@ -48,7 +48,7 @@ bool swings_below_zero(const Force& f, const std::vector<Interval>& contacts, do
     while (k + 1 < contacts.size() && contacts[k + 1].touch < s.time(i)) ++k;
     const Interval& c = contacts[k];
     const double since = s.time(i) - c.release;
-    if (!(since > -breaking && since < breaking) || !(largest(c) > -sticking * calm.value[i])) return true;
+    if (!(since > -breaking && since < breaking) || !(largest(c) > -most_pull * calm.value[i])) return true;
   }
   return false;
 }

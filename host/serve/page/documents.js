@@ -61,21 +61,30 @@ function showCampaigns() {
 let ran = () => {};
 /** @param {() => void} act */
 export const whenRun = (act) => { ran = act; };
+/** The campaign whose button was pressed once; the list may be made anew between two presses. @type {number|null} */
+let asked = null;
+let forget = 0;
+const restWords = 'Fire the rest';
 /** Asks in its own words before it fires; no dialog, which would take Esc from STOP. @param {Campaign} c */
 function restButton(c) {
-  const rest = button('Fire the rest', () => {
-    if (rest.dataset.asked) {
+  const question = restWords + ' of campaign ' + c.id + ' now';
+  const rest = button(asked === c.id ? question : restWords, () => {
+    const sure = asked === c.id;
+    noLongerAsked();
+    if (sure) {
       fireRest(c.id);
       return;
     }
-    rest.dataset.asked = 'yes';
-    rest.textContent = 'Fire the rest of campaign ' + c.id + ' now';
-    window.setTimeout(() => {
-      delete rest.dataset.asked;
-      rest.textContent = 'Fire the rest';
-    }, 6000);
+    asked = c.id;
+    rest.textContent = question;
+    forget = window.setTimeout(noLongerAsked, 6000);
   });
   return rest;
+}
+function noLongerAsked() {
+  window.clearTimeout(forget);
+  asked = null;
+  for (const b of document.querySelectorAll('#campaigns button')) if (b.textContent?.startsWith(restWords)) b.textContent = restWords;
 }
 /** What a plan that was not fired to its end lacks. @param {number} id */
 async function fireRest(id) {
