@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -147,6 +148,18 @@ Json angle_json(const JudgedAngle& a) {
   return {{"angle_deg", a.degrees}, {"measured_s", a.measured}, {"input_error_s", a.input}, {"pairs", pairs}};
 }
 
+/// The first run of a pair also makes what all its runs share, such as the modes of its parts. The cheaper of two more is
+/// what a closing costs; pairs that take seconds keep their only run.
+void measure_cost(const sim::SceneAxes& axes, const sim::Case& c, std::vector<sim::SceneStep>& pairs) {
+  constexpr double dear = 1;  // s
+  for (std::size_t k = 0; k < pairs.size(); ++k) {
+    sim::LadderRun& run = pairs[k].run;
+    if (run.cpu > dear) continue;
+    const sim::Rung rung = axes.rung(k / axes.mechanics.size(), k % axes.mechanics.size());
+    run.cpu = sim::run_rung(std::span(&rung, 1), 0, c, judged_span, run.tolerance, thread_cpu_seconds, 2).cpu;
+  }
+}
+
 /// How many of the verdicts are which, a line for each pair.
 void print_sums(const std::vector<JudgedAngle>& angles) {
   fmt::print("\nof {} angles and {} times each:\n", angles.size(), sim::ladder_quantities.size());
@@ -186,6 +199,7 @@ Exit judge_ladder(const LadderArgs& args, const sim::Case& scene) {
     a.measured = axes.measured;
     a.pairs = sim::look_at_all(axes, c, {wanted, wanted, wanted}, judged_span, thread_cpu_seconds,
                                [&](std::size_t done) { progress.update(judged.size() * pairs + done); });
+    measure_cost(axes, c, a.pairs);
     const sim::Rung cheapest = axes.rung(0, 0);
     a.input = sim::input_error(cheapest, sim::settings_of(cheapest, 1e-6, 1e-6).front(), c, judged_span,
                                inputs, thread_cpu_seconds);
