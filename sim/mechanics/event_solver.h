@@ -49,8 +49,8 @@ class EventSolver {
   static constexpr Real smallest_step = Real(1e-13L);  ///< s, below: give up
   static constexpr Real simultaneous = Real(1e-13L);   ///< s
 
-  /// Everything a run remembers between two steps: copying it is a restart that continues bit for bit.
-  struct Memory {
+  /// What the steps remember from one to the next.
+  struct StepMemory {
     alignas(dop853::alignment) Real y[capacity] = {};      ///< states, time, root
     alignas(dop853::alignment) Real slope[capacity] = {};  ///< dy/dt at y
     Real time = 0;
@@ -62,11 +62,15 @@ class EventSolver {
     int root = -1;
     bool slope_known = false;
     int stiff_steps = 0;  ///< in a row
-    std::uint64_t pending = 0;
-    ChatterLock<Real, System::guard_capacity> lock;
     std::int64_t evaluations = 0;
     std::int64_t steps = 0;
     std::int64_t rejected = 0;
+  };
+
+  /// Everything a run remembers between two steps: copying it is a restart that continues bit for bit.
+  struct Memory : StepMemory {
+    std::uint64_t pending = 0;  ///< guards that ended the last step
+    ChatterLock<Real, System::guard_capacity> lock;
     std::int64_t events = 0;
   };
 
@@ -83,7 +87,7 @@ class EventSolver {
     m_.step = std::min(step, largest_step_);
     m_.root = -1;
     m_.slope_known = false;
-    m_.pending = 0;
+    pending_ = 0;
     m_.stiff_steps = 0;
     dense_ready_ = guards_known_ = false;
     length_ = 0;
@@ -91,11 +95,14 @@ class EventSolver {
     for (int i = 0; i < n_; ++i) inverse_[i] = 1 / (tolerance_ * system_->scale(i));
   }
 
-  const Memory& memory() const { return m_; }
+  Memory memory() const { return {m_, pending_, lock_, events_}; }
   /// Continues from a copy; the system must be the copy that belongs to it. No dense output until the next step.
   void resume(const Memory& memory) {
     restart(memory.time, memory.y, memory.step);
     m_ = memory;
+    pending_ = memory.pending;
+    lock_ = memory.lock;
+    events_ = memory.events;
     system_->follow_root(m_.root);
   }
 
@@ -105,9 +112,9 @@ class EventSolver {
   std::int64_t evaluations() const { return m_.evaluations; }
   std::int64_t steps() const { return m_.steps; }
   std::int64_t rejected() const { return m_.rejected; }
-  std::int64_t events() const { return m_.events; }
+  std::int64_t events() const { return events_; }
   /// Steps have been kept short by stability, not by accuracy, for a while, and no event ended the last one.
-  bool stiff() const { return m_.stiff_steps >= 15 && m_.pending == 0; }
+  bool stiff() const { return m_.stiff_steps >= 15 && pending_ == 0; }
   Real last_step() const { return m_.time - begin_; }
 
   /// State at `t` in [begin, end]; writes padded(size() + 2) values. `out` needs no alignment of its own.
@@ -125,11 +132,11 @@ class EventSolver {
   /// Passes end(): switches what ended the step, then takes the next one. False: the step cannot be made small
   /// enough.
   bool extend() {
-    if (m_.pending != 0) {
-      m_.lock.note(m_.time, m_.pending);
-      m_.events += 1;
-      system_->flip(m_.time, m_.y, m_.pending);
-      m_.pending = 0;
+    if (pending_ != 0) {
+      lock_.note(m_.time, pending_);
+      events_ += 1;
+      system_->flip(m_.time, m_.y, pending_);
+      pending_ = 0;
       m_.slope_known = guards_known_ = false;
     }
     begin_ = m_.time;
@@ -139,9 +146,10 @@ class EventSolver {
     }
     if (!guards_known_) system_->guards(begin_, m_.y, m_.slope, sets_[now_]);
     guards_known_ = false;
-    follow();
-    std::copy_n(m_.y, rows_, start_);
-    if (!step()) return false;
+    Real root = 0;
+    const int chosen = system_->choose_root(sets_[now_], m_.y, m_.step, root);
+    follow(chosen, root);
+    if (!step(lock_.room(begin_))) return false;
     land();
     return true;
   }
@@ -153,10 +161,8 @@ class EventSolver {
   }
   bool followed() const { return m_.root >= 0; }
 
-  /// Decides which contact the next step follows, and how long the step is tried.
-  void follow() {
-    Real root = 0;
-    const int chosen = system_->choose_root(sets_[now_], m_.y, m_.step, root);
+  /// The next step follows the contact `chosen`, whose depth has this root, or none (-1). Decides how long it is tried.
+  void follow(int chosen, Real root) {
     if (chosen < 0) {
       m_.root = -1;
     } else {
@@ -214,7 +220,9 @@ class EventSolver {
     return h * (root + bend * h) > most ? most / (root + bend * h) : h;
   }
 
-  bool step() {
+  /// One step from (end(), m_.y) of at most `room` s. False: it cannot be made small enough.
+  bool step(Real room) {
+    std::copy_n(m_.y, rows_, start_);
     if (followed()) {
       system_->set_root(start_[n_ + 1]);
       slope_row(m_.slope, start_[n_ + 1], start_, k_);
@@ -222,7 +230,6 @@ class EventSolver {
       std::copy_n(m_.slope, rows_, k_);
       plain_row(k_);
     }
-    const Real room = m_.lock.room(begin_);
     const Real asked = followed() ? m_.root_step : m_.step;
     Real h = limit(asked, std::min(largest_step_, room));
     const bool cut = room < largest_step_ && h < asked;  // says nothing of the step that accuracy allows
@@ -312,7 +319,7 @@ class EventSolver {
              length_ * k_[12 * capacity + n_ + 1] * length_};
   }
 
-  bool locked(int k) const { return m_.lock.holds(k, begin_); }
+  bool locked(int k) const { return lock_.holds(k, begin_); }
 
   /// Ends the step at the earliest crossing, if there is one.
   void land() {
@@ -379,13 +386,13 @@ class EventSolver {
     covered_ = share;
     GuardSet& g = sets_[1 - now_];
     system_->guards(m_.time, m_.y, nullptr, g);
-    m_.pending = std::uint64_t{1} << which;
+    pending_ = std::uint64_t{1} << which;
     const int smooth = system_->smooth_guards();
     for (int k = 0; k < system_->guard_count(); ++k) {
       if ((suspects >> k & 1U) == 0) continue;
       const Real value = k == m_.root ? m_.y[n_ + 1] : g.value[k];
       const bool near = k < smooth && g.rate[k] < 0 && k != m_.root && value <= -g.rate[k] * simultaneous;
-      if (value < 0 || near) m_.pending |= std::uint64_t{1} << k;
+      if (value < 0 || near) pending_ |= std::uint64_t{1} << k;
     }
     m_.slope_known = false;
     m_.last_error = Real(1e-4L);
@@ -465,7 +472,7 @@ class EventSolver {
   Real largest_step_;
   int n_ = 0;
   int rows_ = 0;
-  Memory m_;
+  StepMemory m_;
   alignas(dop853::alignment) Real start_[capacity] = {};  ///< states at begin_
   alignas(dop853::alignment) Real inverse_[capacity] = {};
   alignas(dop853::alignment) Real k_[dop853::slopes * capacity] = {};
@@ -478,6 +485,9 @@ class EventSolver {
   bool guards_known_ = false;
   StepEnds<Real> ends_{};
   Crossing<Real> brackets_[System::guard_capacity];
+  std::uint64_t pending_ = 0;
+  ChatterLock<Real, System::guard_capacity> lock_;
+  std::int64_t events_ = 0;
   Real begin_ = 0;
   Real length_ = 0;   ///< of the step in its own variable
   Real covered_ = 1;  ///< share of it up to the event that ended it
