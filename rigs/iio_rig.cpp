@@ -5,16 +5,14 @@
 #include <algorithm>
 #include <array>
 #include <cerrno>
-#include <cmath>
 #include <cstdlib>
 #include <random>
 #include <thread>
 
-#include "core/commanded_phase.h"
 #include "core/crc32.h"
-#include "core/phase.h"
 #include "rigs/iio_link.h"
 #include "rigs/sealed_shot.h"
+#include "rigs/shot_set_points.h"
 
 /// A shot over a line that may break at any byte. Before the coil is energised the rig's own sealed account of the
 /// set-points is compared with those asked for; afterwards the sealed account of the shot decides whether a record is
@@ -139,22 +137,20 @@ std::string IioRig::claim(Clock::time_point until) {
 }
 
 void IioRig::set_conditions(const Conditions& c) {
-  const auto milli = [](double x) { return std::to_string(std::llrint(x * 1000.0)); };
-  const auto set = [&](Device d, const char* name, const std::string& value) {
-    link_->write(d, name, owned(value));
+  const auto wanted = shot_set_points(c, link_->has_source());
+  const auto set = [&](Device d, const char* name, std::int64_t value) {
+    link_->write(d, name, owned(std::to_string(value)));
   };
-  if (link_->has_source()) {
-    set(Device::plant, "supply_millivolts", milli(c.supply_volts));
-    set(Device::plant, "mains_millihertz", milli(c.mains_hertz));
-    set(Device::plant, "ambient_millidegc", milli(c.ambient - zero_celsius));
-    // the wire carries 18 decimal digits
-    set(Device::plant, "seed", std::to_string(c.seed % 1'000'000'000'000'000'000ULL));
+  if (wanted.source) {
+    set(Device::plant, "supply_millivolts", wanted.source->supply_millivolts);
+    set(Device::plant, "mains_millihertz", wanted.source->mains_millihertz);
+    set(Device::plant, "ambient_millidegc", wanted.source->ambient_millidegc);
+    set(Device::plant, "seed", wanted.source->seed);
   }
-  const double angle = commanded_phase(c);
-  link_->write_angle(owned(std::to_string(to_centi_degrees(angle))));
-  set(Device::control, "hold_time_ms", std::to_string(std::llrint(c.hold_time * 1000.0)));
-  set(Device::control, "touch_delay_us", "0");
-  set(Device::control, "angle_tolerance_millideg", milli(degrees(c.angle_tolerance)));
+  link_->write_angle(owned(std::to_string(wanted.angle_centideg)));
+  set(Device::control, "hold_time_ms", wanted.hold_ms);
+  set(Device::control, "touch_delay_us", wanted.touch_us);
+  set(Device::control, "angle_tolerance_millideg", wanted.tolerance_mdeg);
 }
 
 SealedShot IioRig::read_sealed() {
@@ -176,16 +172,8 @@ std::string IioRig::read_state() {
 
 /// What the rig has latched is what was asked for. Anything else came from a line that changes bits.
 void IioRig::refuse_other_set_points(const SealedShot& s, const Conditions& c) const {
-  const double angle = commanded_phase(c);
-  bool same = s.angle_centideg == to_centi_degrees(angle) && s.hold_ms == std::llrint(c.hold_time * 1000.0) &&
-              s.touch_us == 0 && s.tolerance_mdeg == std::llrint(degrees(c.angle_tolerance) * 1000.0) &&
-              s.source.has_value() == link_->has_source();
-  if (same && s.source)
-    same = s.source->supply_millivolts == std::llrint(c.supply_volts * 1000.0) &&
-           s.source->mains_millihertz == std::llrint(c.mains_hertz * 1000.0) &&
-           s.source->ambient_millidegc == std::llrint((c.ambient - zero_celsius) * 1000.0) &&
-           s.source->seed == static_cast<std::int64_t>(c.seed % 1'000'000'000'000'000'000ULL);
-  if (!same) throw LinkBroken{0, "the rig has latched other set-points than those asked for"};
+  if (!has_latched(s, shot_set_points(c, link_->has_source())))
+    throw LinkBroken{0, "the rig has latched other set-points than those asked for"};
 }
 
 /// Everything up to, and without, energising the coil.
