@@ -3,15 +3,13 @@
 #include <utility>  // ahead of Asio: 1.74 forgets it under C++20
 
 #include <algorithm>
-#include <atomic>
 #include <boost/asio.hpp>
 #include <chrono>
-#include <cstdio>
 #include <cstring>
 #include <deque>
 #include <vector>
 
-#include "core/random.h"
+#include "rigs/boot_id.h"
 #include "rigs/fault_line.h"
 #include "rigs/rig.h"
 #include "rigs/sim_world.h"
@@ -39,16 +37,6 @@ constexpr const char* no_place =
     "-16\nall connections of this rig are taken: close one of its other clients, then try again\n";
 
 }  // namespace
-
-std::string next_boot_id(const std::string& serial, std::uint64_t seed) {
-  static std::atomic<std::uint64_t> starts{0};
-  std::uint64_t state = seed;
-  for (const char c : serial) state = splitmix64(state) ^ static_cast<unsigned char>(c);
-  state = splitmix64(state) + ++starts;
-  char text[17];
-  std::snprintf(text, sizeof text, "%016llx", static_cast<unsigned long long>(splitmix64(state)));
-  return text;
-}
 
 struct IiodServer::Impl {
   struct Session;

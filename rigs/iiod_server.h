@@ -20,16 +20,12 @@ struct AddressError : RigError {
   using RigError::RigError;
 };
 
-/// What tells one start of a simulated board from every other: a hash of its serial number, `seed` and the number of
-/// the start in this process. The same program gives the same sequence at every run.
-std::string next_boot_id(const std::string& serial, std::uint64_t seed = 1);
-
 /// A simulated rig behind a real IIOD server. One thread, one event loop; requests never wait for virtual
 /// time.
 class IiodServer {
  public:
   /// Binds at once; throws RigError with one sentence if the address cannot be had. With an empty
-  /// `options.boot_id` it makes up a new one: see next_boot_id().
+  /// `options.boot_id` it makes up a new one: see rigs/boot_id.h.
   IiodServer(const SimRigConfig&, const sim::Specimen&, const std::string& address,
              std::uint16_t port = iiod_port, const BoardOptions& = {});
   ~IiodServer();

@@ -6,6 +6,7 @@
 
 #include "host/cli/verbs.h"
 #include "host/gather/scene.h"
+#include "rigs/boot_id.h"
 #include "rigs/bridge/bridge.h"
 #include "rigs/exposure.h"
 #include "rigs/iiod_server.h"
