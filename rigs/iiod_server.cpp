@@ -11,6 +11,7 @@
 
 #include "rigs/boot_id.h"
 #include "rigs/fault_line.h"
+#include "rigs/iiod_client.h"
 #include "rigs/rig.h"
 #include "rigs/sim_world.h"
 
@@ -30,9 +31,7 @@ constexpr milliseconds typing_limit{
     1000};  // from the first byte of a request to its last, and from connecting on
 // a client that has said nothing for this long makes room when all places are taken
 constexpr milliseconds idle_limit{10'000};
-constexpr std::size_t unread_limit = 1 << 16;  // bytes a client may send ahead while it is owed samples
-constexpr std::size_t answer_limit = 1 << 16;  // answers collected before the client has to take them
-constexpr std::size_t most_farewells = 64;     // clients being told at one time that there is no place
+constexpr std::size_t most_farewells = 64;  // clients being told at one time that there is no place
 constexpr const char* no_place =
     "-16\nall connections of this rig are taken: close one of its other clients, then try again\n";
 
@@ -87,7 +86,11 @@ struct IiodServer::Impl {
 /// One client connection: bytes in, answers out, in order.
 struct IiodServer::Impl::Session : std::enable_shared_from_this<Session> {
   Session(Impl& owner, tcp::socket s, unsigned number)
-      : server(owner), socket(std::move(s)), deadline(owner.io), typing(owner.io), connection(number) {
+      : server(owner),
+        socket(std::move(s)),
+        deadline(owner.io),
+        typing(owner.io),
+        client(*owner.world, number) {
     boost::system::error_code ignored;
     peer = socket.remote_endpoint(ignored).address();
     socket.set_option(tcp::no_delay(true), ignored);  // without it a refill takes 44 ms
@@ -98,32 +101,15 @@ struct IiodServer::Impl::Session : std::enable_shared_from_this<Session> {
     next();
   }
 
-  /// Hands received bytes to the responder, request by request, then answers; reads on unless a READBUF waits for
-  /// samples. What one client is owed at a time stays bounded, and the others get their turn.
+  /// Answers what was heard; reads on unless a READBUF waits for samples.
   void consume() {
-    std::size_t at = 0;
-    std::vector<std::uint8_t> bytes;
-    bool halfway = false;
     active = ++server.turns;
     spoke = Clock::now();
-    while (at < unread.size() && status == Board::Status::ready && bytes.size() < answer_limit) {
-      const auto from = unread.begin() + static_cast<std::ptrdiff_t>(at);
-      const auto line_end = std::find(from, unread.end(), std::uint8_t{'\n'});
-      const auto length = static_cast<std::size_t>(line_end - from) + (line_end == unread.end() ? 0 : 1);
-      writes = writes || (length > 5 && std::equal(from, from + 5, "WRITE"));
-      auto answer = server.board().feed(connection, std::span(unread).subspan(at, length));
-      at += answer.used;
-      status = answer.status;
-      halfway = answer.halfway;
-      timeout_ms = answer.timeout_ms;
-      bytes.insert(bytes.end(), answer.bytes.begin(), answer.bytes.end());
-      server.world->notice_commands();
-    }
-    unread.erase(unread.begin(), unread.begin() + static_cast<std::ptrdiff_t>(at));
-    if (!halfway) typing.cancel();
-    if (halfway && !was_halfway) limit_typing();
-    was_halfway = halfway;
-    if (status == Board::Status::pending) wait_for_samples();
+    auto bytes = client.answer();
+    if (!client.halfway()) typing.cancel();
+    if (client.halfway() && !was_halfway) limit_typing();
+    was_halfway = client.halfway();
+    if (client.status() == Board::Status::pending) wait_for_samples();
     send(std::move(bytes));
     server.work();
     server.pulse();
@@ -140,28 +126,25 @@ struct IiodServer::Impl::Session : std::enable_shared_from_this<Session> {
   /// A READBUF is owed an answer within the client's time-out, whatever happens. A client of libiio 0.24 sets it on its
   /// other connection: that is the one from the same address which spoke last.
   void wait_for_samples() {
-    const Session* speaker = timeout_ms >= 0 ? this : nullptr;
+    const Session* speaker = client.timeout_ms() >= 0 ? this : nullptr;
     for (const auto& other : server.sessions)
-      if (timeout_ms < 0 && other->timeout_ms >= 0 && other->peer == peer &&
+      if (client.timeout_ms() < 0 && other->client.timeout_ms() >= 0 && other->peer == peer &&
           (!speaker || other->active > speaker->active))
         speaker = other.get();
-    const std::int32_t ms = speaker ? speaker->timeout_ms : 0;
+    const std::int32_t ms = speaker ? speaker->client.timeout_ms() : 0;
     if (ms == 0) return;
     deadline.expires_after(milliseconds(ms));
     deadline.async_wait([self = shared_from_this()](auto error) {
-      if (error || self->status != Board::Status::pending || !self->socket.is_open()) return;
-      auto answer = self->server.board().expire(self->connection);
-      self->status = answer.status;
-      self->send(std::move(answer.bytes));
+      if (error || self->client.status() != Board::Status::pending || !self->socket.is_open()) return;
+      self->send(self->client.expire());
     });
   }
 
   void samples_arrived() {
-    if (status != Board::Status::pending || !socket.is_open()) return;
-    auto answer = server.board().resume(connection);
-    status = answer.status;
-    if (status == Board::Status::ready) deadline.cancel();
-    send(std::move(answer.bytes));
+    if (client.status() != Board::Status::pending || !socket.is_open()) return;
+    auto bytes = client.resume();
+    if (client.status() == Board::Status::ready) deadline.cancel();
+    send(std::move(bytes));
   }
 
   void send(std::vector<std::uint8_t> bytes) {
@@ -183,9 +166,9 @@ struct IiodServer::Impl::Session : std::enable_shared_from_this<Session> {
   /// Everything is answered: go on with bytes already here, else read more. While a READBUF is pending the
   /// socket is read all the same, so that a vanished client is noticed.
   void next() {
-    if (status == Board::Status::closed) return close();
+    if (client.status() == Board::Status::closed) return close();
     if (reading || !outgoing.empty()) return;
-    if (!unread.empty() && status == Board::Status::ready) {
+    if (client.unanswered() && client.status() == Board::Status::ready) {
       asio::post(server.io, [self = shared_from_this()] { self->consume(); });
       return;
     }
@@ -193,10 +176,8 @@ struct IiodServer::Impl::Session : std::enable_shared_from_this<Session> {
     socket.async_read_some(asio::buffer(incoming), [self = shared_from_this()](auto error, std::size_t n) {
       self->reading = false;
       if (error) return self->close();
-      self->unread.insert(self->unread.end(), self->incoming.begin(),
-                          self->incoming.begin() + static_cast<std::ptrdiff_t>(n));
-      if (self->unread.size() > unread_limit) return self->close();
-      if (self->status == Board::Status::ready)
+      if (!self->client.hear(std::span(self->incoming).first(n))) return self->close();
+      if (self->client.status() == Board::Status::ready)
         self->consume();
       else
         self->next();
@@ -209,7 +190,7 @@ struct IiodServer::Impl::Session : std::enable_shared_from_this<Session> {
     deadline.cancel();
     typing.cancel();
     socket.close(ignored);
-    server.board().close(connection);
+    client.leave();
     server.drop(this);
   }
 
@@ -219,13 +200,9 @@ struct IiodServer::Impl::Session : std::enable_shared_from_this<Session> {
   asio::ip::address peer;
   std::uint64_t active = 0;                ///< when it spoke last, in turns of the server
   Clock::time_point spoke = Clock::now();  ///< the same, or when it came
-  bool writes = false;                     ///< it has commanded something: it may be the owner
-  std::int32_t timeout_ms = -1;            ///< as Board::Answer
   bool was_halfway = true;                 ///< a new connection owes a request
-  const unsigned connection;               ///< its number on the board
-  Board::Status status = Board::Status::ready;
+  IiodClient client;
   std::array<std::uint8_t, 4096> incoming{};
-  std::vector<std::uint8_t> unread;
   std::deque<std::vector<std::uint8_t>> outgoing;
   bool reading = false;
 };
@@ -281,8 +258,8 @@ void IiodServer::Impl::accept() {
 void IiodServer::Impl::make_room() {
   std::shared_ptr<Session> silent;
   for (const auto& session : sessions) {
-    const bool in_use =
-        session->status == Board::Status::pending || (session->writes && board().report().lease_held);
+    const bool in_use = session->client.status() == Board::Status::pending ||
+                        (session->client.writes() && board().report().lease_held);
     if (!in_use && (!silent || session->active < silent->active)) silent = session;
   }
   if (silent && Clock::now() - silent->spoke >= idle) silent->close();
@@ -332,7 +309,7 @@ void IiodServer::Impl::pulse() {
 int IiodServer::Impl::free_connection() const {
   for (unsigned number = 0; number < firmware::Bench::max_connections; ++number)
     if (std::none_of(sessions.begin(), sessions.end(),
-                     [&](const auto& s) { return s->connection == number; }))
+                     [&](const auto& s) { return s->client.connection() == number; }))
       return static_cast<int>(number);
   return -1;
 }

@@ -1,0 +1,60 @@
+#include "rigs/iiod_client.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "rigs/sim_world.h"
+
+namespace powbench::rigs {
+
+namespace {
+
+constexpr std::size_t unread_limit = 1 << 16;  // bytes a client may send ahead while it is owed samples
+constexpr std::size_t answer_limit = 1 << 16;  // answers collected before the client has to take them
+
+}  // namespace
+
+bool IiodClient::hear(std::span<const std::uint8_t> bytes) {
+  unread_.insert(unread_.end(), bytes.begin(), bytes.end());
+  return unread_.size() <= unread_limit;
+}
+
+std::vector<std::uint8_t> IiodClient::answer() {
+  std::size_t at = 0;
+  std::vector<std::uint8_t> bytes;
+  halfway_ = false;
+  while (at < unread_.size() && status_ == Board::Status::ready && bytes.size() < answer_limit) {
+    const auto from = unread_.begin() + static_cast<std::ptrdiff_t>(at);
+    const auto line_end = std::find(from, unread_.end(), std::uint8_t{'\n'});
+    const auto length = static_cast<std::size_t>(line_end - from) + (line_end == unread_.end() ? 0 : 1);
+    writes_ = writes_ || (length > 5 && std::equal(from, from + 5, "WRITE"));
+    const auto answer = world_->board().feed(connection_, std::span(unread_).subspan(at, length));
+    at += answer.used;
+    status_ = answer.status;
+    halfway_ = answer.halfway;
+    timeout_ms_ = answer.timeout_ms;
+    bytes.insert(bytes.end(), answer.bytes.begin(), answer.bytes.end());
+    world_->notice_commands();
+  }
+  unread_.erase(unread_.begin(), unread_.begin() + static_cast<std::ptrdiff_t>(at));
+  return bytes;
+}
+
+std::vector<std::uint8_t> IiodClient::resume() {
+  return take(world_->board().resume(connection_));
+}
+
+std::vector<std::uint8_t> IiodClient::expire() {
+  return take(world_->board().expire(connection_));
+}
+
+std::vector<std::uint8_t> IiodClient::take(Board::Answer answer) {
+  status_ = answer.status;
+  return std::move(answer.bytes);
+}
+
+void IiodClient::leave() {
+  world_->board().close(connection_);
+}
+
+}  // namespace powbench::rigs
