@@ -14,7 +14,8 @@
 #include "bench/field3d/exact3.h"
 #include "bench/field3d/picture3.h"
 #include "bench/field3d/probe3.h"
-#include "bench/field3d/team13.h"
+#include "bench/field3d/table3.h"
+#include "bench/field3d/team13_rows.h"
 #include "bench/field3d/team20.h"
 #include "core/cpu_time.h"
 #include "sim/field3d/force3.h"
@@ -26,44 +27,10 @@ namespace {
 
 namespace sim = powbench::sim;
 namespace bench = powbench::bench;
+using bench::Table;
 using sim::Vec3;
 
 constexpr double mu0 = 4e-7 * std::numbers::pi;
-
-struct Row {
-  std::string name, unit;
-  double value = 0, reference = 0;
-  int unknowns = 0, iterations = 0;
-  double cpu = 0;
-  std::string kind;  ///< of reference: exact, measured
-};
-
-class Table {
- public:
-  void add(const Row& r) {
-    const double error = 100 * (r.value / r.reference - 1);
-    std::printf("%-34s %9d %4d %8.2f %14.6g %14.6g %-5s %8.3f  %s\n", r.name.c_str(), r.unknowns,
-                r.iterations, r.cpu, r.value, r.reference, r.unit.c_str(), error, r.kind.c_str());
-    std::fflush(stdout);
-    rows_.push_back({{"case", r.name},
-                     {"unknowns", r.unknowns},
-                     {"iterations", r.iterations},
-                     {"cpu_s", r.cpu},
-                     {"value", r.value},
-                     {"reference", r.reference},
-                     {"unit", r.unit},
-                     {"error_percent", error},
-                     {"reference_kind", r.kind}});
-  }
-  static void head() {
-    std::printf("%-34s %9s %4s %8s %14s %14s %-5s %8s  %s\n", "case", "unknowns", "its", "CPU s", "value",
-                "reference", "unit", "error %", "reference is");
-  }
-  nlohmann::ordered_json rows() const { return rows_; }
-
- private:
-  nlohmann::ordered_json rows_ = nlohmann::ordered_json::array();
-};
 
 void balls(Table& table) {
   const auto one = [&](const std::string& name, const std::vector<double>& radius,
@@ -131,110 +98,6 @@ void team20(Table& table, double size) {
     table.add({name + ", pull", "N", pull, row.pull, w.unknowns(), s.iterations, cost, "measured"});
     table.add({name + ", by thin layer", "N", thin, pull, w.unknowns(), s.iterations, cost, "virtual work"});
   }
-}
-
-/// One side of TEAM 13 at 1000 A.
-struct Bound {
-  std::string side;
-  double gap = 0.5e-3;
-  int order = 2, unknowns = 0, iterations = 0;
-  double cpu = 0, psi = 0;
-  std::vector<double> plate{};
-};
-
-Bound team13(Table& table, double size) {
-  const auto p = bench::team13(size);
-  const sim::Coenergy3 w(p);
-  sim::Newton3 newton(w);
-  const double start = powbench::process_cpu_seconds();
-  const auto s = newton.solve({{false, 1000}});
-  Bound above{"above",  0.5e-3, 2, w.unknowns(), s.iterations, powbench::process_cpu_seconds() - start,
-              s.flux[0]};
-  for (const auto& row : bench::team13_plate) {
-    above.plate.push_back(bench::team13_plate_average(w, s.state, row.z_mm * 1e-3));
-    table.add({"TEAM 13, 1000 A, plate z " + std::to_string(static_cast<int>(row.z_mm)) + " mm", "T",
-               above.plate.back(), row.b, w.unknowns(), s.iterations, above.cpu, "measured"});
-  }
-  const double again = powbench::process_cpu_seconds();
-  const auto strong = newton.solve({{false, 3000}});
-  const double strong_cost = powbench::process_cpu_seconds() - again;
-  const bench::Probe3 probe(w, strong.state);
-  for (const auto& row : bench::team13_air) {
-    const auto b = probe.at({row.x_mm * 1e-3, 20e-3, 55e-3}).b;
-    table.add({"TEAM 13, 3000 A, air x " + std::to_string(static_cast<int>(row.x_mm)) + " mm", "T",
-               std::hypot(b[0], b[1], b[2]), row.b, w.unknowns(), strong.iterations, strong_cost,
-               "measured"});
-  }
-  return above;
-}
-
-Bound team13_above(double size, double gap) {
-  const double start = powbench::process_cpu_seconds();
-  const auto p = bench::team13(size, gap);
-  const sim::Coenergy3 w(p);
-  sim::Newton3 newton(w);
-  const auto s = newton.solve({{false, 1000}});
-  Bound out{"above", gap, 2, w.unknowns(), s.iterations, powbench::process_cpu_seconds() - start, s.flux[0]};
-  for (const auto& row : bench::team13_plate)
-    out.plate.push_back(bench::team13_plate_average(w, s.state, row.z_mm * 1e-3));
-  return out;
-}
-
-Bound team13_below(double size, int order, double gap) {
-  const double start = powbench::process_cpu_seconds();
-  bench::EdgeField3 field(bench::team13_edges(size, order, gap));
-  const auto s = field.solve(1000);
-  Bound out{"below", gap, order, field.unknowns(), s.iterations, powbench::process_cpu_seconds() - start,
-            s.psi};
-  for (const auto& row : bench::team13_plate)
-    out.plate.push_back(bench::team13_plate_average(field, s, row.z_mm * 1e-3));
-  return out;
-}
-
-/// TEAM 13 at 1000 A from both sides on the same grids: scalar potential above, edge elements below; and with a wider
-/// gap. `finest` comes from the table of the measured rows.
-nlohmann::ordered_json team13_bounds(const Bound& finest, bool fine) {
-  std::printf(
-      "\nTEAM 13, 1000 A: flux linkage and plate averages from above (scalar potential) and below (edge "
-      "elements), "
-      "per cent off the measured averages\n%-6s %5s %6s %9s %4s %8s %10s",
-      "", "order", "gap mm", "unknowns", "its", "CPU s", "psi mWb");
-  for (const auto& row : bench::team13_plate) std::printf(" %4.0f mm", row.z_mm);
-  std::printf("\n");
-  auto list = nlohmann::ordered_json::array();
-  const auto print = [&](const Bound& b) {
-    std::printf("%-6s %5d %6.2f %9d %4d %8.2f %10.6f", b.side.c_str(), b.order, b.gap * 1e3, b.unknowns,
-                b.iterations, b.cpu, b.psi * 1e3);
-    auto errors = nlohmann::ordered_json::array();
-    for (std::size_t k = 0; k < b.plate.size(); ++k) {
-      errors.push_back(100 * (b.plate[k] / bench::team13_plate[k].b - 1));
-      std::printf(" %+7.2f", errors.back().get<double>());
-    }
-    std::printf("\n");
-    std::fflush(stdout);
-    list.push_back({{"side", b.side},
-                    {"order", b.order},
-                    {"gap_m", b.gap},
-                    {"unknowns", b.unknowns},
-                    {"iterations", b.iterations},
-                    {"cpu_s", b.cpu},
-                    {"psi", b.psi},
-                    {"plate_error_percent", errors}});
-    return b.psi;
-  };
-  constexpr double gap = 0.5e-3, wider = 0.58e-3;
-  print(team13_below(2.5, 1, gap));
-  double low = 0;
-  for (const double size : fine ? std::vector<double>{5, 2.5, 1.6} : std::vector<double>{5, 2.5}) {
-    if (size > 2) print(team13_above(size, gap));
-    low = print(team13_below(size, 2, gap));
-  }
-  const double high = print(finest);
-  std::printf("the flux linkage lies between %.4f and %.4f mWb, %.2f %% apart\n", low * 1e3, high * 1e3,
-              100 * (high / low - 1));
-  print(team13_above(2.5, wider));
-  print(team13_below(5, 2, wider));
-  return list;
 }
 
 /// The reference core at several meshes: self-convergence of psi and pull.
@@ -366,14 +229,14 @@ int main(int argc, char** argv) {
   solenoids(table);
   team20(table, 2);
   if (fine) team20(table, 1.3);
-  const auto above = team13(table, fine ? 1 : 1.6);
+  const auto above = bench::team13(table, fine ? 1 : 1.6);
   plane(table);
   core(table, fine);
   std::printf(
       "Peers' published figures, not run here: TEAM 20 by first-order edge elements (226 k unknowns, GetDP) "
       "7.98, 54.64, "
       "74.49, 79.60 N\n");
-  const auto bounds = team13_bounds(above, fine);
+  const auto bounds = bench::team13_bounds(above, fine);
   const auto corrections = ends(2.8);
   if (fine) three_dimensional_table();
   const nlohmann::ordered_json all{{"benchmark", "field3d"},
