@@ -229,7 +229,7 @@ int main(int argc, char** argv) {
   solenoids(table);
   team20(table, 2);
   if (fine) team20(table, 1.3);
-  const auto above = bench::team13(table, fine ? 1 : 1.6);
+  const auto above = bench::team13_rows(table, fine ? 1 : 1.6);
   plane(table);
   core(table, fine);
   std::printf(
