@@ -227,7 +227,7 @@ Exit pull(const DbArgs& args) {
       throw BadInput({fmt::format("--since '{}': not a day; allowed as 2030-12-31", args.since)});
     LateSteps steps("pull", args.progress);
     Wanted wanted(args);
-    Choice choice;
+    CampaignChoice choice;
     if (!(args.customer + args.device + args.name + args.since).empty()) choice = std::ref(wanted);
     const Merged m = pull_store(
         args.address, args.database, choice, [&] { return wanted.others(); }, steps.step());

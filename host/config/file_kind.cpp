@@ -13,7 +13,7 @@ struct Overloaded : Ts... {
 template <class... Ts>
 Overloaded(Ts...) -> Overloaded<Ts...>;
 
-std::string range_text(const Range& range, const Unit& unit) {
+std::string range_text(const AllowedRange& range, const Unit& unit) {
   constexpr double most = std::numeric_limits<double>::max();
   if (range.low == -most && range.high == most) return "";
   std::string text = number_text(range.low) + ".." + number_text(range.high);
@@ -32,31 +32,32 @@ void FileKind::section(std::string name, std::string meaning) {
   sections_.push_back({std::move(name), std::move(meaning)});
 }
 
-Field& FileKind::add(std::string key, Target target, Range range, std::string meaning, Need need) {
+Field& FileKind::add(std::string key, Target target, AllowedRange range, std::string meaning, Need need) {
   const std::string allowed = range_text(range, unit_of_key(key));
   fields_.push_back(
       {sections_.back().name, std::move(key), std::move(target), range, std::move(meaning), need, allowed});
   return fields_.back();
 }
 
-Field& FileKind::number(std::string key, double& target, Range range, std::string meaning, Need need) {
+Field& FileKind::number(std::string key, double& target, AllowedRange range, std::string meaning, Need need) {
   return add(std::move(key), &target, range, std::move(meaning), need);
 }
 
-Field& FileKind::number(std::string key, Accessor target, Range range, std::string meaning) {
+Field& FileKind::number(std::string key, Accessor target, AllowedRange range, std::string meaning) {
   return add(std::move(key), std::move(target), range, std::move(meaning), Need::defaulted);
 }
 
-Field& FileKind::numbers(std::string key, std::vector<double*> places, Range range, std::string meaning) {
+Field& FileKind::numbers(std::string key, std::vector<double*> places, AllowedRange range,
+                         std::string meaning) {
   return add(std::move(key), Numbers{std::move(places)}, range, std::move(meaning), Need::defaulted);
 }
 
-Field& FileKind::sweep(std::string key, std::vector<double>& target, Range range, std::string meaning,
+Field& FileKind::sweep(std::string key, std::vector<double>& target, AllowedRange range, std::string meaning,
                        Need need) {
   return add(std::move(key), Sweep{&target}, range, std::move(meaning), need);
 }
 
-Field& FileKind::integer(std::string key, int& target, Range range, std::string meaning, Need need) {
+Field& FileKind::integer(std::string key, int& target, AllowedRange range, std::string meaning, Need need) {
   return add(std::move(key), &target, range, std::move(meaning), need);
 }
 

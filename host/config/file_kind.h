@@ -57,7 +57,7 @@ enum class Need {
 };
 
 /// Closed interval in the unit of the key. NaN and infinities are outside every range.
-struct Range {
+struct AllowedRange {
   double low = -std::numeric_limits<double>::max();
   double high = std::numeric_limits<double>::max();
 };
@@ -66,7 +66,7 @@ struct Field {
   std::string section;  ///< "" = top of the file
   std::string key;
   Target target;
-  Range range;
+  AllowedRange range;
   std::string meaning;
   Need need = Need::defaulted;
   std::string allowed;  ///< "lo..hi unit" or the words; for messages and the template
@@ -87,11 +87,11 @@ class FileKind {
   /// Fields declared from here on belong to this section.
   void section(std::string name, std::string meaning);
 
-  Field& number(std::string key, double& target, Range, std::string meaning, Need = Need::defaulted);
-  Field& number(std::string key, Accessor, Range, std::string meaning);
-  Field& numbers(std::string key, std::vector<double*> places, Range, std::string meaning);
-  Field& sweep(std::string key, std::vector<double>& target, Range, std::string meaning, Need);
-  Field& integer(std::string key, int& target, Range, std::string meaning, Need = Need::defaulted);
+  Field& number(std::string key, double& target, AllowedRange, std::string meaning, Need = Need::defaulted);
+  Field& number(std::string key, Accessor, AllowedRange, std::string meaning);
+  Field& numbers(std::string key, std::vector<double*> places, AllowedRange, std::string meaning);
+  Field& sweep(std::string key, std::vector<double>& target, AllowedRange, std::string meaning, Need);
+  Field& integer(std::string key, int& target, AllowedRange, std::string meaning, Need = Need::defaulted);
   Field& seed(std::string key, std::uint64_t& target, std::string meaning);
   Field& yes_no(std::string key, bool& target, std::string meaning);
   Field& text(std::string key, std::string& target, std::string meaning);
@@ -120,7 +120,7 @@ class FileKind {
   std::string resolved_text() const;
 
  private:
-  Field& add(std::string key, Target, Range, std::string meaning, Need);
+  Field& add(std::string key, Target, AllowedRange, std::string meaning, Need);
   Field& words_field(std::string key, Choice, std::string meaning);
 
   std::string name_, meaning_;

@@ -91,12 +91,12 @@ std::string wants(const toml::node& node, const std::string& wanted) {
   return "is " + kind_of(node) + ", must be " + wanted;
 }
 
-bool inside(double value, const Range& range) {
+bool inside(double value, const AllowedRange& range) {
   return value >= range.low && value <= range.high;
 }
 
 /// A number in the key's unit, or nothing and the reason in `wrong`.
-std::optional<double> number_in(const toml::node& node, const Range& range, const Unit& unit,
+std::optional<double> number_in(const toml::node& node, const AllowedRange& range, const Unit& unit,
                                 std::string& wrong) {
   if (!node.is_number()) {
     wrong = wants(node, unit.text.empty() ? "a number" : "a number in " + std::string(unit.text));
@@ -220,7 +220,7 @@ struct Assign {
       const auto* item = table.get(names[i]);
       if (item == nullptr) return "'" + std::string(names[i]) + "' is missing; wants { start, stop, step }";
       std::string wrong;
-      const auto number = number_in(*item, i < 2 ? field.range : Range{}, field.unit(), wrong);
+      const auto number = number_in(*item, i < 2 ? field.range : AllowedRange{}, field.unit(), wrong);
       if (!number) return "'" + std::string(names[i]) + "' " + wrong;
       v[i] = *number;
     }

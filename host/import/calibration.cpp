@@ -24,7 +24,7 @@ std::string gain_key(Channel c) {
   return "gain_" + std::string(unit == "m" ? "mm" : unit) + "_per_V";
 }
 
-void declare_channel(FileKind& kind, Channel c, ChannelCalibration& k) {
+void declare_channel(FileKind& kind, Channel c, WaveformChannel& k) {
   kind.section(std::string(info(c).name), std::string(info(c).meaning));
   kind.number(gain_key(c), k.gain, {-1e9, 1e9},
               "of one volt, for a column in V; negative for a sensor that is upside down", Need::optional);
@@ -89,7 +89,7 @@ Calibration read_with(FileReader reader) {
     if (!text->empty() && !is_day(*text)) reader.fail("", key, "is no day", "a day as 2030-12-31");
   for (const Channel c : all_channels()) {
     const std::string section(info(c).name);
-    const ChannelCalibration& ch = k.of(c);
+    const WaveformChannel& ch = k.of(c);
     if (std::abs(ch.gain) < 1e-9)
       reader.fail(section, gain_key(c), "makes every value zero", "-1e9..-1e-9 or 1e-9..1e9");
     if (ch.clip_low >= ch.clip_high) reader.fail(section, "clip_low", "is not below clip_high");
@@ -108,7 +108,7 @@ std::filesystem::path calibration_path(const std::filesystem::path& waveform) {
 namespace {
 
 void take_certificate(Calibration& k, Channel c, const std::filesystem::path& folder) {
-  ChannelCalibration& ch = k.channels[index(c)];
+  WaveformChannel& ch = k.channels[index(c)];
   const std::string file = (folder / ch.certificate).string();
   const Certificate certificate = parse_dcc(whole_file(file), file);
   const CertifiedGain g = gain_of(certificate, info(c).unit, file);
@@ -157,7 +157,7 @@ std::string calibration_of(const Record& record, const std::string& source) {
   std::vector<Channel> channels;
   for (const ChannelRecord& c : record.channels) {
     channels.push_back(c.channel);
-    ChannelCalibration& to = k.channels[index(c.channel)];
+    WaveformChannel& to = k.channels[index(c.channel)];
     to.corner_hertz = c.corner_hertz;
     to.delay = c.delay;
     if (c.offset == 0.0) to.step = std::abs(c.scale);

@@ -15,7 +15,7 @@
 
 namespace powbench::host {
 
-struct ChannelCalibration {
+struct WaveformChannel {
   double gain =
       std::numeric_limits<double>::quiet_NaN();  ///< SI unit of the channel per volt; NaN = not given
   std::string certificate;    ///< file of a digital calibration certificate that gives the gain; "" = none
@@ -39,11 +39,11 @@ struct Calibration {
   double sample_rate = std::numeric_limits<double>::quiet_NaN();  ///< Hz, instead of the time column
   double mains_hertz = std::numeric_limits<double>::quiet_NaN();  ///< nominal; NaN = not given
   double closing_angle = std::numeric_limits<double>::quiet_NaN();  ///< rad, commanded
-  std::array<ChannelCalibration, channel_count> channels{};
+  std::array<WaveformChannel, channel_count> channels{};
   ForeignColumns columns;
   std::vector<std::string> notes;  ///< what was taken from certificates, a sentence each
 
-  const ChannelCalibration& of(Channel c) const { return channels[index(c)]; }
+  const WaveformChannel& of(Channel c) const { return channels[index(c)]; }
 };
 
 /// `shot.csv` -> `shot.toml`.

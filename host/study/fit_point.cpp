@@ -9,7 +9,7 @@
 namespace powbench::host {
 namespace {
 
-std::string range_text(const char* name, const std::optional<sim::Range>& r) {
+std::string range_text(const char* name, const std::optional<sim::PlausibleRange>& r) {
   return r ? fmt::format("{} {} {} {}\n", name, r->low, r->high, r->deviation) : std::string();
 }
 

@@ -13,7 +13,7 @@ namespace {
 constexpr double impossible = 1e9;
 constexpr double never = 40;  // deviations: a closing that does not close, or an integration that fails
 
-double outside(double value, const Range& r) {
+double outside(double value, const PlausibleRange& r) {
   return std::max({r.low - value, value - r.high, 0.0}) / r.deviation;
 }
 
@@ -34,11 +34,11 @@ Conditions at_degrees(double degrees, double volts) {
 
 Plausible catalogue_ranges() {
   Plausible p;
-  p.inrush = Range{70, 150, 10};
-  p.holding = Range{5, 20, 2};
-  p.overtravel = Range{0.25, 0.8, 0.02};
-  p.contact_force = Range{1.5, 5, 0.3};
-  p.base_travel = Range{0, 2e-3, 0.2e-3};
+  p.inrush = PlausibleRange{70, 150, 10};
+  p.holding = PlausibleRange{5, 20, 2};
+  p.overtravel = PlausibleRange{0.25, 0.8, 0.02};
+  p.contact_force = PlausibleRange{1.5, 5, 0.3};
+  p.base_travel = PlausibleRange{0, 2e-3, 0.2e-3};
   p.pick_up = true;
   p.calm = true;
   return p;
@@ -109,7 +109,7 @@ void Misfit::range_residuals(const Specimen& s, std::vector<double>& out) const 
   const bool any = p.inrush || p.holding || p.overtravel || p.contact_force || p.base_travel || p.held_load;
   if (!any) return;
   const Derived d = derived(s, p.rated_volts);
-  const auto add = [&](const std::optional<Range>& range, double value) {
+  const auto add = [&](const std::optional<PlausibleRange>& range, double value) {
     if (range) out.push_back(outside(value, *range));
   };
   add(p.inrush, d.inrush);
@@ -131,7 +131,7 @@ double Misfit::checks(const Specimen& s, double sum, double give_up) const {
     for (const double degrees : {0.0, 45.0, 70.0, 80.0, 135.0}) {
       if (sum > give_up) return sum;
       const auto t = tried_closing(s, at_degrees(degrees, p.rated_volts), 0.06, limit);
-      constexpr Range calm{0, 26e-3, 5e-3};
+      constexpr PlausibleRange calm{0, 26e-3, 5e-3};
       const double late = t.settled ? outside(*t.settled, calm) : 10;
       sum += late * late;
     }
@@ -206,7 +206,7 @@ Misfit Misfit::motion() const {
     m.bounce = m.core_bounce = {};
   }
   // 0.72 = 0.85^2: not let go at the lowest closing voltage either
-  if (smooth.plausible.calm) smooth.plausible.held_load = Range{0, 0.72, 0.05};
+  if (smooth.plausible.calm) smooth.plausible.held_load = PlausibleRange{0, 0.72, 0.05};
   smooth.plausible.calm = smooth.absolute = false;
   if (last > 0) smooth.duration = std::min(smooth.duration, room * last);
   return Misfit(std::move(smooth));

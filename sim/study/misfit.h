@@ -27,21 +27,22 @@ struct MeasuredClosing {
 };
 
 /// A range that a derived quantity should keep; outside, the distance counts in units of `deviation`.
-struct Range {
+struct PlausibleRange {
   double low = 0, high = 0;
   double deviation = 1;
 };
 
 /// What the kind of contactor demands beside the measured closings. Absent: not asked for.
 struct Plausible {
-  std::optional<Range> inrush;         ///< VA, core held open
-  std::optional<Range> holding;        ///< VA, core closed
-  std::optional<Range> overtravel;     ///< of the contact gap
-  std::optional<Range> contact_force;  ///< N, one break, closed
-  std::optional<Range> base_travel;    ///< m, static deflection under 100 N: softness of the mounting
-  std::optional<Range> held_load;      ///< closed springs' load over the least pull: above 1 the core lets go
-  bool pick_up = false;                ///< closes at 0.85 of the rated voltage at 0, 60 and 120 deg
-  bool calm = false;  ///< settles within 26 ms at 0, 45, 70, 80 and 135 deg and stays so: no chatter
+  std::optional<PlausibleRange> inrush;         ///< VA, core held open
+  std::optional<PlausibleRange> holding;        ///< VA, core closed
+  std::optional<PlausibleRange> overtravel;     ///< of the contact gap
+  std::optional<PlausibleRange> contact_force;  ///< N, one break, closed
+  std::optional<PlausibleRange> base_travel;  ///< m, static deflection under 100 N: softness of the mounting
+  std::optional<PlausibleRange>
+      held_load;         ///< closed springs' load over the least pull: above 1 the core lets go
+  bool pick_up = false;  ///< closes at 0.85 of the rated voltage at 0, 60 and 120 deg
+  bool calm = false;     ///< settles within 26 ms at 0, 45, 70, 80 and 135 deg and stays so: no chatter
   double rated_volts = 230;
 };
 /// Catalogue ranges of the 25 .. 40 A frame.

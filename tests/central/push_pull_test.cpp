@@ -77,7 +77,7 @@ TEST_CASE("stores pushed in any order and repetition are one content, and pulled
   CHECK(nothing.shots + nothing.campaigns + nothing.events + nothing.sweep_blocks == 0);
 
   const auto of = [&](const std::string& customer) {
-    return Choice([customer](const CampaignInfo&, const std::vector<Annotation>& list) {
+    return CampaignChoice([customer](const CampaignInfo&, const std::vector<Annotation>& list) {
       return std::any_of(list.begin(), list.end(), [&](const auto& a) { return a.text == customer; });
     });
   };

@@ -196,7 +196,9 @@ TEST_CASE("a row of the database that was changed there is not pulled", "[centra
       change.replace(at, 1,
                      change[at] == '%' ? id : "(SELECT max(id) FROM shot WHERE campaign_id = " + id + ")");
     if (i > 0) c.script(change);
-    const Choice choice = [&](const CampaignInfo& x, const auto&) { return x.name == std::to_string(i); };
+    const CampaignChoice choice = [&](const CampaignInfo& x, const auto&) {
+      return x.name == std::to_string(i);
+    };
     if (i == 0)
       CHECK(pull_store(base, back, choice).shots == 2);
     else

@@ -33,13 +33,13 @@ struct Pushed {
 Pushed push_store(const std::string& path, const std::string& address, const Step& = {});
 
 /// Whether a campaign of the database is wanted, by its row and its annotations.
-using Choice = std::function<bool(const CampaignInfo&, const std::vector<Annotation>&)>;
+using CampaignChoice = std::function<bool(const CampaignInfo&, const std::vector<Annotation>&)>;
 
 /// Writes the chosen campaigns (without a choice all of them, the sweeps and the points) to the store at `path`: as a
 /// new file that is whole or not there, or merged into one that exists. Each row is compared with its hash, and the
 /// samples with theirs. Throws as push_store; StoreError also for a row of the database that does not match,
 /// WrongStore where no campaign is chosen: "no such campaign" and `others()`.
-Merged pull_store(const std::string& address, const std::string& path, const Choice& = {},
+Merged pull_store(const std::string& address, const std::string& path, const CampaignChoice& = {},
                   const std::function<std::string()>& others = {}, const Step& = {});
 
 }  // namespace powbench::host

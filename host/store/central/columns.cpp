@@ -2,13 +2,14 @@
 
 namespace powbench::host {
 
-std::string column_list(std::span<const Column> columns, const std::string& prefix) {
+std::string column_list(std::span<const StoreColumn> columns, const std::string& prefix) {
   std::string list;
-  for (const Column& c : columns) list += (list.empty() ? "" : ", ") + prefix + c.name;
+  for (const StoreColumn& c : columns) list += (list.empty() ? "" : ", ") + prefix + c.name;
   return list;
 }
 
-std::string insert_text(const char* table, const char* key, std::span<const Column> columns, bool numbered) {
+std::string insert_text(const char* table, const char* key, std::span<const StoreColumn> columns,
+                        bool numbered) {
   std::string marks;
   for (std::size_t i = 0; i <= columns.size(); ++i)
     marks += (i == 0 ? "" : ", ") + (numbered ? "$" + std::to_string(i + 1) : std::string("?"));
@@ -16,9 +17,10 @@ std::string insert_text(const char* table, const char* key, std::span<const Colu
          marks + ")";
 }
 
-void take_columns(postgres::Values& values, const sqlite::Statement& row, std::span<const Column> columns) {
+void take_columns(postgres::Values& values, const sqlite::Statement& row,
+                  std::span<const StoreColumn> columns) {
   int i = 0;
-  for (const Column& c : columns) {
+  for (const StoreColumn& c : columns) {
     switch (c.kind) {
       case ColumnKind::integer:
         values.integer(row.integer(i));
@@ -38,9 +40,9 @@ void take_columns(postgres::Values& values, const sqlite::Statement& row, std::s
 }
 
 void give_columns(sqlite::Statement& to, const postgres::Rows& rows, int row, int first,
-                  std::span<const Column> columns) {
+                  std::span<const StoreColumn> columns) {
   int i = first;
-  for (const Column& c : columns) {
+  for (const StoreColumn& c : columns) {
     switch (c.kind) {
       case ColumnKind::integer:
         to.bind(rows.integer(row, i));

@@ -32,7 +32,7 @@ class Puller {
  public:
   Puller(Connection& from, Database& to, const Step& step) : from_(from), to_(to), step_(step) {}
 
-  Merged run(const Choice& choice) {
+  Merged run(const CampaignChoice& choice) {
     std::vector<Found> chosen;
     const Rows rows = from_.run(
         "SELECT c.id, c.hash, created, name, plan, plan_hash, specimen, specimen_hash, rig_file, rig_uri, "
@@ -211,7 +211,7 @@ std::string replaced(std::string text, const std::string& what, const std::strin
 
 }  // namespace
 
-Merged pull_store(const std::string& address, const std::string& path, const Choice& choice,
+Merged pull_store(const std::string& address, const std::string& path, const CampaignChoice& choice,
                   const std::function<std::string()>& others, const Step& step) {
   std::error_code ignored;
   if (fs::is_directory(path, ignored)) throw WrongStore(path + ": is a folder; name a file");
