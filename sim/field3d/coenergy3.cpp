@@ -1,6 +1,7 @@
 #include "sim/field3d/coenergy3.h"
 
 #include <algorithm>
+#include <array>
 #include <cassert>
 #include <stdexcept>
 #include <string>
@@ -15,10 +16,6 @@ std::size_t at(int a) {
 /// Position of the pair (a, b), a >= b, in a triangle stored by rows.
 int pair_index(int a, int b) {
   return a * (a + 1) / 2 + b;
-}
-
-double dot(const Vec3& a, const Vec3& b) {
-  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
 
 /// D v for a symmetric D as in MediumPoint.

@@ -1,5 +1,6 @@
 #include "sim/field3d/force3.h"
 
+#include <array>
 #include <stdexcept>
 #include <string>
 

@@ -1,6 +1,7 @@
 #include "sim/field3d/grid3.h"
 
 #include <algorithm>
+#include <array>
 #include <cassert>
 #include <cmath>
 #include <map>

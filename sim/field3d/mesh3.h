@@ -1,13 +1,12 @@
 #pragma once
 
-#include <array>
 #include <vector>
+
+#include "sim/vec.h"
 
 /// Meshes in three dimensions, one kind of cell each, and what the shape functions of the cells need.
 
 namespace powbench::sim {
-
-using Vec3 = std::array<double, 3>;
 
 /// Cells by their nodes. Orders 1, 2 (serendipity), 2 (complete) of hexahedra; 1 and 2 of tetrahedra. The nodes of a
 /// cell are in the order of gmsh.

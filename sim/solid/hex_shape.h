@@ -2,7 +2,7 @@
 
 #include <array>
 
-#include "sim/solid/vec.h"
+#include "sim/vec.h"
 
 /// The trilinear hexahedron in its own modes. With the eight corner signs
 ///

@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "sim/solid/vec.h"
+#include "sim/vec.h"
 
 /// Forces on few of many nodes: those of contacts, springs and loads.
 

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "sim/solid/vec.h"
+#include "sim/vec.h"
 
 /// Meshes of solid bodies. A part is a set of cells of one material that shares no node with other parts: parts act on
 /// each other through contact alone.

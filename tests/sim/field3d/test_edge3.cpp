@@ -24,7 +24,7 @@ int rank_of_curls(const bench::EdgeSpace3& space, const sim::Vec3& size) {
   for (int q = 0; q < 125; ++q) {
     space.curls(size, {0.2 * (q % 5), 0.2 * (q / 5 % 5) + 0.1, 0.2 * (q / 25) + 0.05}, curls);
     for (std::size_t n = 0; n < rows.size(); ++n)
-      rows[n].insert(rows[n].end(), curls[n].begin(), curls[n].end());
+      rows[n].insert(rows[n].end(), {curls[n].x, curls[n].y, curls[n].z});
   }
   int rank = 0;
   for (;; ++rank) {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cmath>
+#include <cstddef>
 
 /// Three numbers and what one does with them.
 
@@ -9,8 +10,9 @@ namespace powbench::sim {
 struct Vec3 {
   double x = 0, y = 0, z = 0;
 
-  double& operator[](int i) { return i == 0 ? x : i == 1 ? y : z; }
-  double operator[](int i) const { return i == 0 ? x : i == 1 ? y : z; }
+  double& operator[](std::size_t i) { return i == 0 ? x : i == 1 ? y : z; }
+  double operator[](std::size_t i) const { return i == 0 ? x : i == 1 ? y : z; }
+  bool operator==(const Vec3&) const = default;
 };
 
 inline Vec3 operator+(const Vec3& a, const Vec3& b) {
