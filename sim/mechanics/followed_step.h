@@ -41,7 +41,6 @@ class FollowedStep {
     Real root_step = 0;            ///< next step in s of the followed contact
     Real root_share = Real(0.2L);  ///< first step of a contact, over its natural length
     Real last_error = Real(1e-4L);
-    Real error_time = 0;  ///< s
     int root = -1;
     bool slope_known = false;
     int stiff_steps = 0;  ///< in a row

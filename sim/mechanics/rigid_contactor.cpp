@@ -219,7 +219,7 @@ R RigidContactor<R>::force_of(int contact, const Real* y) const {
   const int i = at % rigid_lanes;
   const Real d = lane_depth(at, y);
   if (!uses(contact) || !is_pressing(contact) || d <= 0) return 0;
-  const auto& law = laws_[g + (g == core_group && i >= 2)];
+  const auto& law = law_of(g, i);
   return std::max(Real(0), raw_force(law, d, lane_rate(at, y), lanes_.lambda[g][i]));
 }
 
@@ -270,7 +270,7 @@ R RigidContactor<R>::pressing_margin(int contact, const Real* y, Real rate) cons
   const Real stretch = 1 + lanes_.lambda[g][i] * rate;
   if (lanes_.c[g][i] == 0) return stretch;
   const Real d = lane_depth(contact, y);
-  const auto& law = laws_[g + (g == core_group && i >= 2)];
+  const auto& law = law_of(g, i);
   if (law.form == DampingForm::linear)
     return (d > 0 ? elastic_force(law, d) : -elastic_force(law, -d)) * stretch + lanes_.c[g][i] * rate;
   if (d <= 0) return 1;
@@ -330,7 +330,7 @@ R RigidContactor<R>::dip(int k, const GuardSet& begin, const GuardSet& end,
     const int at = __builtin_ctzll(bits);
     const int g = at / rigid_lanes;
     const int i = at % rigid_lanes;
-    const auto& law = laws_[g + (g == core_group && i >= 2)];
+    const auto& law = law_of(g, i);
     if (law.form != DampingForm::linear) continue;
     const Real c = lanes_.c[g][i];
     const auto force = [&](const GuardSet& s, Real per_share, Real& slope) {

@@ -174,6 +174,9 @@ class RigidContactor {
   const std::vector<RigidEvent>& events() const { return events_; }
 
  private:
+  const ContactLaw& law_of(int group, int lane) const {
+    return laws_[group + (group == core_group && lane >= 2)];
+  }
   Real lane_depth(int lane_contact, const Real* y) const;
   Real lane_rate(int lane_contact, const Real* y) const;
   void set_contact(int group, int lane, const ContactLaw&, Real mass);

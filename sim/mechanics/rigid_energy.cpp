@@ -22,7 +22,7 @@ void RigidContactor<R>::book(Real t, const Real* y, const MagneticResponse& m, R
     if ((used_ >> c & 1U) == 0) continue;
     const int g = c / rigid_lanes;
     const int i = c % rigid_lanes;
-    const auto& law = laws_[g + (g == core_group && i >= 2)];
+    const auto& law = law_of(g, i);
     const bool follow = c == lanes_.followed;
     const Real root = lanes_.root;
     Real elastic = d[g][i] > 0 ? elastic_force(law, d[g][i]) : Real(0);
@@ -76,7 +76,7 @@ EnergyLedger RigidContactor<R>::energies(const Real* y) const {
     const int g = c / rigid_lanes;
     const int i = c % rigid_lanes;
     if ((used_ >> c & 1U) == 0 || d[g][i] <= 0) continue;
-    const auto& law = laws_[g + (g == core_group && i >= 2)];
+    const auto& law = law_of(g, i);
     contacts += elastic_force(law, d[g][i]) * d[g][i] / static_cast<Real>(law.exponent + 1);
   }
   e.kinetic = static_cast<double>(kinetic);

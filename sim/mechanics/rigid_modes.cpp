@@ -178,7 +178,7 @@ void RigidContactor<R>::flip_contact(Real t, const Real* y, int contact) {
   if (!closes) return;
   const int g = contact / rigid_lanes;
   const int i = contact % rigid_lanes;
-  const auto& law = laws_[g + (g == core_group && i >= 2)];
+  const auto& law = law_of(g, i);
   if (law.form != DampingForm::none && law.form != DampingForm::hunt_crossley)
     lanes_.lambda[g][i] = static_cast<Real>(law.hysteresis(static_cast<double>(rate)));
 }
