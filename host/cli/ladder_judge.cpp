@@ -148,8 +148,8 @@ Json angle_json(const JudgedAngle& a) {
   return {{"angle_deg", a.degrees}, {"measured_s", a.measured}, {"input_error_s", a.input}, {"pairs", pairs}};
 }
 
-/// The first run of a pair also makes what all its runs share, such as the modes of its parts. The cheaper of two more is
-/// what a closing costs; pairs that take seconds keep their only run.
+/// The first run of a pair also makes what all its runs share, such as the modes of its parts. What a closing costs is
+/// the cheaper of two more runs; pairs that take seconds keep their only run.
 void measure_cost(const sim::SceneAxes& axes, const sim::Case& c, std::vector<sim::SceneStep>& pairs) {
   constexpr double dear = 1;  // s
   for (std::size_t k = 0; k < pairs.size(); ++k) {

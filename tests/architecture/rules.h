@@ -185,7 +185,7 @@ inline const std::vector<std::string_view>& unreached_functions() {
   return table;
 }
 
-inline constexpr int longest_file = 500;  ///< lines
+inline constexpr int longest_file = 400;  ///< lines
 inline constexpr int widest_line = 120;   ///< characters
 
 }  // namespace powbench::architecture
