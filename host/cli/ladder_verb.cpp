@@ -10,6 +10,7 @@
 
 #include "core/cpu_time.h"
 #include "core/units.h"
+#include "host/cli/ladder_errors.h"
 #include "host/cli/percent.h"
 #include "host/cli/picture.h"
 #include "host/cli/study.h"
@@ -112,57 +113,6 @@ sim::LadderTimes input_error_of(const std::vector<sim::Rung>& rungs, const sim::
   const auto& r = rungs.front();
   return sim::input_error(r, r.settings.empty() ? 1e-6 : r.settings.front(), c, duration, usual_inputs(c),
                           thread_cpu_seconds);
-}
-
-/// Model error of a rung: the largest difference to a rung above it, in the order fields and mechanics are named in;
-/// NaN at the top and where none was run.
-sim::LadderTimes model_error_of(std::size_t rung, const std::vector<sim::Rung>& rungs,
-                                const sim::Ladder& ladder) {
-  const auto place = [](const auto& names, const std::string& name) {
-    return std::find(names.begin(), names.end(), name) - names.begin();
-  };
-  sim::LadderTimes error = sim::nan_times;
-  for (const auto& m : ladder.models) {
-    if (m.rung != rung && m.other != rung) continue;
-    const sim::Rung &mine = rungs[rung], &other = rungs[m.rung == rung ? m.other : m.rung];
-    const auto f = place(sim::field_names, other.fields) - place(sim::field_names, mine.fields);
-    const auto k = place(sim::mechanics_names, other.mechanics) - place(sim::mechanics_names, mine.mechanics);
-    const bool same =
-        other.fields == mine.fields && place(sim::mechanics_names, other.mechanics) <= 1 &&
-        place(sim::mechanics_names, mine.mechanics) <= 1;  // plant and rigid: the same equations
-    if (f < 0 || k < 0 || (f == 0 && k == 0) || same) continue;
-    for (std::size_t q = 0; q < error.size(); ++q)
-      if (!(error[q] >= m.difference[q])) error[q] = m.difference[q];
-  }
-  return error;
-}
-
-std::string or_not_known(double seconds) {
-  return std::isnan(seconds) ? "not known" : time_text(seconds, 1e6);
-}
-
-/// Three errors of every rung at its finest setting but one.
-void print_three(const sim::Ladder& ladder, const std::vector<sim::Rung>& rungs,
-                 const sim::LadderTimes& input) {
-  fmt::print(
-      "\nthree errors, us: step at the finest setting of the table, model to the rungs above, input (0.5 % "
-      "of the voltage, "
-      "2 K of the coil; the specimen's own numbers: not known)\n{:<17}",
-      "rung");
-  for (const auto q : sim::ladder_quantities)
-    fmt::print(" {:>12} {:>10} {:>10}", fmt::format("{}: step", q), "model", "input");
-  fmt::print("\n");
-  for (std::size_t r = 0; r < rungs.size(); ++r) {
-    const auto last = std::find_if(ladder.rows.rbegin(), ladder.rows.rend(),
-                                   [&](const auto& row) { return row.run.rung == r; });
-    if (last == ladder.rows.rend()) continue;
-    const auto model = model_error_of(r, rungs, ladder);
-    fmt::print("{:<17}", rungs[r].name());
-    for (std::size_t q = 0; q < model.size(); ++q)
-      fmt::print(" {:>12} {:>10} {:>10}", or_not_known(last->estimate[q]), or_not_known(model[q]),
-                 or_not_known(input[q]));
-    fmt::print("\n");
-  }
 }
 
 Exit choose(const sim::Case& c, const std::vector<sim::Rung>& rungs, double accuracy, double duration,
@@ -369,7 +319,8 @@ Exit show_ladder(const LadderArgs& args) {
     Json errors = Json::array();
     for (std::size_t r = 0; r < rungs.size(); ++r)
       errors.push_back({{"rung", rungs[r].name()},
-                        {"model_error_s", model_error_of(r, rungs, ladder)},
+                        {"model_error_s", model_error_of(r, rungs, ladder).known()},
+                        {"model_error_known_part_s", model_error_of(r, rungs, ladder).part},
                         {"input_error_s", input}});
     fmt::print("{}\n", Json{{"rows", rows},
                             {"models", models},
@@ -386,7 +337,7 @@ Exit show_ladder(const LadderArgs& args) {
     fmt::print("{} and {} are apart by touch {} us, seat {} us, settled {} us\n", rungs[m.rung].name(),
                rungs[m.other].name(), time_text(m.difference[0], 1e6), time_text(m.difference[1], 1e6),
                time_text(m.difference[2], 1e6));
-  print_three(ladder, rungs, input);
+  fmt::print("{}", three_errors_text(ladder, rungs, input));
   fmt::print("\n{}{}\n", result.bounces, picture.string());
   return Exit::pass;
 }

@@ -128,6 +128,12 @@ TEST_CASE("a ladder states three errors, and an accuracy of the step alone is no
   const auto all = run(folder, {"ladder", "--angle", "60", "-o", folder.file("l")});
   REQUIRE(all.status == 0);
   CHECK_THAT(all.out, Contains("three errors") && Contains("not known"));
+  // one kind of fields: bending parts tell what rigid ones leave out, and nothing tells of the circuit
+  const auto errors = nlohmann::json::parse(
+      run(folder, {"ladder", "--angle", "60", "-o", folder.file("l"), "--json"}).out)["errors"];
+  REQUIRE(errors[0]["rung"] == "circuit+plant");
+  CHECK(errors[0]["model_error_s"][0].is_null());
+  CHECK(errors[0]["model_error_known_part_s"][0].get<double>() > 1e-9);
   const auto chosen = run(folder, {"ladder", "--angle", "60", "--accuracy", "1%", "--json"});
   CHECK(chosen.status == 7);
   const auto j = nlohmann::json::parse(chosen.out);

@@ -1,0 +1,76 @@
+#include "host/cli/ladder_errors.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "sim/study/rungs.h"
+#include "sim/study/scene_choice.h"
+
+namespace powbench::host {
+
+sim::LadderTimes ModelError::known() const {
+  return whole ? part : sim::nan_times;
+}
+
+ModelError model_error_of(std::size_t rung, std::span<const sim::Rung> rungs, const sim::Ladder& ladder) {
+  const auto place = [](const auto& names, const std::string& name) {
+    return std::find(names.begin(), names.end(), name) - names.begin();
+  };
+  ModelError error{sim::nan_times};
+  bool fields = false, mechanics = false;
+  for (const auto& m : ladder.models) {
+    if (m.rung != rung && m.other != rung) continue;
+    const sim::Rung &mine = rungs[rung], &other = rungs[m.rung == rung ? m.other : m.rung];
+    const auto f = place(sim::field_names, other.fields) - place(sim::field_names, mine.fields);
+    const auto k = place(sim::mechanics_names, other.mechanics) - place(sim::mechanics_names, mine.mechanics);
+    const bool same_parts =
+        place(sim::mechanics_names, other.mechanics) <= 1 &&
+        place(sim::mechanics_names, mine.mechanics) <= 1;  // plant and rigid: the same equations
+    if (f < 0 || k < 0 || (f == 0 && (k == 0 || same_parts))) continue;
+    fields = fields || f > 0;
+    mechanics = mechanics || (k > 0 && !same_parts);
+    for (std::size_t q = 0; q < error.part.size(); ++q)
+      if (!(error.part[q] >= m.difference[q])) error.part[q] = m.difference[q];
+  }
+  error.whole = fields && mechanics;
+  return error;
+}
+
+std::string or_not_known(double seconds) {
+  return std::isnan(seconds)   ? "not known"
+         : std::isinf(seconds) ? "no"
+                               : fmt::format("{:.1e}", seconds * 1e6);
+}
+
+std::string three_errors_text(const sim::Ladder& ladder, std::span<const sim::Rung> rungs,
+                              const sim::LadderTimes& input) {
+  std::string text;
+  text += fmt::format(
+      "\nthree errors, us: step at the finest setting of the table, model to the rungs above (+?: nothing is "
+      "above in "
+      "fields or in mechanics), input (0.5 % "
+      "of the voltage, "
+      "2 K of the coil; the specimen's own numbers: not known)\n{:<17}",
+      "rung");
+  for (const auto q : sim::ladder_quantities)
+    text += fmt::format(" {:>12} {:>10} {:>10}", fmt::format("{}: step", q), "model", "input");
+  text += fmt::format("\n");
+  for (std::size_t r = 0; r < rungs.size(); ++r) {
+    const auto last = std::find_if(ladder.rows.rbegin(), ladder.rows.rend(),
+                                   [&](const auto& row) { return row.run.rung == r; });
+    if (last == ladder.rows.rend()) continue;
+    const ModelError model = model_error_of(r, rungs, ladder);
+    text += fmt::format("{:<17}", rungs[r].name());
+    for (std::size_t q = 0; q < input.size(); ++q)
+      text +=
+          fmt::format(" {:>12} {:>10} {:>10}", or_not_known(last->estimate[q]),
+                      or_not_known(model.part[q]) + (model.whole || std::isnan(model.part[q]) ? "" : "+?"),
+                      or_not_known(input[q]));
+    text += fmt::format("\n");
+  }
+  return text;
+}
+
+}  // namespace powbench::host
