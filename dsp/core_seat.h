@@ -15,7 +15,7 @@ namespace powbench::dsp {
 /// in the laboratory just before t_s.
 ///
 /// Later drops of more than `seat_share` of the first are landings. Contacts that press on the static core make drops
-/// of up to a fifth of the first: from 0.6 `seat_share` on they are doubtful, u of `settled` and `bounce_time` holds
+/// of up to a fifth of the first: from 0.65 `seat_share` on they are doubtful, u of `settled` and `bounce_time` holds
 /// sqrt(1/2) of the distance to the last of them, and the core carries flag_resolution.
 ///
 /// Where the auxiliary channel is an accelerometer on the base, its first sample clear of what was there before,

@@ -31,7 +31,7 @@ rise. An empty cell or nan is a lost sample. Semicolons or tabs may separate, th
 that begin with # are skipped.
 
 Volts of a film, laser or current clamp need a calibration file, shot.toml beside shot.csv:
-  calibration = "films 2026-03"
+  calibration = "sensors 2026-03"
   valid_until = "2027-03-01"
   [pvdf_b]
   gain_N_per_V = 10
