@@ -46,17 +46,14 @@ std::string or_not_known(double seconds) {
 
 std::string three_errors_text(const sim::Ladder& ladder, std::span<const sim::Rung> rungs,
                               const sim::LadderTimes& input) {
-  std::string text;
-  text += fmt::format(
+  std::string text = fmt::format(
       "\nthree errors, us: step at the finest setting of the table, model to the rungs above (+?: nothing is "
-      "above in "
-      "fields or in mechanics), input (0.5 % "
-      "of the voltage, "
-      "2 K of the coil; the specimen's own numbers: not known)\n{:<17}",
+      "above in fields or in mechanics), input (0.5 % of the voltage, 2 K of the coil; the specimen's own "
+      "numbers: not known)\n{:<17}",
       "rung");
   for (const auto q : sim::ladder_quantities)
     text += fmt::format(" {:>12} {:>10} {:>10}", fmt::format("{}: step", q), "model", "input");
-  text += fmt::format("\n");
+  text += "\n";
   for (std::size_t r = 0; r < rungs.size(); ++r) {
     const auto last = std::find_if(ladder.rows.rbegin(), ladder.rows.rend(),
                                    [&](const auto& row) { return row.run.rung == r; });
@@ -68,7 +65,7 @@ std::string three_errors_text(const sim::Ladder& ladder, std::span<const sim::Ru
           fmt::format(" {:>12} {:>10} {:>10}", or_not_known(last->estimate[q]),
                       or_not_known(model.part[q]) + (model.whole || std::isnan(model.part[q]) ? "" : "+?"),
                       or_not_known(input[q]));
-    text += fmt::format("\n");
+    text += "\n";
   }
   return text;
 }

@@ -72,16 +72,21 @@ struct HeldOut {
   sim::LadderTimes measured{sim::nan_times}, missed{sim::nan_times};
 };
 
-/// Of a fit file and the closings it is about, where they are of this voltage.
-std::vector<HeldOut> held_out_of(const LadderArgs& args, double volts) {
+/// Of a fit file and the closings it is about, where they were made at this voltage, frequency and coil temperature.
+std::vector<HeldOut> held_out_of(const LadderArgs& args, const Conditions& wanted) {
   std::vector<HeldOut> all;
   if (args.fit_file.empty()) return all;
   FitArgs source;
   source.database = args.database;
   source.campaign = args.campaign;
   std::vector<sim::MeasuredClosing> closings = fit_closings(source);
-  std::erase_if(closings,
-                [&](const auto& c) { return std::abs(c.conditions.supply_volts - volts) > 1e-3 * volts; });
+  constexpr double share = 1e-3, kelvin = 1;
+  std::erase_if(closings, [&](const auto& closing) {
+    const Conditions& c = closing.conditions;
+    return std::abs(c.supply_volts - wanted.supply_volts) > share * wanted.supply_volts ||
+           std::abs(c.mains_hertz - wanted.mains_hertz) > share * wanted.mains_hertz ||
+           std::abs(c.ambient - wanted.ambient) > kelvin;
+  });
   for (const FitCell& cell : fit_cells(load_fit_file(args.fit_file), closings)) {
     constexpr std::array<std::string_view, 3> names{"t_ct1", "t_xt1", "t_ct2"};
     const auto q =
@@ -178,7 +183,7 @@ Exit judge_ladder(const LadderArgs& args, const sim::Case& scene) {
   const double wanted = share_option("--judge", args.judge, 1e-9, 0.5, "1e-7% .. 50%");
   std::vector<double> degrees = args.angles_deg;
   if (degrees.empty()) degrees.push_back(scene.conditions.closing_angle * 180 / pi);
-  const std::vector<HeldOut> known = held_out_of(args, scene.conditions.supply_volts);
+  const std::vector<HeldOut> known = held_out_of(args, scene.conditions);
   sim::SceneAxes axes = axes_of(args, scene.specimen);
   const RunOptions usual;
   const std::vector<sim::InputUncertainty> inputs{
@@ -217,18 +222,18 @@ Exit judge_ladder(const LadderArgs& args, const sim::Case& scene) {
                            .dump(2));
     return Exit::pass;
   }
+  const std::string evidence =
+      known.empty() ? ""
+                    : fmt::format(
+                          "\nmeasured: {}; of the fields: the distance to it, or that of the fit which "
+                          "held it out where larger;",
+                          args.database.empty() ? "the published tables" : args.database);
   fmt::print(
       "{}, {:g} V: every pair held against {:g} % of its touch time\n"
       "step: by a finer run; model: to the next fields and the next mechanics, in brackets where nothing is "
-      "above and "
-      "the rung below stands for it, ? not known;{}\ninput: us, standard, 0.5 % of the voltage and 2 K of "
-      "the "
-      "coil; {}\n",
-      scene.specimen.name, scene.conditions.supply_volts, wanted * 100,
-      known.empty() ? ""
-                    : "\nof the fields: the distance to the measured time, or that of the fit which held it "
-                      "out where larger;",
-      numbers_not_known);
+      "above and the rung below stands for it, ? not known;{}\n"
+      "input: us, standard, 0.5 % of the voltage and 2 K of the coil; {}\n",
+      scene.specimen.name, scene.conditions.supply_volts, wanted * 100, evidence, numbers_not_known);
   print_head();
   for (const auto& a : judged) print_angle(a);
   print_sums(judged);

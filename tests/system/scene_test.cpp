@@ -169,4 +169,10 @@ TEST_CASE("a ladder judges every pair at every angle, against the measurement wh
   // the core row of 90 degrees is impossible as printed, so nothing is known of the seat
   CHECK(j["angles"][1]["measured_s"][1].is_null());
   CHECK(j["angles"][1]["pairs"][0]["field_error_s"][1].is_null());
+  // measured at 20 degC: it says nothing of a hot coil
+  auto hot = as_json;
+  hot.insert(hot.end(), {"--ambient", "60"});
+  const auto other = nlohmann::json::parse(run(folder, hot).out);
+  CHECK(other["angles"][0]["measured_s"][0].is_null());
+  CHECK(other["angles"][0]["pairs"][0]["field_error_s"][0].is_null());
 }
