@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/units.h"
+#include "dsp/joint_pulse.h"
 #include "dsp/mode_columns.h"
 
 namespace powbench::dsp {
@@ -25,48 +26,6 @@ std::complex<double> row_gain(const JointRows& r, const Pole& p) {
   const std::complex<double> half = 0.5 * pole_of(p) * r.sample;
   const auto m = static_cast<double>(r.block);
   return std::sinh(m * half) / (m * std::sinh(half));
-}
-
-struct PulseValue {
-  double force = 0, touch = 0, release = 0, exponent = 0, log_skew = 0, unit = 0;
-  void operator+=(const PulseValue& o) {
-    force += o.force, touch += o.touch, release += o.release, exponent += o.exponent, log_skew += o.log_skew,
-        unit += o.unit;
-  }
-};
-
-/// Force and its derivatives. Where an exponent below 1 has no finite slope the slope is held.
-PulseValue pulse_value(const PulseShape& f, bool skewed, double t) {
-  const double width = f.release - f.touch, v = (t - f.touch) / width;
-  if (!(v > 0) || !(v < 1)) return {};
-  const double w = skewed ? std::pow(v, f.skew) : v;
-  const double base = std::max(std::sin(pi * w), 1e-4), logarithm = std::log(base);
-  const double power = std::exp(f.exponent * logarithm);
-  const double slope = f.peak * f.exponent * power / std::max(base, 1e-3) * pi * std::cos(pi * w);
-  const double by_v = skewed ? slope * f.skew * w / v : slope;
-  PulseValue p;
-  p.unit = power;
-  p.force = f.peak * power;
-  p.touch = by_v * (v - 1) / width;
-  p.release = -by_v * v / width;
-  p.exponent = p.force * logarithm;
-  if (skewed) p.log_skew = slope * w * std::log(v) * f.skew;
-  return p;
-}
-
-/// Mean over the samples of row i; one sample stands for all where the force has no kink.
-PulseValue pulse_row(const PulseShape& f, bool skewed, const JointRows& r, std::size_t i) {
-  const double t = r.t[i];
-  const bool kink = std::abs(t - f.touch) < 1.5 * r.dt || std::abs(t - f.release) < 1.5 * r.dt;
-  if (!kink || r.block == 1) return pulse_value(f, skewed, t);
-  PulseValue sum;
-  const auto m = static_cast<double>(r.block);
-  for (std::size_t k = 0; k < r.block; ++k)
-    sum += pulse_value(f, skewed, t + (static_cast<double>(k) - 0.5 * (m - 1)) * r.sample);
-  const double share = 1 / m;
-  for (double* v : {&sum.force, &sum.touch, &sum.release, &sum.exponent, &sum.log_skew, &sum.unit})
-    *v *= share;
-  return sum;
 }
 
 /// Share of row i after the onset.
@@ -91,7 +50,7 @@ std::vector<JointBlock> blocks_of(const JointInput& in, const JointModel& m, con
     const JointPulse& p = m.pulses[k];
     if (!p.modelled) continue;
     const std::size_t first = r.at(p.shape.touch - r.dt), last = r.at(p.shape.release + r.dt);
-    add({JointBlock::Kind::pulse, k, first, std::max(last, first), 0, p.skewed ? 5U : 4U});
+    add({JointBlock::Kind::pulse, k, first, std::max(last, first), 0, free_numbers(p)});
   }
   if (m.rise) {
     const bool good = m.rise->modelled;
@@ -119,20 +78,24 @@ struct Writer {
   }
 
   void pulse(const JointBlock& b, const JointPulse& p) const {
+    const std::size_t bends = p.skewed ? 5 : 4;
     for (std::size_t i = b.first; i < b.last; ++i) {
-      const PulseValue v = pulse_row(p.shape, p.skewed, rows, i);
+      const PulseValue v = pulse_row(p, rows, i);
       model[i] += v.force;
       if (!derivatives) continue;
       column(b, 0)[i] = v.touch, column(b, 1)[i] = v.release, column(b, 2)[i] = v.exponent;
       column(b, 3)[i] = v.unit;
       if (p.skewed) column(b, 4)[i] = v.log_skew;
+      for (std::size_t j = 0; p.bent && j < joint_bends; ++j) column(b, bends + j)[i] = v.bend[j];
     }
     if (!derivatives) return;
-    out.prior[b.column + 2] = 1 / (exponent_sigma * exponent_sigma);
-    out.pull[b.column + 2] = (p.shape.exponent - exponent_middle) * out.prior[b.column + 2];
-    if (!p.skewed) return;
-    out.prior[b.column + 4] = 1 / (skew_sigma * skew_sigma);
-    out.pull[b.column + 4] = std::log(p.shape.skew) * out.prior[b.column + 4];
+    const auto about = [&](std::size_t k, double off, double sigma) {
+      out.prior[b.column + k] = 1 / (sigma * sigma);
+      out.pull[b.column + k] = off * out.prior[b.column + k];
+    };
+    about(2, p.shape.exponent - exponent_middle, exponent_sigma);
+    if (p.skewed) about(4, std::log(p.shape.skew), skew_sigma);
+    for (std::size_t j = 0; p.bent && j < joint_bends; ++j) about(bends + j, p.bend[j], bend_sigma(j));
   }
 
   BlockRows rows_of(const JointBlock& b) const {
@@ -294,6 +257,8 @@ void evaluate(const JointInput& in, const JointModel& m, const JointRows& r, Joi
       write.pulse(b, p);
       out.cost += std::pow((p.shape.exponent - exponent_middle) / exponent_sigma, 2);
       if (p.skewed) out.cost += std::pow(std::log(p.shape.skew) / skew_sigma, 2);
+      for (std::size_t j = 0; p.bent && j < joint_bends; ++j)
+        out.cost += std::pow(p.bend[j] / bend_sigma(j), 2);
     } else if (b.kind == JointBlock::Kind::rise) {
       write.rise(b, *m.rise);
     } else if (b.kind == JointBlock::Kind::tail) {
@@ -325,7 +290,8 @@ void evaluate(const JointInput& in, const JointModel& m, const JointRows& r, Joi
 
 namespace {
 
-void move_pulse(PulseShape& f, bool skewed, const double* d, const ExtractOptions& o) {
+void move_pulse(JointPulse& p, const double* d, const ExtractOptions& o) {
+  PulseShape& f = p.shape;
   const double width = f.release - f.touch, reach = std::max(0.25 * width, 20e-6);
   const double touch = f.touch + std::clamp(d[0], -reach, 0.25 * width);
   const double release = f.release + std::clamp(d[1], -0.25 * width, reach);
@@ -333,7 +299,9 @@ void move_pulse(PulseShape& f, bool skewed, const double* d, const ExtractOption
   f.release = std::max(release, touch + 0.3 * width);
   f.exponent = std::clamp(f.exponent + std::clamp(d[2], -0.5, 0.5), o.exponent_min, o.exponent_max);
   f.peak = std::max(f.peak + d[3], 0.1 * f.peak);
-  if (skewed) f.skew = std::clamp(f.skew * std::exp(std::clamp(d[4], -0.3, 0.3)), 0.25, 4.0);
+  if (p.skewed) f.skew = std::clamp(f.skew * std::exp(std::clamp(d[4], -0.3, 0.3)), 0.25, 4.0);
+  for (std::size_t j = 0; p.bent && j < joint_bends; ++j)
+    p.bend[j] = std::clamp(p.bend[j] + d[(p.skewed ? 5 : 4) + j], -0.4, 0.4);
 }
 
 void move_mode(RingMode& m, const double* d) {
@@ -352,7 +320,7 @@ JointModel moved(const JointModel& m, const JointSystem& s, const double* step, 
   for (const JointBlock& b : s.blocks) {
     const double* d = step + b.column;
     if (b.kind == JointBlock::Kind::pulse) {
-      move_pulse(out.pulses[b.which].shape, out.pulses[b.which].skewed, d, o);
+      move_pulse(out.pulses[b.which], d, o);
     } else if (b.kind == JointBlock::Kind::pedestal) {
       for (std::size_t k = 0; k < 3; ++k) out.pedestal[k] += d[k];
     } else if (b.kind == JointBlock::Kind::ring) {

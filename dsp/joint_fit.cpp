@@ -8,6 +8,7 @@
 #include "core/units.h"
 #include "dsp/gram.h"
 #include "dsp/joint_columns.h"
+#include "dsp/joint_pulse.h"
 
 namespace powbench::dsp {
 
@@ -184,18 +185,19 @@ void judge(const JointInput& in, JointModel& m, const JointRows& rows, Work& wor
   for (JointPulse& p : m.pulses) {
     if (!p.modelled) continue;
     const auto own = misfit(r, s, p.shape.touch - r.dt, p.shape.release + r.dt);
-    p.reduced_chi2 = own.chi2 / std::max(own.rows - (p.skewed ? 5.0 : 4.0), 1.0);
+    p.reduced_chi2 = own.chi2 / std::max(own.rows - static_cast<double>(free_numbers(p)), 1.0);
   }
   if (m.rise && m.rise->modelled) {
     const auto own = misfit(r, s, m.rise->touch - 2 * r.dt, m.rise->touch + joint_head);
     m.rise->reduced_chi2 = own.chi2 / std::max(own.rows - 2.0, 1.0);
   }
-  m.chi2 = m.left_out = 0;
+  m.chi2 = m.left_out = m.settling_out = 0;
   m.parameters = static_cast<double>(s.columns) + 1;
   m.dof = -static_cast<double>(s.columns);
   for (const JointPulse& p : m.pulses)
     if (!p.modelled) m.left_out += (p.shape.release - p.shape.touch) / r.dt;
-  if (m.rise && !m.rise->modelled) m.left_out += in.settling() / r.dt;
+  if (m.rise && !m.rise->modelled) m.settling_out = in.settling() / r.dt;
+  m.left_out += m.settling_out;
   for (std::size_t i = 0; i < r.size(); ++i) {
     if (r.weight[i] == 0) continue;
     m.chi2 += s.residual[i] * s.residual[i];
@@ -311,16 +313,10 @@ void fill_uncertainties(const JointInput& in, JointModel& m, JointRows& r, Work&
 
 }  // namespace
 
-double JointModel::cost() const {
-  if (!(dof > 0)) return 1e300;
-  return chi2 - (dof + parameters) + 4 * left_out + parameters * std::log(dof);
-}
-
 JointModel fit_joint(const JointInput& in, JointModel m, int iterations) {
-  if (in.open_below > 0) {
+  if (in.open_below > 0)
     for (JointPulse& p : m.pulses) p.modelled = p.modelled && p.shape.peak < in.open_below;
-    if (m.rise && m.rise->modelled && !m.rise->linear.empty()) unmodel(*m.rise);
-  }
+  if (!in.settles && m.rise && m.rise->modelled && !m.rise->linear.empty()) unmodel(*m.rise);
   if (m.rise && m.rise->linear.size() != settled_terms(m.rise->modelled)) {
     const double level = m.rise->linear.empty() ? 0.0 : m.rise->linear.front();
     m.rise->linear.assign(settled_terms(m.rise->modelled), 0.0);
@@ -343,6 +339,12 @@ JointModel fit_joint(const JointInput& in, JointModel m, int iterations) {
   }
   bool changed = false;
   for (JointPulse& p : m.pulses)
+    if (in.bend && p.modelled && !p.bent && p.reduced_chi2 > 1.2) p.bent = changed = true, p.reduced_chi2 = 0;
+  if (std::exchange(changed, false)) {
+    descend(in, m, r, iterations, work);
+    judge(in, m, r, work);
+  }
+  for (JointPulse& p : m.pulses)
     if (p.modelled && p.reduced_chi2 > 3.0) p.modelled = false, changed = true;
   if (m.rise && m.rise->modelled && m.rise->reduced_chi2 > 3.0) {
     unmodel(*m.rise);
@@ -355,19 +357,6 @@ JointModel fit_joint(const JointInput& in, JointModel m, int iterations) {
   if (!in.times_only) fill_uncertainties(in, m, r, work);
   m.pedestal_span = !in.pedestal ? 0.0 : m.rise ? m.rise->touch - m.ring.onset : r.t.back() - m.ring.onset;
   return m;
-}
-
-void take_out(const JointModel& m, Signal& s) {
-  m.ring.add_to(s, -1.0);
-  if (m.ring.empty() || !(m.pedestal_span > 0)) return;
-  // where the last contact begins is only nearly known: beyond, the pedestal stays a little and then fades
-  constexpr double hold = 0.1e-3, fade = 0.2e-3;  // s
-  const double end = m.ring.onset + m.pedestal_span;
-  for (std::size_t i = s.index_at(m.ring.onset); i < s.index_at(end + hold + fade); ++i) {
-    const double t = s.time(i), u = std::min(1.0, (t - m.ring.onset) / m.pedestal_span);
-    const double share = std::clamp((end + hold + fade - t) / fade, 0.0, 1.0);
-    s.value[i] -= share * (m.pedestal[0] + u * (m.pedestal[1] + u * m.pedestal[2]));
-  }
 }
 
 JointResidual joint_residual(const JointInput& in, const JointModel& m) {

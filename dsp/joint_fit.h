@@ -14,10 +14,15 @@
 
 namespace powbench::dsp {
 
-/// One closed interval in the joint fit.
+inline constexpr std::size_t joint_bends = 6;
+
+/// One closed interval in the joint fit: F = shape(t) (1 + sum bend[j] cos((j + 1) pi v)), v = 0 .. 1 from touch to
+/// release. The bends are what a lossy pad changes in the shape, each with a prior about 0.
 struct JointPulse {
   PulseShape shape;
-  bool skewed = false;   ///< the skew is free
+  bool skewed = false;  ///< the skew is free
+  bool bent = false;    ///< the bends are free
+  std::array<double, joint_bends> bend{};
   bool modelled = true;  ///< false: no pulse describes it; its samples are left out
   double reduced_chi2 = 0.0;
   double u_touch = 0, u_release = 0, u_peak = 0;  ///< standard uncertainties, the ring's share included
@@ -42,12 +47,15 @@ struct JointModel {
   double pedestal_span = 0.0;    ///< s: from the onset to its end
   double chi2 = 0.0, dof = 0.0;  ///< against the noise alone
   double left_out = 0.0;         ///< rows of contacts that no model describes
+  double settling_out = 0.0;     ///< of these, after the last touch
   double parameters = 0.0;
   double reduced() const { return dof > 0 ? chi2 / dof : 1e300; }
   /// What two explanations of one record are compared by (Schwarz): excess of the sum of squares over its
   /// expectation, plus ln(rows) a parameter; a row left unexplained counts like one that is 2 standard deviations
   /// off. Smaller is better.
   double cost() const;
+  /// The same but for what is left out after the last touch: between models that leave out more or less of it.
+  double cost_before_settling() const;
 };
 
 inline constexpr double joint_tail = 5e-3;  ///< s of closed time after the last touch that is used
@@ -69,8 +77,10 @@ struct JointInput {
   bool judged = false;    ///< the contacts of the start were judged by a fit like this one
   /// N, > 0: contacts of a larger peak and the settled one are left out, so that the ring is what open time shows.
   double open_below = 0.0;
-  /// s of closed time left out where the rise is not modelled: the contact still moves
-  double settling() const { return open_below > 0 ? joint_tail : 1e-3; }
+  bool bend = false;    ///< contacts that the pulses do not fit may be bent
+  bool settles = true;  ///< false: the settled contact still moves and is left out
+  /// s of closed time left out where the rise is not modelled
+  double settling() const { return settles ? 1e-3 : joint_tail; }
   bool times_only = false;  ///< nobody asks for the standard uncertainties: they stay 0
 };
 

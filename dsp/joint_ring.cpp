@@ -48,18 +48,25 @@ bool seed_ring(const JointInput& in, JointModel& m, double from, double to) {
 }
 
 void drop_stand_ins(const JointInput& in, JointModel& m) {
+  constexpr double beside_before = 60e-6, beside_after = 150e-6, longest = 0.25e-3, far = 2e-3;  // s
+  constexpr double crest = 2, half_period = 0.6;
   for (std::size_t k = 0; k < m.pulses.size(); ++k) {
     const PulseShape f = m.pulses[k].shape;
-    const double t = m.ring.onset;
-    if (f.release - f.touch > 0.25e-3 || t < f.touch - 60e-6 || t > f.release + 150e-6) continue;
+    const double t = m.ring.onset, width = f.release - f.touch;
+    const bool beside = width < longest && t > f.touch - beside_before && t < f.release + beside_after;
+    const bool swing = t < f.release + far && width < half_period * m.ring.longest_period() &&
+                       f.peak < crest * m.ring.amplitude_at(std::max(f.touch, t));
+    if (!beside && !swing) continue;
     JointModel without = m;
     without.pulses.erase(without.pulses.begin() + static_cast<std::ptrdiff_t>(k));
-    without.ring.onset = f.touch;
     JointInput wide = in;
-    wide.onset_from = std::min(in.onset_from, f.touch - 100e-6);
-    wide.onset_to = std::max(in.onset_to, f.release + 100e-6);
+    if (beside || t > f.touch) {
+      without.ring.onset = f.touch;
+      wide.onset_from = std::min(in.onset_from, f.touch - 100e-6);
+      wide.onset_to = std::max(in.onset_to, f.release + 100e-6);
+    }
     without = fit_joint(wide, std::move(without), 8);
-    if (!(without.cost() < m.cost() + 10)) continue;
+    if (!(without.cost() < m.cost() + (beside ? 10 : 0))) continue;
     m = std::move(without);
     --k;
   }

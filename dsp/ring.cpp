@@ -233,6 +233,12 @@ double Ring::value(double t) const {
   return v;
 }
 
+double Ring::longest_period() const {
+  double longest = 0;
+  for (const RingMode& m : modes) longest = std::max(longest, 1 / m.pole.hertz);
+  return longest;
+}
+
 double Ring::amplitude_at(double t) const {
   double sum = 0;
   for (const RingMode& m : modes) {

@@ -33,6 +33,7 @@ struct Ring {
   bool empty() const { return modes.empty(); }
   double value(double t) const;
   double amplitude_at(double t) const;  ///< N: root of the sum of the modes' squared envelopes
+  double longest_period() const;        ///< s: of the slowest mode; 0 without modes
   /// Adds factor * r(t) to every sample.
   void add_to(Signal&, double factor) const;
 };

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <limits>
 #include <utility>
 #include <vector>
@@ -91,7 +92,8 @@ struct Search {
   bool seat_known;
   double seat_u;  ///< s
   const ExtractOptions& options;
-  bool open_only = false;  ///< the ring from what open time shows
+  /// What the ring is looked for in: all but what no pulse fits; open time and contacts that may be bent; open time.
+  enum class Use : std::uint8_t { all, bent, open } use = Use::all;
 
   /// One round in the window from `from` on: detect on the stripped force, fit jointly, add modes.
   bool round(Separated& s, double from, std::pair<double, double> onset, int iterations,
@@ -137,7 +139,9 @@ struct Search {
                   false,
                   seat_known ? range.first - 3 * seat_u - 10e-6 : 0.0,
                   seat_known ? range.first + landing_time : 0.0};
-    if (open_only) in.open_below = 0.5 * force.settled;
+    if (use == Use::open) in.open_below = 0.5 * force.settled;
+    in.bend = use == Use::bent;
+    in.settles = use == Use::all;
     in.times_only = seat_known || rough;  // a ring alone comes out of it (separate_ring)
     if ((seat_known && !complete) || rough) in.enough = 1;
     const double limit = 1.5 * std::max(force.settled, 20 * force.noise);
@@ -211,25 +215,38 @@ struct Search {
     }
   }
 
-  /// A contact's own motion that no pulse and no rise describes bends the ring. Where much is left, the ring is looked
-  /// for in open time alone: it is taken where it explains that to the noise, and no crest of it stands as a contact.
-  void look_in_open_time(Separated& s, double from) const {
+  /// A contact's own motion that no pulse and no rise describes bends the ring. So the ring is looked for beside bent
+  /// contacts, and in open time alone where much is left, both without the first closed time. What explains its rows to
+  /// the noise, with no crest of the ring as a contact, and more than what is known, is taken.
+  void look_beside_contacts(Separated& s, double from) const {
     constexpr double near = 0.5e-3, explained = 1.3, crest = 2;
-    Search open = *this;
-    open.open_only = true;
-    Separated other;
-    if (!open.round(other, from, range, 8) || !other.found) return;
-    const double at = other.model.ring.onset;
-    open.settle(other, from, {std::max(at - near, range.first), std::min(at + near, range.second)});
-    const auto is_crest = [&](const JointPulse& p) {
-      return p.shape.peak < crest * other.model.ring.amplitude_at(p.shape.touch);
+    const auto look = [&](Use what, const Separated& start) {
+      Search open = *this;
+      open.use = what;
+      Separated other = start;
+      if (!open.round(other, from, range, 8) || !other.found) return;
+      const double at = other.model.ring.onset;
+      open.settle(other, from, {std::max(at - near, range.first), std::min(at + near, range.second)});
+      const auto is_crest = [&](const JointPulse& p) {
+        return p.shape.peak <
+               crest * other.model.ring.amplitude_at(std::max(p.shape.touch, other.model.ring.onset));
+      };
+      if (!other.found || !(other.model.reduced() < explained) ||
+          !(other.model.cost_before_settling() < s.model.cost_before_settling()) ||
+          std::any_of(other.model.pulses.begin(), other.model.pulses.end(), is_crest))
+        return;
+      place_in_contact(other.model);
+      other.open_time = true;
+      s = std::move(other);
     };
-    if (!other.found || !(other.model.reduced() < explained) || !(other.model.cost() < s.model.cost()) ||
-        std::any_of(other.model.pulses.begin(), other.model.pulses.end(), is_crest))
-      return;
-    place_in_contact(other.model);
-    other.open_time = true;
-    s = std::move(other);
+    const auto contact_left_out = [&] { return s.model.left_out > s.model.settling_out; };
+    const Separated before = s;
+    look(Use::bent, before);
+    look(Use::bent, {});
+    if (before.model.reduced() > badly_explained && contact_left_out()) {
+      look(Use::open, {});
+      if (s.open_time && contact_left_out()) look(Use::bent, s);
+    }
   }
 
   /// An onset next to a contact that was left out may lie in it: where taking out the fast part of the ring leaves less
@@ -347,7 +364,7 @@ Separated separate_ring(const Force& f, const Round& unaided, const Measured& co
     const double at = s.model.ring.onset;
     search.settle(s, begin, {std::max(at - 0.2e-3, t1), std::min(at + 0.2e-3, t2)});
   }
-  if (s.model.left_out > 0 && s.model.reduced() > badly_explained) search.look_in_open_time(s, begin);
+  if (s.model.left_out > s.model.settling_out) search.look_beside_contacts(s, begin);
   s.whole = s.found;
   return s;
 }
