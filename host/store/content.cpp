@@ -121,10 +121,10 @@ std::string campaign_hash(const Database& db, const CampaignInfo& c) {
 std::string sweep_hash(const Database& db, const SweepInfo& s) {
   Seal seal;
   seal.add(s.design).add(s.design_hash).add(s.points).add(s.columns).add(s.program_version);
-  for (const SweepBlock& b : select_blocks(db, s.id)) {
+  each_block(db, s.id, [&](const SweepBlock& b) {
     seal.add(b.first).add(b.count);
     for (const double x : b.numbers) seal.add(x);
-  }
+  });
   return seal.hex();
 }
 

@@ -154,7 +154,7 @@ class Merger {
         conflict(what);
       if (s.created < target.created) set_sweep_created(to_, target, s.created);
     }
-    for (const SweepBlock& b : select_blocks(from_, s.id)) add(b, target.id, what);
+    each_block(from_, s.id, [&](const SweepBlock& b) { add(b, target.id, what); });
   }
 
   /// Looks at no other block of the target: the cost of many merges is that of all blocks once.

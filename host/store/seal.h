@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <cstring>
 #include <limits>
+#include <optional>
 #include <string>
 #include <string_view>
 
@@ -18,6 +19,11 @@ class Seal {
   Seal& add(std::string_view text) {
     content_ += std::to_string(text.size()) + ':';
     content_ += text;
+    if (content_.size() >= most_held) {
+      if (!begun_) begun_.emplace();
+      begun_->add(content_);
+      content_.clear();
+    }
     return *this;
   }
   Seal& add(std::int64_t value) { return add(std::string_view(std::to_string(value))); }
@@ -28,10 +34,17 @@ class Seal {
     std::memcpy(bits, &value, sizeof value);
     return add(std::string_view(bits, sizeof bits));
   }
-  std::string hex() const { return sha256_hex(content_); }
+  /// Nothing may be added after it.
+  std::string hex() {
+    if (!begun_) return sha256_hex(content_);
+    begun_->add(content_);
+    return begun_->hex();
+  }
 
  private:
-  std::string content_;
+  static constexpr std::size_t most_held = 1 << 16;
+  std::string content_;          ///< not in `begun_` yet
+  std::optional<Sha256> begun_;  ///< of what is long: a whole sweep, say
 };
 
 }  // namespace powbench::host

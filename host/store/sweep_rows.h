@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <optional>
 #include <span>
 #include <vector>
@@ -21,8 +22,8 @@ std::optional<SweepBlock> select_block(const sqlite::Database&, std::int64_t swe
 /// Is a point of first .. first + count - 1 in another block? Blocks with this very `first` are not looked at.
 bool overlaps_block(const sqlite::Database&, std::int64_t sweep, std::int64_t first, std::int64_t count);
 
-/// In ascending order.
-std::vector<SweepBlock> select_blocks(const sqlite::Database&, std::int64_t sweep);
+/// In ascending order, one block in memory at a time: a sweep may be larger than the memory.
+void each_block(const sqlite::Database&, std::int64_t sweep, const std::function<void(SweepBlock)>& look);
 /// A block that is there already is kept as it is.
 void insert_block(sqlite::Database&, std::int64_t sweep, std::int64_t first, std::int64_t count,
                   std::span<const double> numbers);

@@ -127,12 +127,10 @@ bool overlaps_block(const Database& db, std::int64_t sweep, std::int64_t first, 
   return behind.bind(sweep).bind(first).step() && behind.integer(0) < first + count;
 }
 
-std::vector<SweepBlock> select_blocks(const Database& db, std::int64_t sweep) {
-  std::vector<SweepBlock> list;
+void each_block(const Database& db, std::int64_t sweep, const std::function<void(SweepBlock)>& look) {
   Statement s(db, "SELECT first, count, seal, numbers FROM sweep_block WHERE sweep_id = ? ORDER BY first");
   s.bind(sweep);
-  while (s.step()) list.push_back(block_row(s, sweep));
-  return list;
+  while (s.step()) look(block_row(s, sweep));
 }
 
 struct SweepStore::Impl {
@@ -166,7 +164,9 @@ void SweepStore::put(std::int64_t sweep, std::int64_t first, std::int64_t count,
 }
 
 std::vector<SweepBlock> SweepStore::blocks(std::int64_t sweep) const {
-  return select_blocks(impl_->db, sweep);
+  std::vector<SweepBlock> list;
+  each_block(impl_->db, sweep, [&](SweepBlock b) { list.push_back(std::move(b)); });
+  return list;
 }
 
 }  // namespace powbench::host

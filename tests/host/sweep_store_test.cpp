@@ -3,6 +3,8 @@
 #include <filesystem>
 #include <fstream>
 
+#include "host/store/hash.h"
+#include "host/store/seal.h"
 #include "host/store/store.h"
 #include "host/store/sweep_store.h"
 #include "tests/host/store_samples.h"
@@ -43,4 +45,20 @@ TEST_CASE("sweeps live beside campaigns in one store: blocks once, in order, NaN
     CHECK(store.sweeps()[0].design == "{}");
   }
   CHECK(Store(folder.file()).campaigns().empty());
+}
+
+TEST_CASE("a hash of parts is that of the whole", "[store]") {
+  std::string text(200'000, ' ');
+  for (std::size_t i = 0; i < text.size(); ++i) text[i] = static_cast<char>(i * i % 251);
+  Sha256 parts;
+  Seal seal;
+  std::string sealed;
+  for (std::size_t at = 0, n = 1; at < text.size(); at += n, n = n * 3 + 1) {
+    const std::string part = text.substr(at, n);
+    parts.add(part);
+    seal.add(part);
+    sealed += std::to_string(part.size()) + ':' + part;  // as its declaration says
+  }
+  CHECK(parts.hex() == sha256_hex(text));
+  CHECK(seal.hex() == sha256_hex(sealed));
 }

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <fcntl.h>
+#include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -52,11 +53,15 @@ class Program {
   int wait() {
     if (pid_ <= 0) return status_;
     int raw = 0;
-    waitpid(pid_, &raw, 0);
+    rusage used{};
+    wait4(pid_, &raw, 0, &used);
+    peak_megabytes_ = static_cast<double>(used.ru_maxrss) / 1e3;
     pid_ = -1;
     status_ = WIFEXITED(raw) ? WEXITSTATUS(raw) : -WTERMSIG(raw);
     return status_;
   }
+  /// The most memory that it held at once, after wait(); at least what the test program held when it started it.
+  double peak_megabytes() const { return peak_megabytes_; }
   /// Exit code if it has ended, else -1000.
   int poll() {
     if (pid_ <= 0) return status_;
@@ -73,6 +78,7 @@ class Program {
   std::string out_, err_;
   pid_t pid_ = -1;
   int status_ = 0;
+  double peak_megabytes_ = 0;
 };
 
 struct Finished {

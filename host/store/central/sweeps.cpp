@@ -50,7 +50,7 @@ bool SweepPusher::known(const SweepInfo& s) const {
   return s.created >= there.text(0, 4);
 }
 
-std::vector<SweepBlock> SweepPusher::lacking(const SweepInfo& s, std::vector<SweepBlock> blocks) const {
+std::vector<SweepPusher::Name> SweepPusher::lacking(const SweepInfo& s, std::vector<Name> blocks) const {
   const std::string what = "sweep of " + s.created;
   struct Known {
     std::int64_t count;
@@ -62,10 +62,9 @@ std::vector<SweepBlock> SweepPusher::lacking(const SweepInfo& s, std::vector<Swe
       "s.design_hash = $1",
       Values().text(s.design_hash));
   for (int i = 0; i < rows.size(); ++i) all[rows.integer(i, 0)] = {rows.integer(i, 1), rows.text(i, 2)};
-  std::erase_if(blocks, [&](const SweepBlock& b) {
-    const Known ours{b.count, block_key(b)};
-    const auto [at, fresh] = all.try_emplace(b.first, ours);
-    if (at->second.count != ours.count || at->second.hash != ours.hash)
+  std::erase_if(blocks, [&](const Name& b) {
+    const auto [at, fresh] = all.try_emplace(b.first, Known{b.count, b.hash});
+    if (at->second.count != b.count || at->second.hash != b.hash)
       conflict(what + ": its block " + std::to_string(b.first));
     return !fresh;
   });
@@ -81,7 +80,9 @@ std::int64_t SweepPusher::compare() {
   std::int64_t all = 0;
   for (const SweepInfo& s : select_sweeps(from_)) {
     const bool there = known(s);
-    std::vector<SweepBlock> blocks = lacking(s, select_blocks(from_, s.id));
+    std::vector<Name> blocks;
+    each_block(from_, s.id, [&](const SweepBlock& b) { blocks.push_back({b.first, b.count, block_key(b)}); });
+    blocks = lacking(s, std::move(blocks));
     all += static_cast<std::int64_t>(blocks.size());
     if (!there || !blocks.empty()) parts_.push_back({s, std::move(blocks)});
   }
@@ -119,9 +120,12 @@ void SweepPusher::push(const std::function<void(std::int64_t bytes)>& sent) {
       postgres::Transaction t(to_);
       lock(p.sweep);
       const auto begin = p.blocks.begin();
-      const std::vector<SweepBlock> fresh = lacking(
+      const std::vector<Name> fresh = lacking(
           p.sweep, {begin + static_cast<std::ptrdiff_t>(first), begin + static_cast<std::ptrdiff_t>(last)});
-      for (const SweepBlock& b : fresh)
+      std::vector<std::int64_t> sizes;
+      for (const Name& name : fresh) {
+        // the state of the store is that of compare(), so the block is there and the same
+        const SweepBlock b = select_block(from_, p.sweep.id, name.first).value();
         to_.queue(
             "INSERT INTO sweep_block SELECT id, $2, $3, $4, $5 FROM sweep WHERE design_hash = $1 ON CONFLICT "
             "DO "
@@ -130,11 +134,13 @@ void SweepPusher::push(const std::function<void(std::int64_t bytes)>& sent) {
                 .text(p.sweep.design_hash)
                 .integer(b.first)
                 .integer(b.count)
-                .text(block_key(b))
+                .text(name.hash)
                 .bytes(bytes_of(b)));
+        sizes.push_back(static_cast<std::int64_t>(bytes_of(b).size()));
+      }
       to_.finish();
       t.commit();
-      for (const SweepBlock& b : fresh) sent(static_cast<std::int64_t>(bytes_of(b).size()));
+      for (const std::int64_t bytes : sizes) sent(bytes);
       first = last;
     } while (first < p.blocks.size());
   }

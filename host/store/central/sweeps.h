@@ -25,13 +25,18 @@ class SweepPusher {
   void push(const std::function<void(std::int64_t bytes)>& sent);
 
  private:
+  /// A block without its numbers.
+  struct Name {
+    std::int64_t first = 0, count = 0;
+    std::string hash;
+  };
   struct Part {
     SweepInfo sweep;
-    std::vector<SweepBlock> blocks;  ///< not in the database
+    std::vector<Name> blocks;  ///< not in the database
   };
   /// Whether the database has this sweep, begun no later.
   bool known(const SweepInfo&) const;
-  std::vector<SweepBlock> lacking(const SweepInfo&, std::vector<SweepBlock>) const;
+  std::vector<Name> lacking(const SweepInfo&, std::vector<Name>) const;
   void lock(const SweepInfo&);
   [[noreturn]] void conflict(const std::string& what) const;
 
