@@ -203,34 +203,46 @@ struct Wanted {
     const auto is = [](const std::string& wanted, const std::string& found) {
       return wanted.empty() || wanted == found;
     };
-    return is(args.customer, record.customer) && is(args.device, record.device) && is(args.name, c.name) &&
-           c.created >= args.since;
+    if (!is(args.customer, record.customer) || !is(args.device, record.device) || !is(args.name, c.name))
+      return false;
+    newest = std::max(newest, c.created);
+    return c.created >= args.since;
   }
-  /// What might have been meant.
-  std::string others() const {
+  /// Why none was wanted, and what might have been meant.
+  std::string why_none() const {
+    if (customers.empty()) return "the database has no campaign yet";
+    if (!newest.empty())
+      return fmt::format("no {}campaign was begun on {} or later; the newest {}was begun on {} (UTC)",
+                         words() ? "such " : "", args.since, words() ? "such one " : "",
+                         newest.substr(0, 10));
     const auto list = [](const std::set<std::string>& words) {
       std::string text;
       for (const std::string& w : words)
         if (!w.empty()) text += (text.empty() ? "'" : ", '") + w + "'";
       return text.empty() ? std::string("none") : text;
     };
-    return "customers there: " + list(customers) + "; devices: " + list(devices) + "; names: " + list(names);
+    return "no such campaign; customers there: " + list(customers) + "; devices: " + list(devices) +
+           "; names: " + list(names);
   }
+
+  bool words() const { return !(args.customer + args.device + args.name).empty(); }
 
   const DbArgs& args;
   std::set<std::string> customers, devices, names;
+  std::string newest;  ///< when the newest of these words was begun
 };
 
 Exit pull(const DbArgs& args) {
   return with_server([&] {
     if (!args.since.empty() && !is_day(args.since))
-      throw BadInput({fmt::format("--since '{}': not a day; allowed as 2030-12-31", args.since)});
+      throw BadInput({fmt::format(
+          "--since '{}': not a day; allowed is year-month-day in digits, such as 2030-12-31", args.since)});
     LateSteps steps("pull", args.progress);
     Wanted wanted(args);
     CampaignChoice choice;
     if (!(args.customer + args.device + args.name + args.since).empty()) choice = std::ref(wanted);
     const Merged m = pull_store(
-        args.address, args.database, choice, [&] { return wanted.others(); }, steps.step());
+        args.address, args.database, choice, [&] { return wanted.why_none(); }, steps.step());
     if (args.json)
       fmt::print("{}\n", Json{{"campaigns", m.campaigns},
                               {"shots", m.shots},
@@ -304,11 +316,13 @@ void add_db_verbs(CLI::App& app) {
   down->add_option("--device", pulled->device, "only campaigns of this device");
   down->add_option("--name", pulled->name, "only campaigns of this name");
   down->add_option("--since", pulled->since,
-                   "only campaigns begun on this day or later, as 2030-12-31 (UTC)");
+                   "only campaigns begun on this day or later: year-month-day (UTC), such as 2030-12-31");
   down->footer(
       "Without one of these, all campaigns and all sweeps. A store that is there already gets what it lacks, "
       "as by\n"
-      "`db merge`.");
+      "`db merge`. Where no campaign is as asked, the message says what there is, the exit code is 2, and no "
+      "file is\n"
+      "written.");
 }
 
 }  // namespace powbench::host

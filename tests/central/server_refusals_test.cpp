@@ -58,6 +58,9 @@ TEST_CASE("addresses that are none, and servers that are not there", "[central]"
   }
   refuses({"pull", nowhere, "--db", store, "--since", "yesterday"}, 2,
           "--since 'yesterday': not a day; allowed");
+  for (const char* day : {"2030-02-30", "2030-1-1", "31.12.2030", "2030-12-31T10:00:00Z", "tomorrow"})
+    refuses({"pull", nowhere, "--db", store, "--since", day}, 2,
+            "not a day; allowed is year-month-day in digits, such as 2030-12-31");
   const std::string text = folder.file("text.db");
   write_bytes(text, "a = 1\n");
   refuses({"push", nowhere, "--db", folder.file("none.db")}, 2, "no such store");
@@ -137,7 +140,22 @@ TEST_CASE("databases that do not fit, and rights that are missing", "[central][.
           2, "permission denied for table");
   refuses({"pull", base, "--db", folder.file("x.db"), "--customer", "two"}, 2,
           "no such campaign; customers there: 'one'; devices: none; names: 'small'");
+  const std::string begun = Store(store).campaign(1).created.substr(0, 10);
+  const std::vector<std::string> later{"pull", base, "--db", folder.file("x.db"), "--since", "2999-12-31"};
+  refuses(later, 2,
+          base + ": no campaign was begun on 2999-12-31 or later; the newest was begun on " + begun);
+  std::vector<std::string> of_one = later;
+  of_one.insert(of_one.end(), {"--customer", "one"});
+  refuses(of_one, 2,
+          "no such campaign was begun on 2999-12-31 or later; the newest such one was begun on " + begun);
+  of_one.back() = "two";
+  refuses(of_one, 2, "no such campaign; customers there: 'one'");
   CHECK_FALSE(std::filesystem::exists(folder.file("x.db")));
+  const std::string none = server.base("no_campaign");
+  { const Store fresh(folder.file("fresh.db")); }
+  push_store(folder.file("fresh.db"), none);
+  refuses({"pull", none, "--db", folder.file("x.db"), "--since", "2020-01-01"}, 2,
+          "the database has no campaign yet");
 
   admin.script("UPDATE powbench.schema_version SET version = 99");
   refuses({"push", base, "--db", store}, 5, "of a newer powbench (99, this one knows 1)");

@@ -38,8 +38,8 @@ using CampaignChoice = std::function<bool(const CampaignInfo&, const std::vector
 /// Writes the chosen campaigns (without a choice all of them, the sweeps and the points) to the store at `path`: as a
 /// new file that is whole or not there, or merged into one that exists. Each row is compared with its hash, and the
 /// samples with theirs. Throws as push_store; StoreError also for a row of the database that does not match,
-/// WrongStore where no campaign is chosen: "no such campaign" and `others()`.
+/// WrongStore where no campaign is chosen: `why_none()`.
 Merged pull_store(const std::string& address, const std::string& path, const CampaignChoice& = {},
-                  const std::function<std::string()>& others = {}, const Step& = {});
+                  const std::function<std::string()>& why_none = {}, const Step& = {});
 
 }  // namespace powbench::host

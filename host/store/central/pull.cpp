@@ -212,7 +212,7 @@ std::string replaced(std::string text, const std::string& what, const std::strin
 }  // namespace
 
 Merged pull_store(const std::string& address, const std::string& path, const CampaignChoice& choice,
-                  const std::function<std::string()>& others, const Step& step) {
+                  const std::function<std::string()>& why_none, const Step& step) {
   std::error_code ignored;
   if (fs::is_directory(path, ignored)) throw WrongStore(path + ": is a folder; name a file");
   const bool there = fs::exists(path) && fs::file_size(path) > 0;
@@ -229,7 +229,8 @@ Merged pull_store(const std::string& address, const std::string& path, const Cam
                               "ISOLATION LEVEL REPEATABLE READ READ ONLY");  // one state of the database
       made = Puller(from, to, step).run(choice);
       t.commit();
-      if (choice && made.campaigns == 0) throw WrongStore(address + ": no such campaign; " + others());
+      if (choice && made.campaigns == 0)
+        throw WrongStore(address + ": " + (why_none ? why_none() : "no such campaign"));
     }
     if (!there && put_in_place(aside, path)) return made;
     made = merge_stores(path, {aside});
