@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <chrono>
+#include <filesystem>
 #include <fstream>
 #include <iostream>
 #include <random>
@@ -10,6 +11,7 @@
 #include "host/cli/calibrate.h"
 #include "host/cli/verbs.h"
 #include "host/config/bad_input.h"
+#include "host/export/write_file.h"
 #include "host/gather/scene.h"
 #include "rigs/iio_rig.h"
 #include "rigs/registry.h"
@@ -37,6 +39,23 @@ std::optional<std::string> ask(const std::string& question) {
   return line;
 }
 
+/// Finds out before the walk whether the certificate can be written; a walk that fails leaves nothing behind, and a
+/// former certificate as it was.
+struct PlaceFor {
+  explicit PlaceFor(const std::string& path) : file(path) {
+    if (!std::ofstream(path, std::ios::binary | std::ios::app))
+      throw BadInput({fmt::format("{}: cannot be written", path)});
+  }
+  ~PlaceFor() {
+    std::error_code ignored;
+    if (std::filesystem::is_regular_file(file, ignored) && std::filesystem::file_size(file, ignored) == 0)
+      std::filesystem::remove(file, ignored);
+  }
+  PlaceFor(const PlaceFor&) = delete;
+  PlaceFor& operator=(const PlaceFor&) = delete;
+  std::string file;
+};
+
 std::string make_token() {
   std::random_device entropy;
   const char* secret = std::getenv("POWBENCH_RIG_SECRET");
@@ -52,8 +71,8 @@ Exit calibrate(const CalibrateArgs& args) {
   if (until < from) throw BadInput({fmt::format("--expires {} lies before {}", args.expires, date)});
   if (!rigs::usable_certificate(args.id))
     throw BadInput({fmt::format("--id '{}': 1 to 32 printable characters without blank and colon", args.id)});
-  std::ofstream file(args.output, std::ios::binary);
-  if (!file) throw BadInput({fmt::format("{}: cannot be written", args.output)});
+  refuse_existing(args.output, args.overwrite);
+  const PlaceFor place(args.output);
 
   const RigFile rig = rig_file(args.rig);
   const rigs::Endpoint end = rigs::endpoint(args.rig, rig.config, load_specimen(rig));
@@ -68,20 +87,21 @@ Exit calibrate(const CalibrateArgs& args) {
     link.write(control, "abort",
                "1 " + token);  // a quantity at the current's input is a current without a gate
     link.write(control, "lease", token + " 0");
-    file << fmt::format(
-                "# Certificate of a calibration, written by powbench {}.\nid = \"{}\"\ndate = "
-                "\"{}\"\nexpires = \"{}\"\n"
-                "by = \"{}\"\nrig = \"{}, {}\"\nkind = \"{}\"\nreplaces = \"{}\"\nrows_crc32 = \"{:08x}\"\n"
-                "switch_delay_us = {:.3f}\n",
-                program_version, args.id, date, args.expires, args.by, info.model, info.serial, info.kind,
-                info.calibration, rigs::rows_crc32(w.rows), w.switch_delay * 1e6)
-         << w.report;
+    write_file(
+        args.output,
+        fmt::format(
+            "# Certificate of a calibration, written by powbench {}.\nid = \"{}\"\ndate = "
+            "\"{}\"\nexpires = \"{}\"\n"
+            "by = \"{}\"\nrig = \"{}, {}\"\nkind = \"{}\"\nreplaces = \"{}\"\nrows_crc32 = \"{:08x}\"\n"
+            "switch_delay_us = {:.3f}\n",
+            program_version, args.id, date, args.expires, args.by, info.model, info.serial, info.kind,
+            info.calibration, rigs::rows_crc32(w.rows), w.switch_delay * 1e6) +
+            w.report);
   } catch (const rigs::Refusal& refusal) {
     throw rigs::RigError(rigs::sentence(refusal) + ": " + link.read(control, "last_error"));
   } catch (const rigs::LinkBroken& broken) {
     throw rigs::RigError(broken.sentence);
   }
-  if (!file.flush()) throw BadInput({fmt::format("{}: cannot be written", args.output)});
   fmt::print(stderr, "calibration {} is in force on {}; certificate: {}\n", args.id, info.serial,
              args.output);
   return Exit::pass;

@@ -195,6 +195,7 @@ Exit fit_specimen(const FitArgs& args) {
     fmt::print("{}", slurm_script(args.shards, args.shards.database));
     return Exit::pass;
   }
+  for (const std::string& file : {args.output, args.fit_file}) refuse_existing(file, args.overwrite);
   Points points = open_points(args.shards);
   FitState state;
   if (!args.state_file.empty() && std::filesystem::exists(args.state_file))

@@ -113,6 +113,7 @@ namespace {
 
 /// The calibration file that the columns suggest; the table of reasons is talk, or JSON.
 Exit suggest(const ImportArgs& args) {
+  if (!args.json) refuse_existing(args.output, args.overwrite);
   const CsvTable table = read_table(args.file);
   const Suggested s = suggest_columns(table);
   const std::string text = suggested_file(table, s, std::filesystem::path(args.file).filename().string());
@@ -136,9 +137,6 @@ Exit suggest(const ImportArgs& args) {
     fmt::print("{}", text);
     return Exit::pass;
   }
-  std::error_code ignored;
-  if (std::filesystem::exists(args.output, ignored))
-    throw BadInput({args.output + ": is there already and is not overwritten; name another file"});
   write_file(args.output, text);
   fmt::print(stderr, "{}: check it, fill in the gains, then: powbench import {} --calibration {}\n",
              args.output, args.file, args.output);

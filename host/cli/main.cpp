@@ -253,6 +253,7 @@ void add_import_verb(CLI::App& app) {
   in->add_flag("--suggest", args->suggest,
                "store nothing: print the calibration file that the columns suggest, and why");
   in->add_option("-o,--output", args->output, "with --suggest: file to write it to");
+  in->add_flag("--overwrite", args->overwrite, "with --suggest: replace a file that is there already");
   in->add_option("--calibration", args->calibration,
                  "calibration file (TOML); FILE.toml beside FILE.csv if left out");
   in->add_option("--db", args->database, "store to write; made if missing")->capture_default_str();

@@ -50,6 +50,7 @@ void add_rig_verbs(CLI::App& app) {
   walk->add_option("--date", args->date, "day of the calibration; today if left out");
   walk->add_option("--by", args->by, "who calibrates")->capture_default_str();
   walk->add_option("-o,--output", args->output, "certificate to write (TOML)")->capture_default_str();
+  walk->add_flag("--overwrite", args->overwrite, "replace a certificate that is there already");
 
   auto serve = std::make_shared<ServeArgs>();
   CLI::App* rig =

@@ -34,7 +34,8 @@ struct FitArgs {
   std::uint64_t seed = 1;
   int threads = 0;
   std::string state_file, output, fit_file, name;
-  std::string picture;  ///< SVG to write; "" = none
+  bool overwrite = false;  ///< `output` and `fit_file`
+  std::string picture;     ///< SVG to write; "" = none
   bool json = false;
   ShardArgs shards;  ///< of posteriors and searches
   std::string progress = "auto";

@@ -104,6 +104,7 @@ void add_fit_verb(CLI::App& app) {
   v->add_option("--svg", fit->picture, "picture to write: measured, fitted, held out");
   v->add_option("--fit", fit->fit_file,
                 "fit file to write: every specimen found, for `powbench tables --fit`");
+  v->add_flag("--overwrite", fit->overwrite, "replace specimen file and fit file that are there already");
   add_shard_options(v, fit->shards, "posterior of a held-out angle or global search");
   v->add_flag("--json", fit->json, "JSON to stdout");
   add_progress(v, fit->progress);

@@ -29,6 +29,7 @@ struct CalibrateArgs {
   std::string date;  ///< "" = today
   std::string by = "unnamed";
   std::string output = "calibration.toml";
+  bool overwrite = false;
 };
 Exit calibrate(const CalibrateArgs&);
 
@@ -143,6 +144,7 @@ struct ImportArgs {
   std::string file;
   bool suggest = false;     ///< store nothing: write the calibration file that the columns suggest
   std::string output;       ///< of that; "" = stdout
+  bool overwrite = false;   ///< `output`
   std::string calibration;  ///< "" = the one beside it
   std::string database = "powbench.db";
   bool json = false;

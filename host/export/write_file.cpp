@@ -15,4 +15,11 @@ void write_file(const std::filesystem::path& path, std::string_view text) {
                     ": cannot be written; check the folder, its permissions and the disk, or name another"});
 }
 
+void refuse_existing(const std::filesystem::path& path, bool overwrite) {
+  std::error_code ignored;
+  if (!path.empty() && !overwrite && std::filesystem::exists(path, ignored))
+    throw BadInput(
+        {path.string() + ": is there already and is not overwritten; name another file, or add --overwrite"});
+}
+
 }  // namespace powbench::host

@@ -9,4 +9,8 @@ namespace powbench::host {
 /// not the program's.
 void write_file(const std::filesystem::path&, std::string_view text);
 
+/// For a file that a person may have edited since, or that took hours: throws BadInput where it is there already and
+/// `overwrite` was not asked for. Call it before the work.
+void refuse_existing(const std::filesystem::path&, bool overwrite);
+
 }  // namespace powbench::host

@@ -110,6 +110,18 @@ TEST_CASE("mistakes on the command line", "[system]") {
       {{"rig", "--listen", "300.1.1.1"}, "is no address; give one such as 127.0.0.7"},
       {{"rig", "--listen", "0.0.0.0"}, "add --open-to-network"},
       {{"calibrate", "sim:", "--id", "a", "--expires", "tomorrow"}, "as 2030-12-31"},
+      {{"calibrate", "sim:", "--id", "a", "--expires", "2099-12-31", "-o", text},
+       "t.txt: is there already and is not overwritten; name another file, or add --overwrite"},
+      {{"calibrate", "ip:127.0.0.200", "--id", "a", "--expires", "2099-12-31", "-o", folder.file("c.toml")},
+       "nothing listens there",
+       3},
+      {{"calibrate", "ip:127.0.0.200", "--id", "a", "--expires", "2099-12-31", "-o", text, "--overwrite"},
+       "nothing listens there",
+       3},
+      {{"fit", "-o", text}, "is not overwritten; name another file, or add --overwrite"},
+      {{"fit", "-o", none, "--fit", text}, "t.txt: is there already and is not overwritten"},
+      {{"import", folder.write("w.csv", "time [s],a [V]\n0,1\n1e-3,2\n"), "--suggest", "-o", text},
+       "is not overwritten; name another file, or add --overwrite"},
       {{"show", "1", "--campaign", "2", "--db", db},
        "--campaign 2: shot 1 is of campaign 1; leave --campaign out"},
       {{"plot", "1", "--campaign", "2", "--db", db}, "shot 1 is of campaign 1"},
@@ -127,7 +139,20 @@ TEST_CASE("mistakes on the command line", "[system]") {
     CHECK(r.out.empty());
   }
   CHECK(read_file(db) == before);
-  for (const char* left : {"s.db", "w.db", "x.gif"}) CHECK_FALSE(std::filesystem::exists(folder.file(left)));
+  CHECK(read_file(text) == "hello\n");
+  for (const char* left : {"s.db", "w.db", "x.gif", "c.toml", "none.toml"})
+    CHECK_FALSE(std::filesystem::exists(folder.file(left)));
+}
+
+TEST_CASE("a file that is there already is replaced where that is asked for", "[system]") {
+  Folder folder;
+  const std::string specimen = folder.write("s.toml", "edited\n"), fit = folder.write("f.json", "{}\n");
+  const Finished r = run(folder, {"fit", "--evaluations", "100", "--searches", "1", "--ensemble", "0", "-o",
+                                  specimen, "--fit", fit, "--overwrite", "--progress", "none"});
+  INFO(r.err);
+  CHECK(r.status == 0);
+  CHECK_THAT(read_file(specimen), Contains("[coil]"));
+  CHECK_THAT(read_file(fit), Contains("\"kind\""));
 }
 
 TEST_CASE("mistakes in a plan", "[system]") {
