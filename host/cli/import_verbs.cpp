@@ -121,12 +121,13 @@ Exit suggest(const ImportArgs& args) {
   nlohmann::ordered_json list = nlohmann::ordered_json::array();
   for (const Suggestion& c : s.columns) {
     const std::string channel = c.channel ? std::string(info(*c.channel).name) : "-";
-    fmt::print(stderr, "{:<24} {:<14} by {:<6} {}\n", table.header[c.column], channel,
-               c.channel ? name(c.ground) : "-", c.why);
+    fmt::print(stderr, "{:<24} {:<14} by {:<6} {:<7} {}\n", table.header[c.column], channel,
+               c.channel ? name(c.ground) : "-", c.channel ? name(c.sure) : "-", c.why);
     list.push_back(
         {{"column", table.header[c.column]},
          {"channel", c.channel ? nlohmann::ordered_json(channel) : nlohmann::ordered_json(nullptr)},
          {"ground", c.channel ? nlohmann::ordered_json(name(c.ground)) : nlohmann::ordered_json(nullptr)},
+         {"sure", c.channel ? nlohmann::ordered_json(name(c.sure)) : nlohmann::ordered_json(nullptr)},
          {"why", c.why}});
   }
   if (args.json) {

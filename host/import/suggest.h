@@ -15,16 +15,22 @@ namespace powbench::host {
 /// What the choice rests on, the surest first.
 enum class Ground {
   name,  ///< the column's name says it
-  shape,  ///< only this channel looks so: mains, switched mains, a contact voltage that falls, a travel that arrives
+  shape,  ///< only this channel looks so: mains, switched mains, a contact voltage that falls, a travel that arrives, a
+  ///< current with inrush or one that slows down to its end
   unit,   ///< the unit leaves this channel, and the names' order decides between two
   guess,  ///< what was left over
 };
 std::string_view name(Ground);
 
+/// How much may be trusted, by what it rests on and by how clearly a shape shows.
+enum class Sureness { sure, likely, unsure };
+std::string_view name(Sureness);
+
 struct Suggestion {
   std::size_t column = 0;          ///< of the table
   std::optional<Channel> channel;  ///< nothing: none fits, or all that fit are taken
   Ground ground = Ground::guess;
+  Sureness sure = Sureness::unsure;
   std::string why;  ///< half a sentence
 };
 

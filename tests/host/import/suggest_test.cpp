@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <catch2/catch.hpp>
+#include <functional>
 #include <numeric>
 
 #include "core/random.h"
@@ -61,7 +62,7 @@ Shown shown(std::uint64_t seed) {
 }  // namespace
 
 TEST_CASE("what a shape says is true, on closings in volts without names", "[import][suggest]") {
-  int by_shape = 0, wrong = 0, of_four = 0;
+  int by_shape = 0, wrong = 0, of_five = 0;
   for (std::uint64_t seed = 1; seed <= 40; ++seed) {
     const Shown s = shown(seed);
     for (const Suggestion& x : suggest_columns(s.table).columns) {
@@ -69,11 +70,117 @@ TEST_CASE("what a shape says is true, on closings in volts without names", "[imp
       ++by_shape;
       wrong += *x.channel != s.truth[x.column] ? 1 : 0;
     }
-    of_four += 4;
+    of_five += 5;
   }
-  WARN("by shape: " << by_shape << " of " << of_four << " named, " << wrong << " of them wrong");
-  CHECK(by_shape > of_four * 3 / 4);
+  WARN("by shape: " << by_shape << " of " << of_five << " named, " << wrong << " of them wrong");
+  CHECK(by_shape > of_five * 3 / 4);
   CHECK(wrong <= by_shape / 50);
+}
+
+namespace {
+
+/// What an invented trace is called, and its value `t` seconds after switch-on.
+struct Invented {
+  const char* name;
+  Channel channel;
+  std::function<double(double t)> at;
+};
+
+/// From rest at 4 ms to the stop at 12 ms as t^`power`, from 0 to 1.
+double moves(double t, double power) {
+  return t < 4e-3 ? 0.0 : std::min(1.0, std::pow((t - 4e-3) / 8e-3, power));
+}
+
+/// Rebounds from the stop: parabolas of half the height and time of the one before, the first `height`, 6 ms long.
+double rebounds(double t, double height) {
+  double from = 12e-3, length = 6e-3;
+  for (int k = 0; k < 6; ++k) {
+    if (t > from && t < from + length) {
+      const double u = (t - from) / length;
+      return 4 * height * u * (1 - u);
+    }
+    from += length, length /= 2, height /= 2;
+  }
+  return 0;
+}
+
+/// Current of an AC coil of amplitude 1: `ratio` as much until the core arrives, then less within `settles`.
+double ac_current(double t, double hertz, double ratio, double settles) {
+  if (t < 0) return 0;
+  const double amplitude = t < 12e-3 ? ratio : 1 + (ratio - 1) * std::exp(-(t - 12e-3) / settles);
+  const double phase = 2 * pi * hertz * t;
+  return amplitude * (std::sin(phase) + 0.15 * std::sin(3 * phase));
+}
+
+/// Current of a DC coil, whose inductance doubles when the core arrives at 20 ms: it dips by `dip` and rises again.
+double dc_current(double t, double dip) {
+  if (t < 0) return 0;
+  const double first = 1 - std::exp(-t / 10e-3);
+  if (t < 20e-3) return first - dip * std::pow(t / 20e-3, 4);
+  return 1 - (std::exp(-2.0) + dip) * std::exp(-(t - 20e-3) / 20e-3);
+}
+
+Suggestion suggested(const Invented& trace, double gain, double offset, double drift, double noise,
+                     std::uint64_t seed) {
+  Random random(seed);
+  CsvTable t;
+  t.header = {"time [s]", "CH1 [V]"};
+  t.columns.resize(2);
+  for (int i = 0; i < 4000; ++i) {
+    const double s = -0.05 + i * 50e-6;
+    t.columns[0].push_back(s), t.line.push_back(1);
+    t.columns[1].push_back(gain * (trace.at(s) + drift * s / 0.2 + noise * random.normal()) + offset);
+  }
+  return suggest_columns(t).columns.at(0);
+}
+
+}  // namespace
+
+TEST_CASE("travels and coil currents of many shapes are told apart, and how surely", "[import][suggest]") {
+  const std::vector<Invented> traces{
+      {"travel", Channel::laser, [](double t) { return moves(t, 2); }},
+      {"travel, late and sudden", Channel::laser, [](double t) { return moves(t - 60e-3, 3); }},
+      {"travel that rebounds by a quarter", Channel::laser,
+       [](double t) { return moves(t, 2) - rebounds(t, 0.25); }},
+      {"late travel that rebounds by a quarter", Channel::laser,
+       [](double t) { return moves(t - 70e-3, 2) - rebounds(t - 70e-3, 0.25); }},
+      {"travel with overshoot into the pole faces", Channel::laser,
+       [](double t) { return moves(t, 2) + 0.1 * rebounds(t, 1); }},
+      {"AC current, 50 Hz", Channel::coil_current, [](double t) { return ac_current(t, 50, 8, 5e-3); }},
+      {"AC current, 60 Hz", Channel::coil_current, [](double t) { return ac_current(t, 60, 5, 10e-3); }},
+      {"AC current, little inrush", Channel::coil_current,
+       [](double t) { return ac_current(t, 50, 2.2, 10e-3); }},
+      {"DC current with a dip", Channel::coil_current, [](double t) { return dc_current(t, 0.3); }},
+      {"DC current with a small dip", Channel::coil_current, [](double t) { return dc_current(t, 0.05); }},
+      {"DC current without a dip", Channel::coil_current,
+       [](double t) { return t < 0 ? 0.0 : 1 - std::exp(-t / 8e-3); }},
+      {"contact voltage", Channel::contact_a,
+       [](double t) { return t < 10e-3 || (t > 11e-3 && t < 12.5e-3) ? 1.0 : 0.0; }},
+  };
+  std::uint64_t seed = 1;
+  for (const Invented& trace : traces) {
+    const bool to_zero = trace.channel == Channel::contact_a;  // what it is depends on its zero
+    for (const double gain : {1.0, -1.0, 4.0, 30.0, -30.0})
+      for (const double offset : {0.0, 2.5, -6.0})
+        for (const double drift : {0.0, 0.04, -0.04}) {
+          if (to_zero && (offset != 0 || drift != 0 || gain < 0)) continue;
+          if (trace.channel == Channel::coil_current && drift != 0)
+            continue;  // clamps have an offset, lasers drift
+          INFO(trace.name << ", gain " << gain << ", offset " << offset << ", drift " << drift);
+          const Suggestion found = suggested(trace, gain, offset, drift, 0.005, seed++);
+          REQUIRE(found.channel);
+          CHECK(info(*found.channel).name == info(trace.channel).name);
+          CHECK(found.ground == Ground::shape);
+          CHECK(found.sure != Sureness::unsure);
+        }
+  }
+  // between both: a straight way up is the travel of a constant speed or a current that is limited
+  const Invented straight{"straight", Channel::laser,
+                          [](double t) { return std::clamp(t / 20e-3, 0.0, 1.0); }};
+  CHECK(suggested(straight, 1, 0, 0, 0.005, 7).sure != Sureness::sure);
+  // noise alone says nothing
+  const Invented nothing{"nothing", Channel::aux, [](double) { return 0.0; }};
+  CHECK(suggested(nothing, 1, 0, 0, 0.005, 8).sure == Sureness::unsure);
 }
 
 TEST_CASE("names and units decide before shapes, and the file that is written is read back",
