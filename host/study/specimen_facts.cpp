@@ -88,12 +88,38 @@ void add_motion(const sim::Specimen& s, std::vector<SpecimenFact>& facts) {
   add("core rebounds with, of the speed", "stop_rebound", s.core.stop_restitution, stop.first, stop.second);
 }
 
+/// What a number outside the range of its kind may stand for where it is no slip; "" where nothing is known.
+std::string meaning(std::string_view key, bool below) {
+  struct Meaning {
+    std::string_view key;
+    bool below;
+    const char* text;
+  };
+  constexpr Meaning list[] = {
+      {"core.travel_mm", true, "another magnet than that of this frame, whose core moves 3.82 mm or more"},
+      {"core.friction_N", false, "a holder that jams, or guides under side load"},
+      {"bridges.rate_N_per_m", true, "a long soft overtravel spring; the preload makes the contact force"},
+      {"bridges.contact_stiffness_N_per_m", true,
+       "softer than metal on metal: a sensor film or a pad at the contacts"},
+      {"bridges.seat_stiffness_N_per_m", true,
+       "softer than metal on plastic: a pad or a thin web under the bridge"},
+      {"bridges.seat_damping", false, "hardly an oscillation: the bridge lands in a pad or in friction"},
+      {"base.mass_g", false,
+       "more than the static core and its housing: the plate of the mounting moves too"},
+      {"base.damping", false, "rubber under the base or a loose mounting, no rail"},
+  };
+  for (const Meaning& m : list)
+    if (m.key == key && m.below == below) return m.text;
+  return "";
+}
+
 /// Keys of the file that no catalogue and no plausibility allows: most are a slip of unit or of a digit.
 void add_outside(const sim::Specimen& s, std::vector<SpecimenFact>& facts) {
   for (const auto& p : sim::catalogue_parameters(s.base.core_mass > 0)) {
     const double unit = p.field->si_per_unit, value = p.field->get(s);
     if (value < p.low || value > p.high)
-      facts.push_back({p.name(), p.name(), value / unit, p.low / unit, p.high / unit, ""});
+      facts.push_back(
+          {p.name(), p.name(), value / unit, p.low / unit, p.high / unit, meaning(p.name(), value < p.low)});
   }
 }
 
@@ -135,7 +161,9 @@ std::string facts_text(const sim::Specimen& s, const Conditions& rated,
   return out +
          "catalogues: three-pole contactors of the 25 .. 40 A frame. Frequencies: each body on its own "
          "spring, the others at "
-         "rest\n";
+         "rest.\n"
+         "Outside: a slip of unit or digit, or another kind of device; then the text behind it says what it "
+         "may be.\n";
 }
 
 std::string facts_json(const sim::Specimen& s, const std::vector<SpecimenFact>& facts) {

@@ -102,7 +102,23 @@ TEST_CASE("what the numbers of a specimen make together, beside catalogue ranges
   // the key that is a digit off is named too, in its own unit
   CHECK(numbers["bridges.rate_N_per_m"]["value"] == 50000);
   CHECK(numbers["bridges.rate_N_per_m"]["catalogue_high"] == 6000);
+  CHECK(numbers["bridges.rate_N_per_m"]["note"] == "");  // a spring that stiff has no explanation but a slip
   CHECK_FALSE(numbers.contains("core.mass_g"));
+  // of another device than the catalogues', with pads: each of its seven keys outside says what it may mean
+  const auto pads = nlohmann::json::parse(
+      run(folder, {"specimen", "describe", source_dir() + "/scenes/contact-pressure.specimen.toml", "--json"})
+          .out);
+  int outside = 0;
+  for (const auto& [key, fact] : pads["numbers"].items())
+    if (key.find('.') != std::string::npos) {
+      CAPTURE(key);
+      CHECK(fact["verdict"] == "outside");
+      CHECK_FALSE(fact["note"].get<std::string>().empty());
+      ++outside;
+    }
+  CHECK(outside == 7);
+  CHECK_THAT(pads["numbers"]["bridges.contact_stiffness_N_per_m"]["note"].get<std::string>(),
+             Contains("softer than metal on metal"));
   // kilograms where grams are asked for
   const auto kilograms =
       run(folder, {"specimen", "describe", folder.write("kg.specimen.toml", "[core]\nmass_g = 0.15\n")});
