@@ -1,5 +1,7 @@
 #include <catch2/catch.hpp>
+#include <filesystem>
 
+#include "tests/places.h"
 #include "tests/serve/served.h"
 
 using namespace powbench;
@@ -60,6 +62,19 @@ TEST_CASE("live bench: who may do what", "[serve]") {
     CHECK(s.api.answer(r).status == 200);
   }
   CHECK(s.shots() == 0);
+}
+
+TEST_CASE("live bench: behind a proxy with TLS the page opens encrypted WebSockets", "[serve]") {
+  // others are mixed content on a page that came encrypted: a browser may refuse them
+  int plain = 0, encrypted = 0;
+  for (const auto& file : std::filesystem::directory_iterator(source_dir() + "/host/serve/page")) {
+    const std::string text = read_file(file.path().string());
+    for (std::size_t at = 0; (at = text.find("'ws://'", at)) != std::string::npos; ++at) ++plain;
+    const std::string both = "location.protocol === 'https:' ? 'wss://' : 'ws://'";
+    for (std::size_t at = 0; (at = text.find(both, at)) != std::string::npos; ++at) ++encrypted;
+  }
+  CHECK(encrypted == 1);
+  CHECK(plain == encrypted);
 }
 
 TEST_CASE("live bench: tokens from a file", "[serve]") {

@@ -70,6 +70,10 @@ field('token-form').addEventListener('submit', async (e) => {
  * @param {string} path */
 export const link = (path) => path + (access.link_token ? (path.includes('?') ? '&' : '?') + 'token=' + encodeURIComponent(access.link_token) : '');
 
+/** The address of a WebSocket: through a proxy with TLS a page may open no other than an encrypted one.
+ * @param {string} path */
+export const stream = (path) => (location.protocol === 'https:' ? 'wss://' : 'ws://') + location.host + link(path);
+
 /** One HTTP call; throws the server's sentences.
  * @param {string} method @param {string} path @param {object} [body] @param {boolean} [again] @returns {Promise<any>} */
 export async function call(method, path, body, again) {

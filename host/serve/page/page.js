@@ -1,6 +1,6 @@
 // @ts-check
 // The live bench. State arrives over one WebSocket; everything a person does is an HTTP call.
-import { $, call, duration, field, known, learnAccess, link, sentences, stateWord, whenTokenGiven } from './base.js';
+import { $, call, duration, field, known, learnAccess, sentences, stateWord, stream, whenTokenGiven } from './base.js';
 import * as documents from './documents.js';
 import * as parameters from './parameters.js';
 import * as rig from './rig.js';
@@ -143,7 +143,7 @@ function show(next) {
 
 function listen() {
   if (socket) socket.onclose = null;
-  socket = new WebSocket('ws://' + location.host + link('/api/live'));
+  socket = new WebSocket(stream('/api/live'));
   socket.onmessage = (m) => show(JSON.parse(m.data));
   socket.onclose = () => {
     $('state').textContent = 'no connection';

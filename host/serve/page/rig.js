@@ -1,6 +1,6 @@
 // @ts-check
 // Rig: who it is, how it is, its attributes, and a scope on the raw channels of the last records.
-import { $, bytes, call, cells, clear, field, known, link, list, newRow, sentences, unitOf } from './base.js';
+import { $, bytes, call, cells, clear, field, known, list, newRow, sentences, stream, unitOf } from './base.js';
 
 /** @typedef {import('./base.js').State} State */
 /** @typedef {{name: string, unit: string, scale: number, offset: number, clip_low: number, clip_high: number, counts: Int16Array}} Trace */
@@ -161,7 +161,7 @@ function add(f) {
 }
 function listen() {
   if (!visible || socket) return;
-  socket = new WebSocket('ws://' + location.host + link('/api/scope'));
+  socket = new WebSocket(stream('/api/scope'));
   socket.binaryType = 'arraybuffer';
   socket.onmessage = (m) => { if (field('running').checked) add(unpack(m.data)); };
   socket.onclose = () => {
