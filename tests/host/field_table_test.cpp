@@ -4,6 +4,7 @@
 
 #include "host/store/field_table.h"
 #include "host/store/store.h"
+#include "tests/end_ring.h"
 
 using namespace powbench;
 namespace fs = std::filesystem;
@@ -95,4 +96,30 @@ TEST_CASE("a table is built once for a design and found again") {
   CHECK(first.table.nodes == second.table.nodes);
   design.turns += 1;
   CHECK_FALSE(host::obtain_field_table(folder.path, design, options, team).reused);
+}
+
+TEST_CASE("a table with ends and ring is stored, found again, and obeys what both must", "[.slow]") {
+  const Folder folder;
+  sim::MagnetDesign design;  // its edges on few planes, so that few cells hold it
+  auto& s = design.shape;
+  s.coil_width = s.window_width;
+  s.coil_offset = 0;
+  s.coil_height = s.fixed_window - s.ring_depth - 0.1e-6;
+  sim::TableOptions options;
+  options.accuracy = 0.05;
+  options.psi_nodes = 12, options.ring_nodes = 11, options.gap_nodes = 5;
+  options.largest_gap = 2e-3;
+  options.largest_field = 1.8;
+  sim::EndTableOptions ends;
+  ends.sizes = {.corner = 6e-3, .other = 12e-3, .largest = 20e-3, .far = 100e-3, .growth = 5};
+  ends.sizes.layers = 2;
+  ends.psi_nodes = 7, ends.ring_nodes = 5, ends.gap_nodes = 4;
+  sim::Team team(2);
+  const auto first = host::obtain_end_table(folder.path, design, options, ends, team);
+  CHECK_FALSE(first.reused);
+  CHECK(host::obtain_end_table(folder.path, design, options, ends, team).reused);
+  const auto plane = host::obtain_field_table(folder.path, design, options, team);
+  CHECK(plane.file != first.file);
+  test::check_ends_with_ring(sim::TablePotential(host::load_field_table(first.file)),
+                             sim::TablePotential(plane.table));
 }

@@ -1,7 +1,10 @@
 // `powbench field`: cores of two legs, what it tells, what it refuses.
 
 #include <catch2/catch.hpp>
+#include <nlohmann/json.hpp>
 
+#include "host/store/field_table.h"
+#include "tests/end_ring.h"
 #include "tests/system/program.h"
 
 using namespace powbench::test;
@@ -48,4 +51,34 @@ TEST_CASE("fields that cannot be: exit 2 and a sentence with key, value and rang
   CHECK_THAT(refused("", {"--steel", "cheese"}), Contains("'cheese' is unknown") && Contains("lamination"));
   CHECK_THAT(refused("[shape]\nlegs = 2\nclosed_leg = 1\nring_share = 0.0\n", {"--ends"}),
              Contains("--ends") && Contains("closed_leg = 1"));
+}
+
+TEST_CASE("a small core with --ends and --ring: table, pictures, and what ends and ring must do",
+          "[system][.long]") {
+  Folder folder;
+  // its edges on few planes, so that few cells hold it; its 1764 states take two minutes of processor all the same
+  const std::string file =
+      folder.write("little.specimen.toml",
+                   "[core]\ntravel_mm = 0.2\n[bridges]\ngap_mm = 0.1\n"
+                   "[shape]\ncoil_width_mm = 9.0\ncoil_offset_mm = 0.0\ncoil_height_mm = 13.9999\n");
+  const auto table = [&](std::vector<std::string> more) {
+    std::vector<std::string> words{"field",      file, "-o",     folder.file("field"),
+                                   "--accuracy", "5%", "--ring", "--json"};
+    words.insert(words.end(), more.begin(), more.end());
+    const Finished r = run(folder, words);
+    INFO(r.err);
+    REQUIRE(r.status == 0);
+    return nlohmann::json::parse(r.out);
+  };
+  const auto ends = table({"--ends"}), plane = table({});
+  CHECK_THAT(ends["description"].get<std::string>(), Contains("with ends"));
+  CHECK(ends["reused"] == false);
+  CHECK(ends["table"] != plane["table"]);
+  CHECK(ends["accuracy_met"] == true);
+  for (const auto& picture : ends["pictures"]) CHECK(read_file(picture.get<std::string>()).size() > 1000);
+  const auto loaded = [](const nlohmann::json& j) {
+    return powbench::sim::TablePotential(powbench::host::load_field_table(j["table"].get<std::string>()));
+  };
+  check_ends_with_ring(loaded(ends), loaded(plane));
+  CHECK(table({"--ends"})["reused"] == true);
 }
