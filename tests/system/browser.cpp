@@ -114,6 +114,7 @@ void Tab::key(const std::string& name) {
   if (name == "Tab") k["windowsVirtualKeyCode"] = 9;
   if (name == "Enter") k.update({{"windowsVirtualKeyCode", 13}, {"text", "\r"}});
   if (name == "ArrowRight") k["windowsVirtualKeyCode"] = 39;
+  if (name == "ArrowDown") k["windowsVirtualKeyCode"] = 40;
   if (name.size() == 1) k["text"] = name;
   call("Input.dispatchKeyEvent", k);
   k["type"] = "keyUp";

@@ -22,7 +22,7 @@ class Tab {
   /// Waits until the expression is true.
   void until(const std::string& expression);
   void go(const std::string& url);
-  /// A key pressed and let go: "Escape", "Tab", "Enter", "ArrowRight" or one character.
+  /// A key pressed and let go: "Escape", "Tab", "Enter", "ArrowRight", "ArrowDown" or one character.
   void key(const std::string& name);
   void size(int width, int height);
   void dark(bool);

@@ -200,7 +200,7 @@ TEST_CASE("live page: closing at touch, pause, two campaigns, PDF, exports", "[.
   }
   press(tab, "tab-documents");
   tab.until("document.querySelectorAll('#campaigns tr').length === 3");
-  tab.value("document.querySelector('#compare button').click()");
+  tab.value("document.querySelector('#compare button[type=submit]').click()");
   tab.until("/of 18 comparisons differ/.test(document.getElementById('pair-title').textContent)");
   picture(tab, "live-compare.png");
   const auto find = [&](const std::string& id, const std::string& value) {

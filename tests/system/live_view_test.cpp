@@ -82,7 +82,7 @@ TEST_CASE("live page: U of a mean is that of the report and of powbench compare,
   tab.until("document.querySelectorAll('#first option').length === 2");
   tab.value(
       "document.getElementById('first').value='1';document.getElementById('second').value='2';"
-      "document.querySelector('#compare button').click()");
+      "document.querySelector('#compare button[type=submit]').click()");
   tab.until("document.querySelectorAll('#pair tr').length === 9");
   const std::string db = folder.file("lab.db");
   const std::string one = run(folder, {"compare", "--db", db, "--campaign", "1"}).out,
@@ -201,7 +201,7 @@ TEST_CASE("live page: no page is wider than a phone, with long names and a compa
   tab.until("document.querySelectorAll('#notes li').length === 1");
   CHECK(width() <= 390);
   picture(tab, "live-phone-documents.png");
-  tab.value("document.querySelector('#compare button').click()");
+  tab.value("document.querySelector('#compare button[type=submit]').click()");
   tab.until("document.querySelectorAll('#pair tr').length === 9");
   CHECK(width() <= 390);
   tab.value("document.getElementById('compare').scrollIntoView()");

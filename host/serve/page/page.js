@@ -1,6 +1,7 @@
 // @ts-check
 // The live bench. State arrives over one WebSocket; everything a person does is an HTTP call.
 import { $, call, duration, field, known, learnAccess, sentences, stateWord, stream, whenTokenGiven } from './base.js';
+import './choice.js';
 import * as documents from './documents.js';
 import * as parameters from './parameters.js';
 import * as rig from './rig.js';
@@ -48,9 +49,18 @@ function alarm(text, done) {
   $('alarm').classList.toggle('done', !!done);
 }
 $('stop').addEventListener('click', stop);
-document.addEventListener('keydown', (e) => {
+// before anything on the page can take the key for itself
+window.addEventListener('keydown', (e) => {
   if (e.key === 'Escape') stop();
-});
+}, true);
+/** Esc is heard only while the page has the focus: not in another window, in the address or the find bar, or in a dialog of the browser. */
+function whetherHeard() {
+  const heard = document.hasFocus();
+  $('stop-key').textContent = heard ? 'Esc' : 'Esc: click the page first';
+  $('stop').classList.toggle('deaf', !heard);
+}
+for (const event of ['focus', 'blur']) window.addEventListener(event, whetherHeard);
+whetherHeard();
 
 // ---- pages ----
 

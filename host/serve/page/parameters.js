@@ -109,6 +109,7 @@ function showKeys() {
     }
     const input = document.createElement('input');
     input.id = 'key ' + k.section + ' ' + k.key;
+    input.autocomplete = 'off';
     input.value = k.value;
     input.placeholder = k.required ? 'must be given' : k.default || 'not set';
     input.setAttribute('aria-label', (k.section ? k.section + '.' : '') + k.key);
