@@ -1,12 +1,23 @@
 #include "rigs/rig_watch.h"
 
 #include <charconv>
+#include <optional>
 #include <utility>
 
 #include "rigs/iio_link.h"
 #include "rigs/phase_words.h"
 
 namespace powbench::rigs {
+namespace {
+
+std::optional<double> counts_of(IioLink& link, Channel channel) {
+  const std::string text = link.read_channel(channel, "raw");
+  double value = 0;
+  const auto [stop, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  return error == std::errc{} ? std::optional(value) : std::nullopt;
+}
+
+}  // namespace
 
 struct RigWatch::Impl {
   Impl(const std::string& address, std::chrono::milliseconds limit, std::chrono::milliseconds request)
@@ -55,13 +66,18 @@ std::vector<std::pair<Channel, double>> RigWatch::latest() {
     std::vector<std::pair<Channel, double>> all;
     for (std::size_t c = 0; c < channel_count; ++c) {
       const auto channel = static_cast<Channel>(c);
-      const std::string text = link.read_channel(channel, "raw");
-      double value = 0;
-      const auto [stop, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-      if (error == std::errc{}) all.emplace_back(channel, value);
+      if (const auto counts = counts_of(link, channel)) all.emplace_back(channel, *counts);
     }
     return all;
   });
+}
+
+double RigWatch::newest(Channel channel) {
+  const auto counts = impl_->ask([&](IioLink& link) { return counts_of(link, channel); });
+  if (!counts)
+    throw RigError(impl_->uri + ": channel " + std::string(powbench::info(channel).name) +
+                   " tells no number");
+  return *counts;
 }
 
 std::vector<std::pair<std::string, std::string>> RigWatch::attributes() {

@@ -50,6 +50,8 @@ class RigWatch {
   std::string state();
   /// Newest conversion of each channel of the channel table, counts; a channel that is not there is left out.
   std::vector<std::pair<Channel, double>> latest();
+  /// Of one channel, counts; throws RigError too where it tells none.
+  double newest(Channel);
   std::vector<std::pair<std::string, std::string>> attributes();
   /// Coil off, whoever owns the rig. The rig has taken the command; state() tells what came of it.
   void stop();

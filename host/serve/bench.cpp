@@ -17,14 +17,7 @@
 namespace powbench::host {
 namespace {
 
-using std::chrono::milliseconds;
-
-constexpr milliseconds connect_time{1500};
-constexpr milliseconds stop_time{2000};
-
-double seconds_since(std::chrono::steady_clock::time_point t) {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now() - t).count();
-}
+constexpr std::chrono::milliseconds connect_time{1500};
 
 }  // namespace
 
@@ -142,10 +135,14 @@ std::string Bench::Impl::run_job(const Job& now) {
       keep_simulated(store, beside, made->simulated.record, made->events, options);
     if (now.single) predict_later(store, now);
   }
+  const bool all = summary.done() == summary.planned;
+  const std::string how = !stop_flag ? summary.stopped
+                          : all      ? "STOP came when all closings were already fired"
+                                     : "stopped";
   if (!now.single)
     say(fmt::format("plan {}: {} of {} shots recorded, {} outside limits{}{}", now.scene.plan.name,
-                    summary.done(), summary.planned, summary.count(Outcome::fail),
-                    summary.stopped.empty() ? "" : "; ", stop_flag ? "stopped" : summary.stopped));
+                    summary.done(), summary.planned, summary.count(Outcome::fail), how.empty() ? "" : "; ",
+                    how));
   return {};
 }
 
@@ -192,68 +189,6 @@ void Bench::Impl::stored(std::int64_t shot) {
   }
   if (newest) recorded();
   changed();
-}
-
-// ---- the stop ----
-
-/// Why what answers at the address is not the rig that the bench has: only that one can confirm its coil. "" = it is.
-static std::string another_rig(const rigs::RigInfo& there, const rigs::RigInfo& expected) {
-  if (there.model == expected.model && there.serial == expected.serial && there.boot_id == expected.boot_id)
-    return {};
-  return fmt::format("{} {} (boot {}) answers in the place of {} {} (boot {})", there.model, there.serial,
-                     there.boot_id, expected.model, expected.serial, expected.boot_id);
-}
-
-StopAnswer Bench::Impl::stop() {
-  const auto begun = std::chrono::steady_clock::now();
-  struct Stopping {
-    explicit Stopping(std::atomic<int>& n) : count(n) { ++count; }
-    ~Stopping() { --count; }
-    std::atomic<int>& count;
-  } const under_way(stopping);
-  stop_flag = true;  // from here on nothing is fired; what is in flight is stopped below
-  stopped_at = now();
-  const std::scoped_lock one(stop_mutex);
-  { const std::scoped_lock lock(mutex); }  // whoever waits has seen the flag, or sleeps and is woken
-  wake.notify_all();
-  StopAnswer answer;
-  answer.text = "the rig has not confirmed that its coil is off";
-  const rigs::RigInfo expected =
-      [this] {  // the rig that may be energised: the job's, else the one on the page
-        const std::scoped_lock lock(mutex);
-        return job ? job_rig : rig_now();
-      }();
-  std::string another;
-  while (seconds_since(begun) < std::chrono::duration<double>(stop_time).count()) {
-    try {
-      if (!stop_line) {
-        stop_line = std::make_unique<rigs::RigWatch>(endpoint.uri, milliseconds(500));
-        another = another_rig(stop_line->info(), expected);
-      }
-      stop_line->stop();
-      if (!another.empty()) throw rigs::RigError(another);
-      const bool nobody = !inside;  // before the rig is asked: nothing can arm it afterwards
-      const std::string state = stop_line->state();
-      if (nobody && rigs::coil_off(state)) {
-        answer.off = true;
-        answer.text = "coil off, confirmed by the rig (its state: " + state + ")";
-        break;
-      }
-    } catch (const rigs::RigError& e) {
-      stop_line.reset();
-      answer.text = std::string("THE RIG DOES NOT ANSWER, the coil may be on: ") + e.what();
-      std::this_thread::sleep_for(milliseconds(50));
-    }
-    std::this_thread::sleep_for(milliseconds(1));
-  }
-  answer.ms = 1e3 * seconds_since(begun);
-  {
-    const std::scoped_lock lock(mutex);
-    last_stop = answer;
-    log_line(fmt::format("STOP after {:.0f} ms: {}", answer.ms, answer.text));
-  }
-  changed();
-  return answer;
 }
 
 // ---- what others ask ----

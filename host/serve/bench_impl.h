@@ -18,8 +18,8 @@
 
 namespace powbench::host {
 
-/// The state of a bench and its threads: one that fires, the looker's, and whoever calls. Parts in bench.cpp (firing
-/// and stopping), bench_single.cpp (single closings) and bench_state.cpp (what others see).
+/// The state of a bench and its threads: one that fires, the looker's, and whoever calls. Parts in bench.cpp
+/// (firing), bench_stop.cpp (stopping), bench_single.cpp (single closings) and bench_state.cpp (what others see).
 struct Bench::Impl final : RunWatcher {
   struct Job {
     Scene scene;
@@ -31,6 +31,7 @@ struct Bench::Impl final : RunWatcher {
     std::size_t done = 0, outside = 0;
     double begun = 0;  ///< of `clock`, s; without the pauses
     std::string doing = "waiting";
+    bool stopped_late = false;  ///< a stop came when all of it was fired
   };
 
   Impl(const std::string& rig_uri, const Scene& first, const std::string& database_file,

@@ -134,6 +134,7 @@ void Bench::fire_at_touch(double touch_angle, Instant asked) {
     if (impl_->aiming && *impl_->aiming > impl_->stopped_at.load())
       throw NotNow("the angle of a closing at touch is being sought; stop it or wait for its end");
     impl_->aiming = asked;
+    impl_->last_stop.reset();  // its confirmation is not of what is fired next
   }
   impl_->changed();
   const auto over = [&] {

@@ -117,9 +117,10 @@ std::string Bench::Impl::state() const {
     out["job"] = {{"kind", job->single ? "single" : "plan"},
                   {"name", job->scene.plan.name},
                   {"campaign", job->campaign ? Json(job->campaign) : Json(nullptr)},
-                  {"doing", waiting  ? "paused"
-                            : paused ? "pausing after this shot"
-                                     : job->doing},
+                  {"doing", waiting             ? "paused"
+                            : paused            ? "pausing after this shot"
+                            : job->stopped_late ? "all closings were already fired before STOP; " + job->doing
+                                                : job->doing},
                   {"paused", paused},
                   {"ending", end_asked.load()},
                   {"done", job->done},

@@ -104,6 +104,44 @@ TEST_CASE("STOP: what was asked for before it and waits in a queue is not fired"
   CHECK(s.shots() == 1);
 }
 
+TEST_CASE("STOP: it is told what it confirms, and when", "[serve]") {
+  Served s;
+  const host::StopAnswer stopped = s.bench.stop();
+  CHECK_THAT(stopped.text,
+             Catch::Matches("coil off, confirmed by the rig: gate off \\(its state: idle\\), coil "
+                            "current [0-9]+\\.[0-9] mA, at [0-9]{2}:[0-9]{2}:[0-9]{2} UTC"));
+  // what is asked for next is not what was confirmed, also while its angle is sought
+  std::thread fire([&] { s.bench.fire_at_touch(1.5); });
+  wait_until("the search", [&] { return s.state().at("aiming") == true || !s.state().at("job").is_null(); });
+  CHECK(s.state().at("stop").is_null());
+  fire.join();
+  s.until_ended();
+}
+
+TEST_CASE("STOP: one that comes when all is fired says so", "[serve]") {
+  Served s;
+  s.bench.run(scene_of("angles_deg = [0, 15, 30, 45, 60, 75, 90, 105, 120, 135, 150, 165]\nrepeats = 1\n"));
+  wait_until("the last shot", [&] {
+    const auto job = s.state().at("job");
+    return !job.is_null() && job.at("doing") == "simulating";
+  });
+  CHECK_THAT(s.bench.stop().text, Contains("; all closings were already fired"));
+  if (const auto job = s.state().at("job"); !job.is_null())
+    CHECK(job.at("doing") == "all closings were already fired before STOP; simulating");
+  s.until_ended();
+  CHECK(s.shots() == 12);
+  const std::string log = s.state().at("log").dump();
+  CHECK_THAT(
+      log,
+      Contains("12 of 12 shots recorded, 0 outside limits; STOP came when all closings were already fired"));
+  // and one in between is set apart in the log too
+  s.bench.run(scene_of("angles_deg = [0, 90]\nrepeats = 200\n"));
+  wait_until("a shot", [&] { return s.shots() > 12; });
+  s.bench.stop();
+  s.until_ended();
+  CHECK_THAT(s.state().at("log").dump(), Contains("outside limits; stopped"));
+}
+
 TEST_CASE("STOP: a rig that does not answer is said loudly", "[serve]") {
   auto rig = std::make_unique<rigs::LocalRig>(rigs::SimRigConfig{}, sim::Specimen{});
   Served s(served_plan, "ip:" + rig->address());

@@ -88,3 +88,31 @@ TEST_CASE("live page: where Esc is not heard, the button says so", "[.slow]") {
   tab.value("(()=>{document.hasFocus=()=>true;window.dispatchEvent(new Event('focus'))})()");
   CHECK(tab.value(key) == "Esc");
 }
+
+TEST_CASE("live page: what was said of an older request goes with the next one", "[.slow]") {
+  const Folder folder;
+  LiveBench bench(folder);
+  Browser browser(folder);
+  Tab tab = browser.open(bench.url);
+  tab.size(1200, 1000);
+  tab.until("!document.getElementById('fire').disabled");
+  const std::string alarm = "document.getElementById('alarm')",
+                    refused = "document.getElementById('refused')",
+                    seeking = "/^seeking the closing angle/.test(document.getElementById('job').textContent)";
+  tab.value("document.getElementById('at').value = 'touch'");
+  press(tab, "stop");
+  tab.until("/gate off .*, coil current [0-9.]+ mA, at \\d\\d:\\d\\d:\\d\\d UTC/.test(" + alarm +
+            ".textContent)");
+  picture(tab, "live-stopped.png");
+  press(tab, "fire");
+  tab.until(seeking + " && " + alarm + ".hidden");
+  press(tab, "stop");
+  tab.until("/^STOP came after this was asked for/.test(" + refused + ".textContent)");
+  write_plan(tab, "name = \"long\"\nangles_deg = [0, 90]\nrepeats = 100\n");
+  press(tab, "run");
+  tab.until("/ of 200/.test(document.getElementById('job').textContent) && " + alarm + ".hidden && " +
+            refused + ".textContent === ''");
+  press(tab, "stop");
+  tab.until(no_job);
+  for (const std::string& error : tab.errors()) CHECK_THAT(error, Contains("409"));  // the refusal itself
+}

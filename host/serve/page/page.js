@@ -18,6 +18,9 @@ let socket = null;
 /** When a stop was asked for that nothing has confirmed yet; unheard: the bench program has not even got it. */
 let unconfirmed = '', unheard = false;
 
+/** @param {{text: string, ms: number}} answer */
+const stopWords = (answer) => 'STOP: ' + answer.text + ' (' + (answer.ms < 1 ? 'in less than 1' : 'in ' + Math.round(answer.ms)) + ' ms)';
+
 async function stop() {
   unconfirmed = new Date().toLocaleTimeString();
   alarm('stopping …');
@@ -25,7 +28,7 @@ async function stop() {
     const answer = await call('POST', '/api/stop');
     unheard = false;
     if (answer.off) unconfirmed = '';
-    alarm('STOP: ' + answer.text + ' (' + (answer.ms < 1 ? 'in less than 1' : 'in ' + Math.round(answer.ms)) + ' ms)', answer.off);
+    alarm(stopWords(answer), answer.off);
   } catch (e) {
     unheard = true;
     alarm('STOP FAILED: the bench program does not answer. Use the emergency switch of the rig.');
@@ -136,9 +139,9 @@ function show(next) {
   $('rig-name').textContent = next.rig.model + ' ' + next.rig.serial;
   document.title = next.rig.origin + ', ' + (next.job ? next.job.doing : next.status ? stateWord(next.status.state) : 'no answer') + ': powbench';
   showJob(next);
-  if (next.stop && !(before && before.stop)) {
+  if (next.stop && next.stop.text !== before?.stop?.text) {
     if (!next.stop.off && !unconfirmed) unconfirmed = new Date().toLocaleTimeString();
-    alarm('STOP: ' + next.stop.text, next.stop.off);
+    alarm(stopWords(next.stop), next.stop.off);
   }
   if (!next.stop && before && before.stop) alarm('');
   stopAgain(next);

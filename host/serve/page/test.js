@@ -118,6 +118,7 @@ export function show(state, before) {
     ' ms, specimen ' + state.plan.specimen + ' (from the plan last run or saved)';
   const aim = state.job && state.job.aim;
   $('aimed').textContent = state.aiming ? 'The closing angle that makes the contacts touch there is being sought by simulation; it is fired at once when found. STOP cancels it.' : !aim ? '' : 'To touch there the coil is switched on at ' + aim.closing_angle_deg.toFixed(1) + '°; touch is predicted ' + (1e3 * aim.touch_s).toFixed(2) + ' ms later.';
+  if (before && ((state.job && !before.job) || (state.aiming && !before.aiming))) clear('refused');  // it was said of an older request
   if (before && before.newest_prediction !== state.newest_prediction) stale = true;  // the simulation's U has come
   if (before && before.job && !state.job) stale = stale || !whole || !!drawing;  // the simulation is there now; what is being drawn may have been asked for before
   newest = state.newest_shot || 0;
