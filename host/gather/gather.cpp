@@ -292,6 +292,11 @@ std::optional<DeviceShape> shape_of(const sim::Specimen& s) {
 
 }  // namespace
 
+std::string simulation_basis(const StoredShot& simulated) {
+  return simulated.reason.empty() ? "at the conditions asked for"
+                                  : simulated.reason.substr(0, simulated.reason.find(';'));
+}
+
 /// The closings of the angle, as they stand now, had other conditions than the simulation was made under.
 static bool outdated(const StoredShot& simulated, const std::vector<PlannedShot>& planned,
                      const std::vector<Events>& measured, const RunOptions& options) {
@@ -360,7 +365,8 @@ ReportInput gather_report(const Store& store, const CampaignInfo& c, const std::
       if (!events) continue;
       const bool nominal = prediction.empty();
       input.simulated.push_back({radians(s.angle_deg), *events, std::move(waves), spread_of(prediction),
-                                 nominal, !nominal && outdated(s, planned, group.measured, options)});
+                                 nominal, !nominal && outdated(s, planned, group.measured, options),
+                                 simulation_basis(s)});
       continue;
     }
     const Judgement judged = judged_anew(s, events, options);

@@ -34,6 +34,9 @@ std::vector<CurveRow> gather_curves(const Store&, const CampaignInfo&);
 /// The plan's test record with what the annotations add, and the day on which the campaign began.
 TestRecord gather_test_record(const Store&, const CampaignInfo&);
 
+/// The conditions that a simulated shot was made under, in words: "under the mean conditions of 2 measured closings".
+std::string simulation_basis(const StoredShot& simulated);
+
 /// One measured or simulated shot with all its channels, and the simulation of its angle where there is one.
 ReportInput gather_shot(const Store&, std::int64_t shot);
 

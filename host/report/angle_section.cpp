@@ -147,9 +147,11 @@ Markup angle_section(const ReportInput& input, const AngleView& view, const Rang
       std::string(
           view.simulated == nullptr
               ? "Blue: measured. Vertical lines: mean instants. "
-              : "Blue: measured. Orange: simulated under the same conditions, through the same sensors, "
-                "filters and extraction; its band: what the uncertainties of its inputs move it by "
-                "(k = 2). Vertical lines: mean instants, measured solid, simulated dashed. ") +
+              : "Blue: measured. Orange, and the column simulated: one simulation for the angle, " +
+                    (view.simulated->basis.empty() ? "under the same conditions" : view.simulated->basis) +
+                    ", through the same sensors, filters and extraction; its band: what the uncertainties of "
+                    "its inputs move it by "
+                    "(k = 2). Vertical lines: mean instants, measured solid, simulated dashed. ") +
           "Pale blue: pole closed in the first measured shot. Dotted grey: shape of the mains.");
   out.close();
   out.embed(event_table(input, view));

@@ -54,6 +54,8 @@ struct SimulatedClosing {
   std::vector<Waveform> spread = {};  ///< standard uncertainty of a curve by its inputs; absent: not known
   bool nominal = false;   ///< as the plan asks, not under the conditions of the closings; its u is not known
   bool outdated = false;  ///< closings were measured since, and have moved the mean of their conditions
+  std::string basis =
+      {};  ///< the conditions in words: "under the mean conditions of 2 measured closings"; "" = as asked
 };
 
 /// Where everything comes from. Empty = unknown, printed as a dash.

@@ -61,17 +61,21 @@ class Shown {
 
 /// One closing against the simulation of its angle, by the rule of the report; simulated values at the angle, voltage
 /// and frequency that this closing reached, where it was simulated under these.
-std::map<std::string, ComparisonRow> differences(const Store& store, const StoredShot& shot,
-                                                 const Events& measured, const Events& simulated,
-                                                 const StoredShot& simulation) {
+struct Difference : ComparisonRow {
+  bool own = false;  ///< simulated at the conditions of this closing, not at those of its angle
+};
+std::map<std::string, Difference> differences(const Store& store, const StoredShot& shot,
+                                              const Events& measured, const Events& simulated,
+                                              const StoredShot& simulation) {
   const InputSpread spread = store.prediction(simulation.id);
   AngleGroup group{radians(shot.angle_deg), {measured}, {simulated}, spread.u};
-  std::map<std::string, ComparisonRow> rows;
-  for (ComparisonRow& r : compare({group}, {}, {}).rows) {
+  std::map<std::string, Difference> rows;
+  for (ComparisonRow& row : compare({group}, {}, {}).rows) {
+    Difference r{std::move(row)};
     if (const auto moved = spread.moved.find(shot.number); moved != spread.moved.end())
       if (const auto by = moved->second.find(r.quantity);
           by != moved->second.end() && std::isfinite(by->second))
-        r.simulated += by->second;
+        r.simulated += by->second, r.own = true;
     rows[r.quantity] = std::move(r);
   }
   return rows;
@@ -189,6 +193,29 @@ Measured touch_angle(const Events& e, double hertz) {
   return {wrap_turn(a.value + omega * t.value), std::hypot(a.u, omega * t.u)};
 }
 
+/// The openings that the bounce time holds. `hangs_on`: it ends with openings so short that the channel only just
+/// resolves them (up to twice `resolution_s`), and what it would be without these.
+Json bounce_json(const Events& e) {
+  const ContactTrain& t = timing_train(e);
+  Json openings = Json::array(), hangs_on;
+  const auto length = [&](std::size_t i) {
+    return t.contacts[i + 1].touch.value - t.contacts[i].release.value;
+  };
+  for (std::size_t i = 0; i + 1 < t.contacts.size(); ++i)
+    openings.push_back(
+        {{"begin_s", json_of<Json>(t.contacts[i].release.value)}, {"length_s", json_of<Json>(length(i))}});
+  std::size_t last = t.contacts.size();
+  double longest = 0;
+  for (; last > 1 && length(last - 2) < 2.01 * t.resolution; --last)
+    longest = std::max(longest, length(last - 2));
+  if (last < t.contacts.size())
+    hangs_on = {
+        {"openings", t.contacts.size() - last},
+        {"longest_s", longest},
+        {"without_s", json_of<Json>(t.contacts[last - 1].touch.value - t.contacts.front().touch.value)}};
+  return {{"resolution_s", json_of<Json>(t.resolution)}, {"openings", openings}, {"hangs_on", hangs_on}};
+}
+
 }  // namespace
 
 std::string shot_document(const Store& store, const StoredShot& shot) {
@@ -196,14 +223,14 @@ std::string shot_document(const Store& store, const StoredShot& shot) {
   const auto events = store.load_events(shot.id);
   const auto simulated = beside(store, shot);
   const auto predicted = simulated ? store.load_events(simulated->id) : std::nullopt;
-  std::map<std::string, ComparisonRow> compared;
+  std::map<std::string, Difference> compared;
   if (events && predicted) compared = differences(store, shot, *events, *predicted, *simulated);
   const Shown shown(store, shot);
   Json rows = Json::array();
   for (const Quantity& q : quantity_table) {
     const Measured m = shown.of(q);
-    const ComparisonRow row =
-        compared.contains(std::string(q.symbol)) ? compared.at(std::string(q.symbol)) : ComparisonRow{};
+    const Difference row =
+        compared.contains(std::string(q.symbol)) ? compared.at(std::string(q.symbol)) : Difference{};
     // what is not known of the simulation is no zero: against a value without its U nothing is judged
     const bool judged = std::isfinite(row.u_simulated);
     const double over_U = judged ? row.difference_over_U() : unknown;
@@ -215,6 +242,8 @@ std::string shot_document(const Store& store, const StoredShot& shot) {
                     {"u", json_of<Json>(m.u)},
                     {"simulated", json_of<Json>(expected)},
                     {"simulated_u", json_of<Json>(row.u_simulated)},
+                    {"simulated_own", row.own},
+                    {"simulated_of_angle", json_of<Json>(predicted ? q.of(*predicted).value : unknown)},
                     {"over_U", json_of<Json>(over_U)},
                     {"agreement", judged || !std::isfinite(expected) ? agreement(over_U)
                                   : row.u_simulated_unknown          ? "simulated U not known"
@@ -231,6 +260,11 @@ std::string shot_document(const Store& store, const StoredShot& shot) {
        {"supply_volts", json_of<Json>(shot.conditions.supply_volts)},
        {"mains_hertz", json_of<Json>(shot.conditions.mains_hertz)},
        {"hold_time_s", json_of<Json>(shot.conditions.hold_time)},
+       {"reached_volts", json_of<Json>(events ? events->coil.supply_volts : Measured{})},
+       {"reached_hertz", json_of<Json>(events ? events->coil.mains_hertz : Measured{})},
+       {"simulated_basis", simulated ? Json(simulation_basis(*simulated)) : Json(nullptr)},
+       {"bounce", events ? bounce_json(*events) : Json(nullptr)},
+       {"bounce_simulated", predicted ? bounce_json(*predicted) : Json(nullptr)},
        {"started", shot.started},
        {"outcome", name(shot.outcome)},
        {"reason", shot.reason},

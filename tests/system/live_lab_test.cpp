@@ -116,3 +116,55 @@ TEST_CASE("live page: what was said of an older request goes with the next one",
   tab.until(no_job);
   for (const std::string& error : tab.errors()) CHECK_THAT(error, Contains("409"));  // the refusal itself
 }
+
+TEST_CASE("live page: openings are counted, and two simulated values have two names", "[.slow]") {
+  const Folder folder;
+  LiveBench bench(folder);
+  Browser browser(folder);
+  Tab tab = browser.open(bench.url);
+  tab.size(1200, 1500);
+  write_plan(tab, "name = \"two\"\nangles_deg = [90]\nrepeats = 2\n");
+  tab.until(says("2 shots in about"));
+  press(tab, "run");
+  tab.until("document.getElementById('test').hidden === false");
+  tab.until(no_job);
+  const std::string of = "document.getElementById('simulated-of').textContent",
+                    row =
+                        "[...document.querySelectorAll('#quantities tr')].find(r=>r.cells[0].textContent===";
+  tab.until("/^Shot 2/.test(document.getElementById('shot-title').textContent) && /for this closing/.test(" +
+            of + ")");
+  CHECK_THAT(tab.value(of).get<std::string>(),
+             Contains("under the mean conditions of 2 measured closings") && Contains(" V and "));
+  // as many openings as the events have between first and last touch
+  const auto contacts =
+      tab.value(
+             "fetch('/api/shots/2/"
+             "events.json').then(r=>r.json()).then(e=>e.events.channels.contact_a.contacts.length)")
+          .get<int>();
+  REQUIRE(contacts > 1);
+  const std::string counted = std::to_string(contacts - 1) + (contacts == 2 ? " opening" : " openings");
+  CHECK_THAT(tab.value("document.getElementById('shot-title').textContent").get<std::string>(),
+             Contains(" ms, " + counted));
+  CHECK_THAT(tab.value(row + "'t_ct_bon').cells[1].textContent").get<std::string>(),
+             Contains("; " + counted));
+  tab.value("document.querySelector('#openings summary').click()");
+  CHECK(
+      tab.value(
+          "[...document.querySelectorAll('#openings-list tr')].filter(r=>r.cells[1].textContent!=='\u2013')."
+          "length") == contacts - 1);
+  // a bounce time of 0 within a U that is more than 0 has no scale to agree on
+  CHECK(tab.value(
+            "[...document.querySelectorAll('#quantities tr')].filter(r=>/^0(\\.0*)? \u00b1/.test(r.cells[2]."
+            "textContent)&&/^0/.test(r.cells[3].textContent)).every(r=>r.cells[6].textContent==='not "
+            "resolved')") == true);
+  tab.value("document.getElementById('quantities').scrollIntoView()");
+  picture(tab, "live-quantities.png");
+  press(tab, "tab-documents");
+  tab.until("document.querySelectorAll('#campaigns tr').length === 1");
+  tab.value("document.querySelector('#campaigns button').click()");
+  tab.until(says("under the mean conditions of 2 measured closings"));
+  const std::string report = tab.value("fetch('/api/campaigns/1/report.html').then(r=>r.text())");
+  CHECK_THAT(report,
+             Contains("one simulation for the angle, under the mean conditions of 2 measured closings"));
+  CHECK(tab.errors() == std::vector<std::string>());
+}

@@ -3,11 +3,14 @@
 
 /** @typedef {{value: number|null, u: number|null}} Measured */
 /** @typedef {{symbol: string, unit: string, meaning: string, value: number|null, u: number|null, simulated: number|null,
- *   simulated_u: number|null, over_U: number|null, agreement: string}} QuantityRow */
+ *   simulated_u: number|null, simulated_own: boolean, simulated_of_angle: number|null, over_U: number|null, agreement: string}} QuantityRow */
+/** @typedef {{resolution_s: number|null, openings: {begin_s: number|null, length_s: number|null}[],
+ *   hangs_on: {openings: number, longest_s: number, without_s: number|null}|null}} Bounce */
 /** @typedef {{id: number, kind: string, angle_deg: number|null, reached_rad: Measured, outcome: string, reason: string, started: string,
  *   quantities: {[symbol: string]: Measured}}} ListedShot */
 /** @typedef {{id: number, campaign: number, origin: string, kind: string, angle_deg: number|null, reached_rad: Measured,
- *   touch_rad: Measured, supply_volts: number|null, mains_hertz: number|null, hold_time_s: number|null, started: string, outcome: string, reason: string, has_record: boolean, quantities: QuantityRow[]}} Shot */
+ *   touch_rad: Measured, supply_volts: number|null, mains_hertz: number|null, hold_time_s: number|null,
+ *   reached_volts: Measured, reached_hertz: Measured, simulated_basis: string|null, bounce: Bounce|null, bounce_simulated: Bounce|null, started: string, outcome: string, reason: string, has_record: boolean, quantities: QuantityRow[]}} Shot */
 /** @typedef {{id: string, label: string, unit: string, per_count: number, counts: number|null}} ChannelLine */
 /** @typedef {{uri: string, model: string, serial: string, firmware: string, boot_id: string, origin: string, calibration: string,
  *   calibration_expires: string, sample_rate_hz: number, programmable_source: boolean, channels: ChannelLine[]}} Rig */

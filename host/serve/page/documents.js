@@ -116,7 +116,7 @@ function showShots() {
     files.append(anchor('/api/shots/' + s.id + '/waveforms.csv', 'CSV'), ' ', anchor('/api/shots/' + s.id + '/events.json', 'JSON'));
     cells(newRow('shots'), [button(String(s.id), () => look(s.id)), s.kind, [known(s.angle_deg) ? s.angle_deg.toFixed(2) : '–', 'n'],
       [measured(s.reached_rad, 180 / Math.PI), 'n'], [measured(q.t_ct1, 1e3), 'n'], [measured(q.t_ct_bon, 1e3), 'n'], [measured(q.t_ct2, 1e3), 'n'],
-      s.outcome + (s.reason ? ': ' + s.reason : ''), files]);
+      s.outcome + (s.reason ? ': ' + s.reason : s.kind === 'simulated' ? ': at the conditions asked for' : ''), files]);
   }
   $('found-shots').textContent = some.length + ' of ' + shots.length + ' shots' + (some.length > mostShots ? ', the first ' + mostShots + ' are shown; CSV has all' : '');
 }

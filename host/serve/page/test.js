@@ -1,6 +1,7 @@
 // @ts-check
 // Test: one closing, drawn at once; its quantities; the trend over its campaign.
-import { $, access, button, call, cells, clear, field, known, measured, newRow, numberOf, rounded, scaled, sentences, unitOf } from './base.js';
+import { $, access, button, call, clear, field, known, measured, numberOf, sentences } from './base.js';
+import { openings, showQuantities } from './quantities.js';
 import * as trend from './trend.js';
 
 /** @typedef {import('./base.js').State} State */
@@ -54,16 +55,6 @@ function prepare(state) {
 }
 for (const id of ['angle', 'at']) $(id).addEventListener('input', () => prepare(null));
 
-/** @param {Shot} shot */
-function showQuantities(shot) {
-  clear('quantities');
-  for (const q of shot.quantities) {
-    const [unit, factor] = unitOf(q.unit);
-    cells(newRow('quantities'), [q.symbol, q.meaning, [measured(q, factor), 'n'], [rounded(scaled(q.simulated, factor), scaled(q.simulated_u, 2 * factor)), 'n sim'], unit,
-      [known(q.over_U) ? q.over_U.toFixed(2) : '–', 'n'], [q.agreement, q.agreement === 'differs' ? 'bad' : '']]);
-  }
-}
-
 /** The touch asked for of closings that this page has seen fired. @type {Map<number, string>} */
 const aims = new Map();
 /** What a shot was asked to be: an older one had other volts than the line above says of the next. @param {Shot} shot */
@@ -83,7 +74,7 @@ export async function showShot(id) {
   $('shot').hidden = false;
   $('no-shot').hidden = true;
   $('shot-title').textContent = 'Shot ' + shot.id + ' at ' + angle + ': touch ' + value('t_ct1', 1e3) + ' ms, bounce ' +
-    value('t_ct_bon', 1e3) + ' ms';
+    value('t_ct_bon', 1e3) + ' ms' + (shot.bounce ? ', ' + openings(shot.bounce.openings.length) : '');
   $('shot-reason').textContent = shot.origin + ', ' + shot.outcome + (shot.reason ? ': ' + shot.reason : '') + '; switched on at ' +
     measured(shot.reached_rad, 180 / Math.PI) + '°' + (aims.has(id) ? ' to touch at ' + aims.get(id) + '°' : '') + ', touched at ' + measured(shot.touch_rad, 180 / Math.PI) + '° of the mains; ' +
     askedOf(shot) + shot.started.replace('T', ' ').replace('Z', ' UTC');
