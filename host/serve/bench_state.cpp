@@ -98,6 +98,7 @@ std::string Bench::Impl::state() const {
                 {"supply_volts", scene.plan.supply_volts},
                 {"mains_hertz", scene.plan.mains_hertz},
                 {"hold_time_ms", 1e3 * scene.plan.hold_time},
+                {"usual", {{"supply_volts", Plan{}.supply_volts}, {"hold_time_ms", 1e3 * Plan{}.hold_time}}},
                 {"shots", scene.shots.size()}}},
               {"job", nullptr},
               {"aiming", aiming && *aiming > stopped_at.load()},

@@ -179,6 +179,9 @@ Reply set(const Call& c, const Parameters& p) {
     if (k.section == section && k.key == key) line = &k;
   if (line == nullptr)
     throw Problem{404, fmt::format("a {} file has no key '{}' in section '{}'", p.kind, key, section)};
+  const bool list = line->value.starts_with('[') || line->meaning.find("a list") != std::string::npos;
+  if (list && !value.empty() && value.find_first_not_of("0123456789+-.eE, \t") == std::string::npos)
+    value = "[" + value + "]";
   if (line->words && !value.empty() && !value.starts_with('"')) value = host::quoted(value);
   return json_reply(Json{{"text", with_value(text, section, key, value)}}.dump(
       -1, ' ', false, Json::error_handler_t::replace));
@@ -196,6 +199,19 @@ Reply save(const Call& c, const Parameters& p) {
   if (std::string_view(p.kind) != "rig") c.bench.adopt(c.bench.scene());  // refuses while a job is on
   replace_file(file.string(), text);
   return json_reply(Json{{"file", file.filename().string()}, {"note", p.saved(c, text)}}.dump());
+}
+
+/// The plan of single closings with another voltage or hold time; in its range, or BadInput says so.
+Reply post_conditions(const Call& c) {
+  const Scene now = c.bench.scene();
+  std::string text = now.plan_text;
+  for (const char* key : {"supply_volts", "hold_time_ms"})
+    if (has(c.body, key))
+      text = with_value(text, "", key, fmt::format("{}", number_of(c.body, key, -1e9, 1e9)));
+  const Scene next = make_scene(plan_of(c, text));
+  if (next.plan_hash != now.plan_hash) c.bench.adopt(next);
+  return json_reply(
+      Json{{"supply_volts", next.plan.supply_volts}, {"hold_time_ms", 1e3 * next.plan.hold_time}}.dump());
 }
 
 // one row of the table for each file and action
@@ -258,6 +274,11 @@ constexpr const char
     *saving = "Writes the file that the bench was started with, after the same check.";
 
 constexpr Route of_files[] = {
+    {"POST", "/api/conditions", Right::fire,
+     "Single closings have this voltage and hold time from now on; what is left out stays. A campaign of its "
+     "own.",
+     R"({"supply_volts": 230, "hold_time_ms": 100})", R"({"supply_volts": 230, "hold_time_ms": 100})",
+     post_conditions},
     {"GET", "/api/files/plan", Right::read, getting, "", text_and_template, get_plan},
     {"POST", "/api/files/plan/check", Right::read,
      "Every mistake of a plan, or its keys and what it would fire: every shot, the time, the duty of the "

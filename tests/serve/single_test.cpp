@@ -240,3 +240,32 @@ TEST_CASE("live bench: the time left is told from the time that firing took, not
   bench.end();
   wait_until("the end", [&] { return job().is_null(); });
 }
+
+TEST_CASE("live bench: voltage and hold time of single closings are changed within their range", "[serve]") {
+  const Served s;
+  const auto set = [&](const std::string& body) { return s.ask("POST", "/api/conditions", body); };
+  REQUIRE(set(R"({"hold_time_ms": 60})").status == 200);
+  CHECK(s.state().at("plan").at("hold_time_ms") == Approx(60));
+  CHECK(s.state().at("plan").at("supply_volts") == 230);
+  CHECK(s.state().at("plan").at("usual").at("hold_time_ms") == Approx(100));
+  REQUIRE(s.ask("POST", "/api/fire", R"({"angle_deg": 90})").status == 202);
+  s.until_ended();
+  CHECK(s.get("/api/shots/1").at("hold_time_s") == Approx(0.06));
+  const host::Reply wrong = set(R"({"hold_time_ms": 20000})");
+  CHECK(wrong.status == 422);
+  CHECK_THAT(wrong.body, Contains("hold_time_ms") && Contains("1..10000"));
+  CHECK(s.state().at("plan").at("hold_time_ms") == Approx(60));
+  CHECK(set(R"({"angle_deg": 60})").status == 400);
+}
+
+TEST_CASE("live bench: a list of numbers gets its brackets", "[serve]") {
+  const Served s;
+  const auto set = [&](const char* key, const char* value) {
+    const json body{
+        {"text", "angles_deg = [0]\nrepeats = 1\n"}, {"section", ""}, {"key", key}, {"value", value}};
+    return json::parse(s.ask("POST", "/api/files/plan/set", body.dump()).body).at("text").get<std::string>();
+  };
+  CHECK(set("angles_deg", "0, 45, 90") == "angles_deg = [0, 45, 90]\nrepeats = 1\n");
+  CHECK(set("angles_deg", "[0, 45]") == "angles_deg = [0, 45]\nrepeats = 1\n");
+  CHECK(set("repeats", "3") == "angles_deg = [0]\nrepeats = 3\n");
+}

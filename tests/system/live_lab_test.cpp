@@ -168,3 +168,74 @@ TEST_CASE("live page: openings are counted, and two simulated values have two na
              Contains("one simulation for the angle, under the mean conditions of 2 measured closings"));
   CHECK(tab.errors() == std::vector<std::string>());
 }
+
+TEST_CASE("live page: voltage and hold time stand beside the button, and a mistake stays where it was typed",
+          "[.slow]") {
+  const Folder folder;
+  LiveBench bench(folder);
+  Browser browser(folder);
+  Tab tab = browser.open(bench.url);
+  tab.size(1200, 1000);
+  const std::string hold = "document.getElementById('hold')",
+                    unusual = "document.getElementById('unusual').textContent";
+  tab.until("!document.getElementById('fire').disabled && " + hold + ".value === '100'");
+  CHECK(tab.value(unusual) == "");
+  write_plan(tab, "name = \"long hold\"\nangles_deg = [0]\nrepeats = 1\nhold_time_ms = 600\n");
+  press(tab, "run");
+  tab.until(hold + ".value === '600' && " + unusual + " === 'not the usual 100 ms'");
+  tab.until("document.getElementById('test').hidden === false && !document.getElementById('fire').disabled");
+  picture(tab, "live-unusual.png");
+  const auto type = [&](const char* text) {
+    tab.value(hold + ".focus();" + hold + ".select()");
+    for (const char* c = text; *c != '\0'; ++c) tab.key(std::string(1, *c));
+    tab.key("Enter");
+  };
+  type("20000");
+  tab.until("/hold_time_ms.*1..10000/.test(document.getElementById('refused').textContent)");
+  CHECK(tab.value(hold + ".value") == "20000");
+  CHECK(tab.value(hold + ".getAttribute('aria-invalid')") == "true");
+  CHECK(tab.value("fetch('/api/bench').then(r=>r.json()).then(b=>b.newest_shot)") == 1);
+  type("80");
+  tab.until("fetch('/api/bench').then(r=>r.json()).then(b=>b.job===null&&b.newest_shot>1)");
+  CHECK(tab.value(
+            "fetch('/api/campaigns/2/shots').then(r=>r.json()).then(c=>fetch('/api/shots/'+c.shots[0].id))."
+            "then(r=>r.json()).then(s=>Math.round(1e3*s.hold_time_s))") == 80);
+}
+
+TEST_CASE("live page: a mistake is at its field and at its line, and a template asks before it replaces",
+          "[.slow]") {
+  const Folder folder;
+  LiveBench bench(folder);
+  Browser browser(folder);
+  Tab tab = browser.open(bench.url);
+  tab.size(1200, 1000);
+  const std::string mine = "# mine\nname = \"mine\"\nangles_deg = [0]\nrepeats = 2\n";
+  write_plan(tab, mine);
+  tab.until(says("2 shots in about"));
+  const std::string angles = "document.getElementById('key  angles_deg')",
+                    text = "document.getElementById('text')";
+  const auto enter = [&](const char* value) {
+    tab.until(angles);
+    tab.value("(()=>{const e=" + angles + ";e.value='" + value +
+              "';e.dispatchEvent(new Event('change'))})()");
+  };
+  enter("0, 45, 90");
+  tab.until(says("6 shots in about"));
+  enter("0, 45, 500");
+  tab.until("document.querySelectorAll('#errors button').length === 1");
+  tab.until(angles + ".value === '[0, 45, 500]' && " + angles + ".getAttribute('aria-invalid') === 'true'");
+  tab.until("/^line 3: .*out of range/.test(" + angles + ".nextSibling.textContent)");
+  picture(tab, "live-mistake.png");
+  tab.value("document.querySelector('#errors button').click()");
+  CHECK(tab.value(text + ".value.slice(" + text + ".selectionStart," + text + ".selectionEnd)") ==
+        "angles_deg = [0, 45, 500]");
+  enter("0, 45");
+  tab.until(says("4 shots in about"));
+  press(tab, "template");
+  CHECK_THAT(tab.value(text + ".value").get<std::string>(), Contains("# mine"));
+  CHECK(tab.value("document.getElementById('template').textContent") == "Replace my text by the template");
+  press(tab, "template");
+  CHECK_THAT(tab.value(text + ".value").get<std::string>(), !Contains("# mine"));
+  CHECK(tab.value("document.getElementById('template').textContent") == "Start from a template");
+  CHECK(tab.errors() == std::vector<std::string>());
+}

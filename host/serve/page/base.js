@@ -24,7 +24,8 @@
 /** @typedef {{version: string, rig: Rig, link: Link, status: Status|null, job: Job|null, aiming: boolean, newest_shot: number|null, newest_prediction: number|null,
  *   newest_campaign: number|null, stop: {off: boolean, text: string, ms: number}|null, log: string[],
  *   ended: {name: string, campaign: number, done: number, shots: number}|null,
- *   plan: {name: string, specimen: string, supply_volts: number, mains_hertz: number, hold_time_ms: number, shots: number}}} State */
+ *   plan: {name: string, specimen: string, supply_volts: number, mains_hertz: number, hold_time_ms: number, shots: number,
+ *   usual: {supply_volts: number, hold_time_ms: number}}}} State */
 
 /** @param {string} id @returns {HTMLElement} */
 export function $(id) {

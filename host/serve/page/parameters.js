@@ -1,6 +1,6 @@
 // @ts-check
 // Parameters: plan, specimen and rig file as text and as a list of keys, with the checks of the files.
-import { $, access, call, cells, clear, duration, field, list, newRow, sentences } from './base.js';
+import { $, access, button, call, cells, clear, duration, field, newRow, sentences } from './base.js';
 
 /** @typedef {{section: string, section_meaning: string, key: string, unit: string, allowed: string, meaning: string, value: string,
  *   default: string, required: boolean}} Key */
@@ -63,6 +63,39 @@ function showFired(p) {
   $('more-planned').textContent = p.shots.length > mostShots ? 'and ' + (p.shots.length - mostShots) + ' more' : '';
 }
 
+/** Mistakes by the key of the line they are of. @type {Map<string, {typed: string, says: string}>} */
+let wrong = new Map();
+/** @param {string} error */
+const lineOf = (error) => Number((/^[^:]*:(\d+): /.exec(error) || [])[1] || 0);
+
+/** Each sentence goes to its line. @param {string[]} errors */
+function showErrors(errors) {
+  clear('errors');
+  for (const error of errors) {
+    const item = document.createElement('li'), line = lineOf(error);
+    item.append(line ? button(error, () => goTo(line)) : error);
+    $('errors').append(item);
+  }
+}
+/** @param {number} line */
+function goTo(line) {
+  const lines = area.value.split('\n'), begin = lines.slice(0, line - 1).reduce((sum, one) => sum + one.length + 1, 0);
+  area.focus();
+  area.setSelectionRange(begin, begin + (lines[line - 1] || '').length);
+  area.scrollTop = Math.max(0, (line - 4) * area.scrollHeight / Math.max(1, lines.length));
+}
+/** What stands wrong in the text is shown in its field, with the reason: it does not vanish. @param {string[]} errors */
+function findWrong(errors) {
+  wrong = new Map();
+  const lines = area.value.split('\n');
+  for (const error of errors) {
+    const line = lineOf(error), found = /^\s*([\w.-]+)\s*=\s*("(?:[^"\\]|\\.)*"|[^#]*)/.exec(lines[line - 1] || '');
+    if (!found) continue;
+    const heads = lines.slice(0, line).map((one) => /^\s*\[([^\]]*)\]/.exec(one)).filter((one) => one), head = heads[heads.length - 1];
+    wrong.set('key ' + (head ? head[1].trim() : '') + ' ' + found[1], { typed: found[2].trim(), says: error.replace(/^[^:]*:/, 'line ') });
+  }
+}
+
 function mayRun() {
   field('run').disabled = mistakes || why !== '';
   field('run').title = mistakes ? 'the plan has mistakes' : why;
@@ -77,7 +110,8 @@ async function check() {
     reply = { errors: sentences(errors) };
   }
   if (mine !== checks) return;
-  list('errors', reply.errors);
+  showErrors(reply.errors);
+  findWrong(reply.errors);
   mistakes = reply.errors.length > 0;
   mayRun();
   area.setAttribute('aria-invalid', String(reply.errors.length > 0));
@@ -99,7 +133,7 @@ function showKeys() {
   let section = '';
   for (const k of keys) {
     const all = [k.section, k.key, k.meaning, k.section_meaning].join(' ').toLowerCase();
-    if (!words.every((w) => all.includes(w)) || (field('key-changed').checked && k.value === k.default)) continue;
+    if (!words.every((w) => all.includes(w)) || (field('key-changed').checked && k.value === k.default && !wrong.has('key ' + k.section + ' ' + k.key))) continue;
     if (k.section !== section) {
       const head = document.createElement('th');
       head.colSpan = 4;
@@ -114,7 +148,19 @@ function showKeys() {
     input.placeholder = k.required ? 'must be given' : k.default || 'not set';
     input.setAttribute('aria-label', (k.section ? k.section + '.' : '') + k.key);
     input.addEventListener('change', () => set(k, input.value.trim()));
-    const row = cells(newRow('keys'), [k.key, input, k.unit, k.meaning + (k.allowed ? '; allowed ' + k.allowed : '')]);
+    const mistake = wrong.get(input.id), entry = document.createElement('span');
+    entry.append(input);
+    if (mistake) {
+      const says = document.createElement('small');
+      says.id = ('wrong ' + k.section + ' ' + k.key).replace(/ /g, '-');
+      says.textContent = mistake.says;
+      entry.append(says);
+      input.value = mistake.typed;
+      input.setAttribute('aria-invalid', 'true');
+      input.setAttribute('aria-describedby', says.id);
+    }
+    const row = cells(newRow('keys'), [k.key, entry, k.unit, k.meaning + (k.allowed ? '; allowed ' + k.allowed : '')]);
+    row.classList.toggle('wrong', !!mistake);
     row.classList.toggle('changed', k.value !== k.default);
   }
   const again = active ? document.getElementById(active) : null;
@@ -125,7 +171,7 @@ async function set(k, value) {
   try {
     put((await call('POST', '/api/files/' + kind + '/set', { text: area.value, section: k.section, key: k.key, value })).text);
   } catch (errors) {
-    list('errors', sentences(errors));
+    showErrors(sentences(errors));
   }
 }
 
@@ -138,8 +184,25 @@ area.addEventListener('input', () => {
   timer = window.setTimeout(check, 250);
 });
 for (const one of ['plan', 'specimen', 'rig'])
-  $('file-' + one).addEventListener('change', () => { kind = one; keys = []; $('noted-file').textContent = ''; load(); });
-$('template').addEventListener('click', () => put(texts[kind].template));
+  $('file-' + one).addEventListener('change', () => { kind = one; keys = []; noLongerAsked(); $('noted-file').textContent = ''; load(); });
+/** Text of one's own is replaced only on a second press; no dialog, which would take Esc from STOP. */
+let forget = 0;
+function noLongerAsked() {
+  window.clearTimeout(forget);
+  forget = 0;
+  $('template').textContent = 'Start from a template';
+}
+$('template').addEventListener('click', () => {
+  const t = texts[kind];
+  if (!t) return;
+  if (area.value !== t.saved && area.value !== t.template && area.value.trim() && !forget) {
+    $('template').textContent = 'Replace my text by the template';
+    forget = window.setTimeout(noLongerAsked, 6000);
+    return;
+  }
+  noLongerAsked();
+  put(t.template);
+});
 $('reload').addEventListener('click', () => {
   delete texts[kind];
   sessionStorage.removeItem(draftOf(kind));
@@ -161,7 +224,7 @@ async function send(path, done) {
   try {
     done(await call('POST', path, { text: area.value }));
   } catch (errors) {
-    list('errors', sentences(errors));
+    showErrors(sentences(errors));
   }
 }
 $('save').addEventListener('click', () => send('/api/files/' + kind + '/save', (reply) => {

@@ -1,6 +1,7 @@
 // @ts-check
 // Test: one closing, drawn at once; its quantities; the trend over its campaign.
 import { $, access, button, call, clear, field, known, measured, numberOf, sentences } from './base.js';
+import * as conditions from './conditions.js';
 import { openings, showQuantities } from './quantities.js';
 import * as trend from './trend.js';
 
@@ -33,18 +34,24 @@ $('fire-form').addEventListener('submit', async (e) => {
     return;
   }
   try {
+    await conditions.settle();
     await call('POST', '/api/fire', field('at').value === 'touch' ? { touch_deg: angle } : { angle_deg: angle });
   } catch (errors) {
-    $('refused').textContent = sentences(errors).join(' ');
+    notFired(errors);
   }
 });
+/** @param {unknown} errors */
+function notFired(errors) {
+  $('refused').textContent = sentences(errors).join(' ');
+}
+conditions.whenRefused(notFired);
 
 // ---- what is likely to be fired next is simulated while a person still looks at it ----
 
 let timer = 0, prepared = '';
 /** @param {State|null} state */
 function prepare(state) {
-  if (state && (state.job || !state.status)) prepared = '';
+  if (state) prepared = '';
   window.clearTimeout(timer);
   timer = window.setTimeout(() => {
     const angle = numberOf(field('angle').value);
@@ -105,8 +112,8 @@ export function opened(on) {
 export function show(state, before) {
   field('fire').disabled = !!state.job || state.aiming || !state.status || !access.may_fire;
   field('fire').title = state.job ? 'the bench is busy' : state.aiming ? 'the closing angle is being sought' : !state.status ? 'the rig does not answer' : access.may_fire ? '' : 'the token may not fire';
-  $('conditions').textContent = state.plan.supply_volts + ' V, ' + state.plan.mains_hertz + ' Hz, coil on for ' + state.plan.hold_time_ms +
-    ' ms, specimen ' + state.plan.specimen + ' (from the plan last run or saved)';
+  conditions.show(state.plan);
+  $('conditions').textContent = state.plan.mains_hertz + ' Hz, specimen ' + state.plan.specimen + '; these, voltage and time as in the plan last run or saved, until they are changed here';
   const aim = state.job && state.job.aim;
   $('aimed').textContent = state.aiming ? 'The closing angle that makes the contacts touch there is being sought by simulation; it is fired at once when found. STOP cancels it.' : !aim ? '' : 'To touch there the coil is switched on at ' + aim.closing_angle_deg.toFixed(1) + '°; touch is predicted ' + (1e3 * aim.touch_s).toFixed(2) + ' ms later.';
   if (before && ((state.job && !before.job) || (state.aiming && !before.aiming))) clear('refused');  // it was said of an older request
@@ -115,7 +122,8 @@ export function show(state, before) {
   newest = state.newest_shot || 0;
   const was = before && before.job && before.job.aim;
   if (was && before.newest_shot !== state.newest_shot) aims.set(newest, was.touch_deg.toFixed(1));
-  if (!before || before.job || !before.status || before.plan.name !== state.plan.name || before.plan.specimen !== state.plan.specimen) prepare(state);
+  if (!before || before.job || !before.status || before.plan.name !== state.plan.name || before.plan.specimen !== state.plan.specimen ||
+    before.plan.supply_volts !== state.plan.supply_volts || before.plan.hold_time_ms !== state.plan.hold_time_ms) prepare(state);
   drawNewest();
 }
 function drawNewest() {
