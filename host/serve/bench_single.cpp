@@ -112,10 +112,11 @@ TouchAim::Aim Bench::Impl::aim(double touch_angle) {
   if (!touch || !touch->fits(now)) touch.emplace(now, sensors.config);
   const auto found = touch->at(wrap_turn(touch_angle));
   if (!found)
-    throw NotNow(fmt::format(
-        "no closing angle makes the simulated contacts touch at {:.1f} deg of the mains; choose another "
-        "angle, or fire at a closing angle",
-        degrees(touch_angle)));
+    throw NotNow(
+        fmt::format("with the coil on at no angle do the simulated contacts touch at {:.1f} deg of the "
+                    "mains; choose another "
+                    "angle, or choose 'Coil on at'",
+                    degrees(touch_angle)));
   return *found;
 }
 

@@ -166,8 +166,10 @@ std::string shots_document(const Store& store, const CampaignInfo& campaign, std
 }
 
 std::string shots_table(const Store& store, const CampaignInfo& campaign) {
-  std::string out = fmt::format("# {}, campaign {}, SI units\nshot,kind,angle_deg,started,outcome",
-                                name(campaign.origin), campaign.id);
+  std::string out = fmt::format(
+      "# {}, campaign {}; SI units, times in s after switch-on; u_: standard uncertainty (k = 1), in the "
+      "unit of its quantity\nshot,kind,angle_deg,started,outcome",
+      name(campaign.origin), campaign.id);
   for (const Quantity& q : quantity_table) out += fmt::format(",{}_{},u_{}", q.symbol, q.unit, q.symbol);
   out += "\n";
   const auto cell = [](double x) { return std::isfinite(x) ? fmt::format("{:.9g}", x) : std::string(); };

@@ -98,7 +98,8 @@ TEST_CASE("live page: what was said of an older request goes with the next one",
   tab.until("!document.getElementById('fire').disabled");
   const std::string alarm = "document.getElementById('alarm')",
                     refused = "document.getElementById('refused')",
-                    seeking = "/^seeking the closing angle/.test(document.getElementById('job').textContent)";
+                    seeking =
+                        "/^seeking the angle for the coil/.test(document.getElementById('job').textContent)";
   tab.value("document.getElementById('at').value = 'touch'");
   press(tab, "stop");
   tab.until("/gate off .*, coil current [0-9.]+ mA, at \\d\\d:\\d\\d:\\d\\d UTC/.test(" + alarm +
@@ -237,5 +238,55 @@ TEST_CASE("live page: a mistake is at its field and at its line, and a template 
   press(tab, "template");
   CHECK_THAT(tab.value(text + ".value").get<std::string>(), !Contains("# mine"));
   CHECK(tab.value("document.getElementById('template').textContent") == "Start from a template");
+  CHECK(tab.errors() == std::vector<std::string>());
+}
+
+TEST_CASE("live page: Back goes to what was open before, and filters come back empty", "[.slow]") {
+  const Folder folder;
+  LiveBench bench(folder);
+  Browser browser(folder);
+  Tab tab = browser.open(bench.url);
+  tab.size(1200, 1400);
+  tab.until("!document.getElementById('fire').disabled");
+  tab.value("document.getElementById('at').value = 'touch';document.getElementById('angle').value = '60'");
+  press(tab, "fire");
+  // what was asked for, and where the coil was on
+  tab.until(
+      "/^Shot 1, touch asked 60.0\u00b0, coil on at \\d+(\\.\\d+)?\u00b0: touch /.test(document."
+      "getElementById('shot-title').textContent)");
+  tab.until(no_job);
+  // one point of a trend stands in the middle, not on the axis
+  tab.until("document.querySelectorAll('#trend canvas').length > 0");
+  tab.value("document.getElementById('trend').scrollIntoView()");
+  picture(tab, "live-trend-one.png");
+  CHECK(tab.value("[...document.querySelectorAll('#trend "
+                  ".dygraph-axis-label-x')].map(e=>e.textContent).includes('1')") == true);
+  press(tab, "tab-documents");
+  tab.until("document.querySelectorAll('#campaigns button').length >= 1");
+  tab.value("document.querySelector('#campaigns button').click()");
+  tab.until("location.hash === '#documents/1' && document.querySelectorAll('#shots tr').length >= 1");
+  press(tab, "tab-rig");
+  tab.until("location.hash === '#rig'");
+  tab.value("history.back()");
+  tab.until("location.hash === '#documents/1' && !document.getElementById('campaign').hidden");
+  tab.value("history.back()");
+  tab.until(
+      "location.hash === '#documents' && document.getElementById('campaign').hidden && "
+      "!document.getElementById('documents').hidden");
+  tab.value("history.back()");
+  tab.until("location.hash === '#test' && !document.getElementById('test').hidden");
+  tab.value("history.go(2)");
+  tab.until("location.hash === '#documents/1' && !document.getElementById('campaign').hidden");
+  tab.value(
+      "(()=>{const e=document.getElementById('find-angle');e.value='1';e.dispatchEvent(new "
+      "Event('input'))})()");
+  tab.until("document.getElementById('found').textContent === 'no campaign matches, of 1'");
+  // away and back: the campaign is there again, the filter is not
+  tab.go("data:text/html,elsewhere");
+  tab.value("history.back()");
+  tab.until(
+      "document.getElementById('campaign') && !document.getElementById('campaign').hidden && "
+      "document.querySelectorAll('#shots tr').length >= 1");
+  CHECK(tab.value("document.getElementById('find-angle').value") == "");
   CHECK(tab.errors() == std::vector<std::string>());
 }

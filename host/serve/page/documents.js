@@ -51,10 +51,10 @@ function showCampaigns() {
     const count = document.createElement('span');
     count.append(c.shots + (c.finished ? '' : ', unfinished'));
     if (c.resumable) count.append(' ', restButton(c));
-    cells(newRow('campaigns'), [button(String(c.id), () => open(c.id)), c.name, c.created.slice(0, 16).replace('T', ' '), c.specimen, c.origin,
+    cells(newRow('campaigns'), [button(String(c.id), () => { opening(c.id); open(c.id); }), c.name, c.created.slice(0, 16).replace('T', ' '), c.specimen, c.origin,
       [count, 'n'], [c.outside_limits, c.outside_limits ? 'n bad' : 'n'], links]);
   }
-  $('found').textContent = Number.isNaN(angle) ? '"' + field('find-angle').value + '" is no angle, such as 90.5' : campaigns.length === 0 ? 'No campaign yet: fire one closing on the page Test.' : n + ' of ' + campaigns.length + ' campaigns';
+  $('found').textContent = Number.isNaN(angle) ? '"' + field('find-angle').value + '" is no angle, such as 90.5' : campaigns.length === 0 ? 'No campaign yet: fire one closing on the page Test.' : n ? n + ' of ' + campaigns.length + ' campaigns' : 'no campaign matches, of ' + campaigns.length;
 }
 
 /** @type {() => void} */
@@ -95,6 +95,17 @@ async function fireRest(id) {
   } catch (errors) {
     $('not-resumed').textContent = sentences(errors).join(' ');
   }
+}
+/** @type {(id: number) => void} */
+let opening = () => {};
+/** @param {(id: number) => void} act */
+export const whenCampaign = (act) => { opening = act; };
+/** The campaign whose shots are listed; 0: none. */
+export const shown = () => shownCampaign;
+/** It is listed when the page is opened next. @param {number} id */
+export function choose(id) {
+  shownCampaign = id;
+  $('campaign').hidden = true;
 }
 /** @param {number} id */
 async function open(id) {
@@ -170,5 +181,5 @@ export function show(state, before) {
 }
 function again() {
   load();
-  if (shownCampaign) open(shownCampaign);
+  if (shownCampaign) open(shownCampaign).catch((e) => { if (Array.isArray(e)) choose(0); });  // the address may name none of this store
 }

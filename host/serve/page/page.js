@@ -69,6 +69,15 @@ whetherHeard();
 
 const tabs = /** @type {HTMLElement[]} */ ([...document.querySelectorAll('[role=tab]')]);
 const pages = { test, parameters, documents, rig };
+/** What the address names: a page, and of Documents a campaign. */
+function named() {
+  const [name, id] = location.hash.slice(1).split('/');
+  return { name: name in pages ? name : 'test', campaign: name === 'documents' ? Number(id) || 0 : 0 };
+}
+/** Back and forward go through what was opened, and do not leave the bench at the first press. @param {string} place */
+function remember(place) {
+  if (location.hash !== '#' + place) history.pushState(null, '', '#' + place);
+}
 /** @param {string} name */
 function open(name) {
   for (const t of tabs) {
@@ -77,12 +86,25 @@ function open(name) {
     t.tabIndex = on ? 0 : -1;
     $(t.getAttribute('aria-controls') || '').hidden = !on;
   }
-  if (location.hash !== '#' + name) history.replaceState(null, '', '#' + name);
   for (const [key, page] of Object.entries(pages)) page.opened(key === name);
   if (state) for (const page of Object.values(pages)) page.show(state, state);
 }
+/** @param {string} name */
+function go(name) {
+  open(name);
+  const campaign = name === 'documents' ? documents.shown() : 0;
+  remember(name + (campaign ? '/' + campaign : ''));
+}
+/** What the address names, as after Back. */
+function follow() {
+  const { name, campaign } = named();
+  if (name === 'documents') documents.choose(campaign);
+  open(name);
+}
+window.addEventListener('popstate', follow);
+documents.whenCampaign((id) => remember('documents/' + id));
 tabs.forEach((t, i) => {
-  t.addEventListener('click', () => open(t.getAttribute('aria-controls') || 'test'));
+  t.addEventListener('click', () => go(t.getAttribute('aria-controls') || 'test'));
   t.addEventListener('keydown', (e) => {
     const step = e.key === 'ArrowRight' ? 1 : e.key === 'ArrowLeft' ? -1 : 0;
     if (!step) return;
@@ -120,7 +142,7 @@ function showJob(s) {
   const busy = (!!job || s.aiming) && !!status && !status.live && !(job && job.doing === 'paused');
   $('state').textContent = !status ? 'no answer' : busy ? 'busy' : stateWord(status.state);
   $('state').className = 'state' + (status ? (status.live || (busy && job && job.doing === 'firing') ? ' live' : '') : ' gone');
-  $('job').textContent = !s.link.answers ? s.link.error : !job ? (s.aiming ? 'seeking the closing angle, then firing' : endedText(ended)) : job.kind === 'single' ? job.doing :
+  $('job').textContent = !s.link.answers ? s.link.error : !job ? (s.aiming ? 'seeking the angle for the coil, then firing' : endedText(ended)) : job.kind === 'single' ? job.doing :
     job.name + ': ' + job.done + ' of ' + job.shots + ', ' + (job.ending ? 'last shot' : job.doing) +
     (known(job.seconds_left) ? ', ' + duration(job.seconds_left) + ' left' : '') +
     (job.outside_limits ? ', ' + job.outside_limits + ' OUTSIDE LIMITS' : '');
@@ -172,9 +194,9 @@ function listen() {
   };
 }
 whenTokenGiven(listen);
-for (const page of [parameters, documents]) page.whenRun(() => { alarm(''); open('test'); });
-documents.whenShot((id) => { open('test'); test.showShot(id); });
+for (const page of [parameters, documents]) page.whenRun(() => { alarm(''); go('test'); });
+documents.whenShot((id) => { go('test'); test.showShot(id); });
 
-const wanted = location.hash.slice(1);
-open(wanted in pages ? wanted : 'test');
+if (!location.hash) history.replaceState(null, '', '#test');
+follow();
 learnAccess().then(() => call('GET', '/api/bench')).then(show).catch(() => {}).then(listen);

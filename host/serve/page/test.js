@@ -80,9 +80,10 @@ export async function showShot(id) {
   };
   $('shot').hidden = false;
   $('no-shot').hidden = true;
-  $('shot-title').textContent = 'Shot ' + shot.id + ' at ' + angle + ': touch ' + value('t_ct1', 1e3) + ' ms, bounce ' +
+  const asked = aims.get(id);
+  $('shot-title').textContent = 'Shot ' + shot.id + (asked ? ', touch asked ' + asked + '°, coil on at ' : ' at ') + angle + ': touch ' + value('t_ct1', 1e3) + ' ms, bounce ' +
     value('t_ct_bon', 1e3) + ' ms' + (shot.bounce ? ', ' + openings(shot.bounce.openings.length) : '');
-  $('shot-reason').textContent = shot.origin + ', ' + shot.outcome + (shot.reason ? ': ' + shot.reason : '') + '; switched on at ' +
+  $('shot-reason').textContent = shot.origin + ', ' + shot.outcome + (shot.reason ? ': ' + shot.reason : '') + '; coil on at ' +
     measured(shot.reached_rad, 180 / Math.PI) + '°' + (aims.has(id) ? ' to touch at ' + aims.get(id) + '°' : '') + ', touched at ' + measured(shot.touch_rad, 180 / Math.PI) + '° of the mains; ' +
     askedOf(shot) + shot.started.replace('T', ' ').replace('Z', ' UTC');
   $('shot-title').classList.toggle('bad', shot.outcome === 'FAIL');
@@ -111,11 +112,11 @@ export function opened(on) {
 /** The newest shot, one at a time: what arrives while one is drawn is drawn next. @param {State} state @param {State|null} before */
 export function show(state, before) {
   field('fire').disabled = !!state.job || state.aiming || !state.status || !access.may_fire;
-  field('fire').title = state.job ? 'the bench is busy' : state.aiming ? 'the closing angle is being sought' : !state.status ? 'the rig does not answer' : access.may_fire ? '' : 'the token may not fire';
+  field('fire').title = state.job ? 'the bench is busy' : state.aiming ? 'the angle for the coil is being sought' : !state.status ? 'the rig does not answer' : access.may_fire ? '' : 'the token may not fire';
   conditions.show(state.plan);
   $('conditions').textContent = state.plan.mains_hertz + ' Hz, specimen ' + state.plan.specimen + '; these, voltage and time as in the plan last run or saved, until they are changed here';
   const aim = state.job && state.job.aim;
-  $('aimed').textContent = state.aiming ? 'The closing angle that makes the contacts touch there is being sought by simulation; it is fired at once when found. STOP cancels it.' : !aim ? '' : 'To touch there the coil is switched on at ' + aim.closing_angle_deg.toFixed(1) + '°; touch is predicted ' + (1e3 * aim.touch_s).toFixed(2) + ' ms later.';
+  $('aimed').textContent = state.aiming ? 'The angle at which the coil must be on for the contacts to touch there is being sought by simulation; it is fired at once when found. STOP cancels it.' : !aim ? '' : 'To touch there: coil on at ' + aim.closing_angle_deg.toFixed(1) + '°; touch is predicted ' + (1e3 * aim.touch_s).toFixed(2) + ' ms later.';
   if (before && ((state.job && !before.job) || (state.aiming && !before.aiming))) clear('refused');  // it was said of an older request
   if (before && before.newest_prediction !== state.newest_prediction) stale = true;  // the simulation's U has come
   if (before && before.job && !state.job) stale = stale || !whole || !!drawing;  // the simulation is there now; what is being drawn may have been asked for before

@@ -97,7 +97,8 @@ function draw() {
   }
   graph = new Dygraph($('trend'), rows, { labels: ['shot', ...shown.map((a) => a.label)], series, ylabel: option.text + ' / ' + unit, errorBars: true, sigma: 1, drawPoints: true,
     pointSize: 4, strokeWidth: 0.5, connectSeparatedPoints: true, includeZero: false, xRangePad: 12, yRangePad: 8,
-    axes: { y: { axisLabelWidth: 54, axisLabelFormatter: yLabel }, x: { axisLabelFormatter: (/** @type {number} */ v) => (Number.isInteger(v) ? String(v) : '') } } });
+    dateWindow: rows.length === 1 ? [Number(rows[0][0]) - 1, Number(rows[0][0]) + 1] : null,  // one point has no span of its own
+    axes: { y: { axisLabelWidth: 62, axisLabelFormatter: yLabel }, x: { axisLabelFormatter: (/** @type {number} */ v) => (Number.isInteger(v) ? String(v) : '') } } });
 }
 
 /** As many digits as the span needs: no two labels are alike. @param {number} v @param {any} _g @param {any} _o @param {any} graphed */
