@@ -133,6 +133,7 @@ void Tab::dark(bool on) {
 }
 
 void Tab::picture(const std::string& file) {
+  call("Page.bringToFront");  // as whoever looks at it has it
   std::ofstream(file, std::ios::binary)
       << bytes_of(call("Page.captureScreenshot", {{"format", "png"}})["data"]);
 }
