@@ -193,8 +193,9 @@ int main(int argc, char** argv) {
   Client client(server.port(), token);
 
   std::size_t page = 0;
-  for (const char* part : {"/", "/base.js", "/page.js", "/test.js", "/parameters.js", "/documents.js",
-                           "/rig.js", "/trend.js", "/page.css", "/chart.js"})
+  for (const char* part :
+       {"/", "/base.js", "/choice.js", "/conditions.js", "/quantities.js", "/page.js", "/test.js",
+        "/parameters.js", "/documents.js", "/rig.js", "/trend.js", "/page.css", "/chart.js"})
     page += client.ask(http::verb::get, part).size();
 
   // by a script, that fires at once, and by a person, whose page tells the angle while the person still looks at it
