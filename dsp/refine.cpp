@@ -15,7 +15,7 @@ namespace {
 
 constexpr double worth_a_flag = 20e-6;  // s that vibration may move an edge; less stands in u alone
 constexpr double far_from_law =
-    4;  // reduced sum of squares: misfit of more than the noise counts twice; less stands in u
+    9;  // reduced sum of squares: a misfit of more than three times the noise; less stands in u
 constexpr double sticking = 150e-6;   // s that a pad may pull while it breaks
 constexpr double still_there = 1e-3;  // s that vibration lasts at least
 constexpr double longest_rise =
