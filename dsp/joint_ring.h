@@ -19,8 +19,8 @@ void add_modes(const JointInput&, JointModel&, double limit);
 bool seed_ring(const JointInput&, JointModel&, double from, double to);
 
 /// A piece of ring before the onset looks like a contact, and the other way round: a pulse next to the onset goes
-/// when the fit without it, its time open to the onset, explains as much. So does one no longer than a swing of the ring
-/// and no larger than it, from 2 ms before the onset on, when the fit without it explains more.
+/// when the fit without it, its time open to the onset, explains as much. So does one no longer than a swing of the
+/// ring and no larger than it, from 2 ms before the onset on, when the fit without it explains more.
 void drop_stand_ins(const JointInput&, JointModel&);
 
 /// The same after the core was seen to land: vibration that its own model did not reach yet crosses the levels as a
