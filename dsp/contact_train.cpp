@@ -171,6 +171,7 @@ std::vector<Grazing> fill_train(ContactTrain& train, const Round& r, const Force
                                  {a.stripped, std::max(left, r.noise), f.noise, f.delay, 2 * f.wander}, o);
   for (Contact& c : train.contacts) {
     hold_peak(c, f.signal);
+    c.peak.u = std::hypot(c.peak.u, f.wander);  // the zero below a peak is that of the open time beside it
     train.flags |= c.flags & (flag_clipped | flag_gap);
   }
   train.noise = f.noise;

@@ -88,6 +88,11 @@ TEST_CASE("an opening whose zero has wandered above the release level is seen", 
   CHECK(std::abs(t.settled.value - s.contacts.back().touch) < 3 * t.settled.u);
 }
 
+TEST_CASE("a peak is no better known than the zero below it", "[calibration]") {
+  // 22 % of the peaks of the scored records lay beyond 3 u: the zero wanders by 0.04 N while the contact is closed
+  CHECK(tally_of(class_named("coloured noise"), effort::every > 1 ? 6 : 40).peak.beyond() < 0.06);
+}
+
 TEST_CASE("openings of a record that ends soon after the contact has closed are seen", "[calibration]") {
   // the last 10 ms are open for the most part: their median is no settled force
   for (const std::uint64_t seed : {310011, 310015, 310019})
