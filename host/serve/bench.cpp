@@ -71,7 +71,8 @@ void Bench::Impl::work() {
     }
     if (!how.empty()) say(how);
     lock.lock();
-    if (!job->single) ended = Ended{job->scene.plan.name, job->campaign, job->done, job->shots.size()};
+    if (!job->single)
+      ended = Ended{job->scene.plan.name, job->campaign, job->done - job->cut, job->shots.size()};
     job.reset();
     paused = end_asked = false;
     lock.unlock();
@@ -179,6 +180,7 @@ void Bench::Impl::stored(std::int64_t shot) {
   {
     const std::scoped_lock lock(mutex);
     if (job) ++job->done;
+    if (job && s.outcome == Outcome::aborted) ++job->cut;
     if (job && s.outcome == Outcome::fail) ++job->outside;
     newest_shot = shot;
     if (newest) frame = newest;

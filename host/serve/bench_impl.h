@@ -29,7 +29,8 @@ struct Bench::Impl final : RunWatcher {
     std::optional<TouchAim::Aim> aim;  ///< of a closing at touch
     std::size_t before = 0;            ///< shots that the campaign has already
     std::size_t done = 0, outside = 0;
-    double begun = 0;  ///< of `clock`, s; without the pauses
+    std::size_t cut = 0;  ///< of `done`: stopped in the middle, so still to be fired
+    double begun = 0;     ///< of `clock`, s; without the pauses
     std::string doing = "waiting";
     bool stopped_late = false;  ///< a stop came when all of it was fired
   };

@@ -110,7 +110,8 @@ Reply get_shot(const Call& c) {
 }
 Reply get_closing(const Call& c) {
   const Store store = reader(c);
-  return json_reply(closing_document(store, recorded_shot(store, c.id)));
+  const StoredShot shot = shot_of(store, c.id);
+  return json_reply(shot.record_hash.empty() ? "[]" : closing_document(store, shot));
 }
 Reply get_waveforms(const Call& c) {
   const Store store = reader(c);
@@ -181,8 +182,8 @@ constexpr Route of_documents[] = {
           "reason": "", "has_record": true, "quantities": [{"symbol": "", "unit": "", "meaning": "", "value": 0, "u": 0,
           "simulated": 0}]})",
      get_shot},
-    {"GET", "/api/shots/{id}/closing", Right::read, "Its curves, measured and simulated, and marks.", "",
-     "[{}]", get_closing},
+    {"GET", "/api/shots/{id}/closing", Right::read,
+     "Its curves, measured and simulated, and marks; none without a record.", "", "[{}]", get_closing},
     {"GET", "/api/shots/{id}/waveforms.csv", Right::read, "Its channels, every sample.", "", "text/csv",
      get_waveforms},
     {"GET", "/api/shots/{id}/events.json", Right::read, "Its events, every one with its u.", "", "{}",

@@ -142,6 +142,30 @@ TEST_CASE("STOP: one that comes when all is fired says so", "[serve]") {
   CHECK_THAT(s.state().at("log").dump(), Contains("outside limits; stopped"));
 }
 
+TEST_CASE("STOP: a closing that it cut is not counted as done, and shows no curves", "[serve]") {
+  Served s;
+  bool cut = false;
+  for (int round = 0; round < 20 && !cut; ++round) {
+    s.bench.run(scene_of("angles_deg = [0, 45, 90, 135]\nrepeats = 50\nhold_time_ms = 5000\n"));
+    wait_until("a closing", [&] {
+      const auto job = s.state().at("job");
+      return job.is_null() || (job.at("done") >= 1 && job.at("doing") == "firing");
+    });
+    s.bench.stop();
+    s.until_ended();
+    const auto campaign = s.get("/api/campaigns").at(0);
+    const std::size_t aborted = campaign.at("outcomes").value("ABORTED", std::size_t{0});
+    CHECK(s.state().at("ended").at("done") == campaign.at("shots").get<std::size_t>() - aborted);
+    cut = aborted > 0;
+    if (!cut) continue;
+    const auto shot = s.state().at("newest_shot").dump();
+    CHECK(s.get("/api/shots/" + shot).at("outcome") == "ABORTED");
+    CHECK(s.ask("GET", "/api/shots/" + shot + "/closing").status == 200);
+    CHECK(s.get("/api/shots/" + shot + "/closing") == nlohmann::json::array());
+  }
+  CHECK(cut);
+}
+
 TEST_CASE("STOP: a rig that does not answer is said loudly", "[serve]") {
   auto rig = std::make_unique<rigs::LocalRig>(rigs::SimRigConfig{}, sim::Specimen{});
   Served s(served_plan, "ip:" + rig->address());

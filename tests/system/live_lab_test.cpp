@@ -76,6 +76,31 @@ TEST_CASE("live page: Esc stops while a list of choices is open", "[.slow]") {
   CHECK(tab.errors() == std::vector<std::string>());
 }
 
+TEST_CASE("live page: what was asked once before a STOP is not fired by a second press after it", "[.slow]") {
+  const Folder folder;
+  LiveBench bench(folder);
+  Browser browser(folder);
+  Tab tab = browser.open(bench.url);
+  tab.until("!document.getElementById('fire').disabled");
+  write_plan(tab, "name = \"rest\"\nangles_deg = [0, 90]\nrepeats = 200\n");
+  press(tab, "run");
+  tab.until("fetch('/api/bench').then(r=>r.json()).then(b=>b.job&&b.job.done>1)");
+  tab.key("Escape");
+  tab.until(no_job);
+  press(tab, "tab-documents");
+  const std::string rest =
+      "[...document.querySelectorAll('#campaigns button')].find(b=>b.textContent.startsWith('Fire the "
+      "rest'))";
+  tab.until("!!" + rest);
+  tab.value(rest + ".click()");
+  CHECK(tab.value(rest + ".textContent") == "Fire the rest of campaign 1 now");
+  tab.key("Escape");
+  CHECK(tab.value(rest + ".textContent") == "Fire the rest");
+  tab.value(rest + ".click()");
+  CHECK(tab.value(no_job) == true);
+  CHECK(tab.errors() == std::vector<std::string>());
+}
+
 TEST_CASE("live page: where Esc is not heard, the button says so", "[.slow]") {
   const Folder folder;
   LiveBench bench(folder);

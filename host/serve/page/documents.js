@@ -81,7 +81,8 @@ function restButton(c) {
   });
   return rest;
 }
-function noLongerAsked() {
+/** Also at a STOP: a second press must not fire what was asked before it. */
+export function noLongerAsked() {
   window.clearTimeout(forget);
   asked = null;
   for (const b of document.querySelectorAll('#campaigns button')) if (b.textContent?.startsWith(restWords)) b.textContent = restWords;

@@ -23,6 +23,7 @@ const stopWords = (answer) => 'STOP: ' + answer.text + ' (' + (answer.ms < 1 ? '
 
 async function stop() {
   unconfirmed = new Date().toLocaleTimeString();
+  documents.noLongerAsked();
   alarm('stopping …');
   try {
     const answer = await call('POST', '/api/stop');
@@ -162,6 +163,7 @@ function show(next) {
   document.title = next.rig.origin + ', ' + (next.job ? next.job.doing : next.status ? stateWord(next.status.state) : 'no answer') + ': powbench';
   showJob(next);
   if (next.stop && next.stop.text !== before?.stop?.text) {
+    documents.noLongerAsked();
     if (!next.stop.off && !unconfirmed) unconfirmed = new Date().toLocaleTimeString();
     alarm(stopWords(next.stop), next.stop.off);
   }
