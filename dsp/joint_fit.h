@@ -75,7 +75,7 @@ struct JointInput {
   bool keep_all = false;  ///< pulses that do not fit stay in (what does not fit may be ring)
   double enough = 0.01;   ///< gain of an iteration in the sum of squares: a tenth of a standard uncertainty
   bool judged = false;    ///< the contacts of the start were judged by a fit like this one
-  /// N, > 0: contacts of a larger peak and the settled one are left out, so that the ring is what open time shows.
+  /// N, > 0: contacts of a larger peak are left out, so that the ring is what open time shows.
   double open_below = 0.0;
   bool bend = false;    ///< contacts that the pulses do not fit may be bent
   bool settles = true;  ///< false: the settled contact still moves and is left out

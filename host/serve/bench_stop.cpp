@@ -65,7 +65,7 @@ StopAnswer Bench::Impl::stop() {
   {
     const std::scoped_lock lock(mutex);  // whoever waits has seen the flag, or sleeps and is woken
     expected = job ? job_rig : rig_now();
-    if (job && !job->shots.empty() && job->done == job->shots.size()) {
+    if (job && !job->shots.empty() && job->done - job->cut == job->shots.size()) {
       job->stopped_late = true;
       late = "; all closings were already fired";
     }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdlib>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -44,6 +45,23 @@ inline std::string says(const std::string& words) {
 inline void press(Tab& tab, const std::string& id) {
   tab.until("document.getElementById('" + id + "') && !document.getElementById('" + id + "').disabled");
   tab.value("document.getElementById('" + id + "').click()");
+}
+
+/// JavaScript: is nothing under way?
+inline const std::string no_job = "fetch('/api/bench').then(r=>r.json()).then(b=>b.job===null)";
+
+/// Opens the page of the plan and puts this text there.
+inline void write_plan(Tab& tab, const std::string& plan) {
+  press(tab, "tab-parameters");
+  tab.until("document.getElementById('text').value.length > 10");
+  tab.value("(()=>{const t=document.getElementById('text');t.value=" + nlohmann::json(plan).dump() +
+            ";t.dispatchEvent(new Event('input'))})()");
+}
+
+/// A picture of the page where POWBENCH_PICTURES names a folder: those of docs/how-to/serve.md are made so.
+inline void picture(Tab& tab, const std::string& name) {
+  if (const char* pictures = std::getenv("POWBENCH_PICTURES"))
+    tab.picture(std::string(pictures) + "/" + name);
 }
 
 }  // namespace powbench::test

@@ -9,24 +9,6 @@
 using namespace powbench::test;
 using Catch::Contains;
 
-namespace {
-
-const std::string no_job = "fetch('/api/bench').then(r=>r.json()).then(b=>b.job===null)";
-
-void write_plan(Tab& tab, const std::string& plan) {
-  press(tab, "tab-parameters");
-  tab.until("document.getElementById('text').value.length > 10");
-  tab.value("(()=>{const t=document.getElementById('text');t.value=" + nlohmann::json(plan).dump() +
-            ";t.dispatchEvent(new Event('input'))})()");
-}
-
-void picture(Tab& tab, const std::string& name) {
-  if (const char* pictures = std::getenv("POWBENCH_PICTURES"))
-    tab.picture(std::string(pictures) + "/" + name);
-}
-
-}  // namespace
-
 TEST_CASE("live page: Esc stops while a list of choices is open", "[.slow]") {
   const Folder folder;
   LiveBench bench(folder);

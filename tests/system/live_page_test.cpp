@@ -13,21 +13,6 @@ using Catch::Contains;
 
 namespace {
 
-const std::string no_job = "fetch('/api/bench').then(r=>r.json()).then(b=>b.job===null)";
-
-void write_plan(Tab& tab, const std::string& plan) {
-  press(tab, "tab-parameters");
-  tab.until("document.getElementById('text').value.length > 10");
-  tab.value("(()=>{const t=document.getElementById('text');t.value=" + nlohmann::json(plan).dump() +
-            ";t.dispatchEvent(new Event('input'))})()");
-}
-
-/// A picture of the page where POWBENCH_PICTURES names a folder: those of docs/how-to/serve.md are made so.
-void picture(Tab& tab, const std::string& name) {
-  if (const char* pictures = std::getenv("POWBENCH_PICTURES"))
-    tab.picture(std::string(pictures) + "/" + name);
-}
-
 const std::string long_plan =
     "name = \"long\"\nangles_deg = [0, 45, 90, 135]\nrepeats = 200\npause_s = 0.05\n";
 

@@ -12,8 +12,6 @@ using Catch::Contains;
 
 namespace {
 
-const std::string no_job = "fetch('/api/bench').then(r=>r.json()).then(b=>b.job===null)";
-
 void run_plan(Tab& tab, const std::string& plan, int shots) {
   press(tab, "tab-parameters");
   tab.until("document.getElementById('text').value.length > 10");
@@ -23,11 +21,6 @@ void run_plan(Tab& tab, const std::string& plan, int shots) {
   press(tab, "run");
   tab.until("document.getElementById('test').hidden === false");
   tab.until(no_job);
-}
-
-void picture(Tab& tab, const std::string& name) {
-  if (const char* pictures = std::getenv("POWBENCH_PICTURES"))
-    tab.picture(std::string(pictures) + "/" + name);
 }
 
 }  // namespace
