@@ -11,6 +11,7 @@
 
 #include "core/crc32.h"
 #include "rigs/iio_link.h"
+#include "rigs/rig_watch.h"
 #include "rigs/sealed_shot.h"
 #include "rigs/shot_set_points.h"
 
@@ -276,6 +277,8 @@ std::string IioRig::last_error() {
 
 Failed IioRig::trip() {
   std::string why = last_error();
+  constexpr std::string_view done_here = ", then write 1 to abort";
+  if (const auto at = why.find(done_here); at != std::string::npos) why.erase(at, done_here.size());
   if (why.starts_with("mains phase")) why += "; now " + link_->phase();
   abort();
   return {Outcome::error, "the rig tripped: " + why, true};
@@ -299,7 +302,7 @@ Shot IioRig::attempt(Clock::time_point deadline) {
     read_state();  // an answer out of step would be no state
     shot.outcome = Outcome::error;
     shot.interlock = r.error == EPERM;
-    shot.reason = sentence(r) + (why.empty() || why == "no error" ? "" : ": " + why);
+    shot.reason = sentence(r) + (why.empty() || why == "no error" ? "" : ": " + advice(why));
     record = kept(open);
   }
   if (record) {

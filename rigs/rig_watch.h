@@ -3,6 +3,7 @@
 #include <chrono>
 #include <memory>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -14,6 +15,15 @@ namespace powbench::rigs {
 /// A state in which the coil is off. What is not known (another word, or none) confirms nothing.
 inline bool coil_off(const std::string& state) {
   return state == "idle" || state == "captured" || state == "fault";
+}
+
+/// A rig's own sentence about a fault in the words of who uses the host: its last step, "write 1 to abort", is
+/// to acknowledge.
+inline std::string advice(std::string sentence) {
+  constexpr std::string_view step = "write 1 to abort";
+  if (const auto at = sentence.find(step); at != std::string::npos)
+    sentence.replace(at, step.size(), "acknowledge the fault");
+  return sentence;
 }
 
 /// What a rig says of itself at one moment, in its own words.

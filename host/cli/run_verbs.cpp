@@ -33,6 +33,10 @@ void print_summary(const RunSummary& s, std::int64_t campaign, Origin origin, bo
              s.count(Outcome::error) + s.count(Outcome::timeout) + s.count(Outcome::aborted));
   for (const LimitTally& t : s.limits)
     if (const std::string text = sentence(t); !text.empty()) fmt::print(stderr, "  {}\n", text);
+  if (s.interlock)
+    fmt::print(
+        stderr,
+        "a fault that is still latched is acknowledged with 'powbench stop RIG', once its cause is gone\n");
   if (!s.stopped.empty()) fmt::print(stderr, "{}\n", s.stopped);
 }
 

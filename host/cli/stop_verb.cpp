@@ -64,6 +64,8 @@ Exit stop_rig(const InfoArgs& args) {
         args.uri, why);
     return Exit::rig_fault;
   }
+  if (off->state == "fault" && !args.json)
+    fmt::print("fault {} remains: {}\n", off->fault, rigs::advice(off->last_error));
   if (owned)
     fmt::print(stderr,
                "{} owns the rig; a program of theirs that still runs may fire the next shot: end it too\n",

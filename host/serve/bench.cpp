@@ -196,11 +196,15 @@ void Bench::Impl::stored(std::int64_t shot) {
 // ---- what others ask ----
 
 void Bench::Impl::begin(Job next, Instant asked) {
+  const auto seen = looker->look().status;
   {
     const std::scoped_lock lock(mutex);
     if (aiming && *aiming > stopped_at.load() && !next.aim)
       throw NotNow("the angle of a closing at touch is being sought; stop it or wait for its end");
     if (job) throw NotNow("a job is on: " + job->doing + "; stop it or wait for its end");
+    if (acknowledging) throw NotNow("a fault of the rig is being acknowledged");
+    if (seen && seen->state == "fault")
+      throw NotNow(fmt::format("the rig is in fault, {}: {}", seen->fault, rigs::advice(seen->last_error)));
     // cleared first, looked at second: a stop that comes in between is not lost
     stop_flag = false;
     if (stopping > 0) {
@@ -317,6 +321,10 @@ void Bench::end() {
   }
   impl_->wake.notify_all();
   impl_->changed();
+}
+
+void Bench::acknowledge(int number) {
+  impl_->acknowledge(number);
 }
 
 StopAnswer Bench::stop() {

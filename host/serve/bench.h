@@ -79,6 +79,10 @@ class Bench {
   void pause(bool);
   /// The shot in flight is the last one. Throws NotNow when no plan runs.
   void end();
+  /// Ends the latched fault `number` of the rig, which a person has read, once its cause is gone. Nothing is switched
+  /// on. Returns when the rig reports no fault; throws NotNow with the reason where it does not, where another fault
+  /// is latched, and while a job is on.
+  void acknowledge(int number);
   /// Coil off now, job over. Returns when the rig has confirmed it or has not for 2 s. Never throws.
   StopAnswer stop();
 

@@ -48,6 +48,7 @@ struct Bench::Impl final : RunWatcher {
   void stored(std::int64_t shot) override;
 
   StopAnswer stop();
+  void acknowledge(int number);
   void begin(Job, Instant asked);
   Job single(double angle) const;
   void complete(Job& single) const;  ///< what it takes from the plan in force; the lock is held
@@ -94,6 +95,7 @@ struct Bench::Impl final : RunWatcher {
   std::optional<Instant> aiming;  ///< when the closing at touch was asked for whose angle is sought
   std::atomic<Instant> stopped_at = Instant::min();
   std::atomic<bool> stop_flag = false, end_asked = false, inside = false;
+  bool acknowledging = false;  ///< the line of the thread that fires is in use
   std::unique_ptr<StoppableRig> rig;
   std::atomic<int> stopping = 0;
   std::mutex stop_mutex;  ///< one stop at a time; `mutex` is taken inside

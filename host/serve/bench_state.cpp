@@ -33,7 +33,7 @@ Json status_json(const rigs::RigStatus& s) {
           {"fault", s.fault},
           {"phase", s.phase},
           {"owner", s.owner},
-          {"last_error", s.last_error},
+          {"last_error", rigs::advice(s.last_error)},
           {"mains_hertz", number_in(s.hertz, 1)},
           {"phase_u_deg", number_in(now, 1e-3)},
           {"phase_u_ahead_deg", number_in(ahead, 1e-3)},

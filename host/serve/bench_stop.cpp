@@ -106,4 +106,41 @@ StopAnswer Bench::Impl::stop() {
   return answer;
 }
 
+/// The line of the thread that fires holds the lease, so nobody else's `abort` ends a fault; no job begins meanwhile.
+void Bench::Impl::acknowledge(int number) {
+  const auto latched = [&]() -> std::optional<rigs::RigStatus> {
+    const auto status = looker->look().status;
+    if (!status) throw NotNow("the rig does not answer");
+    if (status->state != "fault") return std::nullopt;
+    return status;
+  };
+  struct InUse {
+    Impl& bench;
+    ~InUse() {
+      const std::scoped_lock lock(bench.mutex);
+      bench.acknowledging = false;
+    }
+  };
+  {
+    const std::scoped_lock lock(mutex);
+    if (job) throw NotNow("a job is on: " + job->doing + "; stop it or wait for its end");
+    if (stopping > 0) throw NotNow("a stop is under way");
+    if (acknowledging) throw NotNow("a fault of the rig is being acknowledged");
+    acknowledging = true;
+  }
+  const InUse in_use(*this);
+  const auto before = latched();
+  if (!before) return;
+  if (std::atoi(before->fault.c_str()) != number)
+    throw NotNow(fmt::format("the rig's fault is another one by now: {}", before->fault));
+  if (!rig->abort() && !(rig->reconnect() && rig->abort())) throw NotNow("the rig does not answer");
+  const auto begun = std::chrono::steady_clock::now();
+  for (auto after = before; after; after = latched()) {
+    if (seconds_since(begun) > std::chrono::duration<double>(stop_time).count())
+      throw NotNow(fmt::format("fault {} remains: {}", after->fault, rigs::advice(after->last_error)));
+    std::this_thread::sleep_for(milliseconds(10));
+  }
+  say(fmt::format("fault {} acknowledged", before->fault));
+}
+
 }  // namespace powbench::host

@@ -23,6 +23,11 @@ Reply post_stop(const Call& c) {
                     a.off ? 200 : 504);
 }
 
+Reply post_acknowledge(const Call& c) {
+  c.bench.acknowledge(static_cast<int>(number_of(c.body, "fault", 1, 99)));
+  return json_reply(R"({"acknowledged":true})");
+}
+
 Reply post_fire(const Call& c) {
   if (has(c.body, "touch_deg")) {
     if (has(c.body, "angle_deg")) throw Problem{400, "'angle_deg' and 'touch_deg' exclude each other"};
@@ -106,6 +111,9 @@ constexpr Route of_bench[] = {
     {"POST", "/api/stop", Right::none,
      "Coil off and job over. `off` is true once the rig has confirmed it; 504 where it has not.", "",
      R"({"off": true, "text": "", "ms": 1})", post_stop},
+    {"POST", "/api/acknowledge", Right::fire,
+     "Ends the rig's latched fault of this number once its cause is gone. Nothing is switched on.",
+     R"({"fault": 1})", R"({"acknowledged": true})", post_acknowledge},
     {"POST",
      "/api/fire",
      Right::fire,

@@ -17,6 +17,7 @@ host::Request mutant(Random& random, const std::string& token) {
                                               "/api/fire",
                                               "/api/stop",
                                               "/api/prepare",
+                                              "/api/acknowledge",
                                               "/api/files/plan",
                                               "/api/plan/run",
                                               "/api/files/plan/check",

@@ -74,6 +74,36 @@ TEST_CASE("live bench: a simulation made ahead is the one made beside the shot, 
   CHECK(fired({30, 45}) == beside);
 }
 
+TEST_CASE("live bench: a fault is ended by whoever has read it, and nothing is fired before", "[serve]") {
+  const Served s;
+  const auto post = [&](const char* path, const json& body) { return s.ask("POST", path, body.dump()); };
+  const auto state = [&] { return s.get("/api/bench").at("status").at("state"); };
+  wait_until("the first look", [&] { return !s.get("/api/bench").at("status").is_null(); });
+  CHECK(post("/api/acknowledge", {{"fault", 1}}).status == 200);  // there is none
+  REQUIRE(post("/api/conditions", {{"supply_volts", 20}}).status == 200);
+  REQUIRE(post("/api/fire", {{"angle_deg", 90}}).status == 202);
+  s.until_ended();
+  wait_until("the look at the fault", [&] { return state() == "fault"; });
+  const json status = s.get("/api/bench").at("status");
+  CHECK(status.at("fault") == "1 mains_lost");
+  CHECK(status.at("last_error") == "mains lost: check the supply, then acknowledge the fault");
+  REQUIRE(post("/api/conditions", {{"supply_volts", 230}}).status == 200);
+  CHECK(post("/api/stop", json::object()).status ==
+        200);  // the coil is off, and the fault is still to be read
+  CHECK(state() == "fault");
+  const auto refused = post("/api/fire", {{"angle_deg", 90}});
+  CHECK(refused.status == 409);
+  CHECK(refused.body.find("the rig is in fault, 1 mains_lost") != std::string::npos);
+  CHECK(post("/api/acknowledge", {{"fault", 3}}).status == 409);  // another one than was read
+  CHECK(state() == "fault");
+  CHECK(post("/api/acknowledge", {{"fault", 1}}).status == 200);
+  CHECK(state() != "fault");
+  REQUIRE(post("/api/fire", {{"angle_deg", 90}}).status == 202);
+  CHECK(post("/api/acknowledge", {{"fault", 1}}).status == 409);  // a job is on
+  s.until_ended();
+  CHECK(s.get("/api/campaigns/2/shots").at("shots").at(0).at("outcome") == "NOT JUDGED");
+}
+
 TEST_CASE("live bench: a plan that was ended is gone on with, where its rig and specimen are", "[serve]") {
   const Served s;
   const std::string plan = "name = \"long\"\nangles_deg = [0, 60]\nrepeats = 3\npause_s = 0.2\n";

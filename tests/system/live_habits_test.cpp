@@ -28,6 +28,37 @@ TEST_CASE("live page: an angle with a decimal comma is that angle, and no other 
   CHECK(tab.errors() == std::vector<std::string>());
 }
 
+TEST_CASE("live page: a fault says why and how it ends, and its button ends it", "[.slow]") {
+  const Folder folder;
+  LiveBench bench(folder);
+  Browser browser(folder);
+  Tab tab = browser.open(bench.url);
+  const auto volts = [&](const char* v) {
+    tab.until("document.getElementById('volts').value !== ''");
+    tab.value("(()=>{const a=document.getElementById('volts');a.focus();a.value='" + std::string(v) +
+              "';a.dispatchEvent(new Event('change'))})()");
+  };
+  tab.until("document.getElementById('fire').disabled === false");
+  volts("20");
+  press(tab, "fire");
+  tab.until("document.getElementById('fault').hidden === false");
+  CHECK(tab.value(says("FAULT 1: mains lost: check the supply, then acknowledge the fault")) == true);
+  CHECK(tab.value("document.getElementById('state').className") == "state fault");
+  CHECK(tab.value("document.getElementById('fire').disabled") == true);
+  picture(tab, "live-fault.png");
+  volts("230");
+  tab.key("Escape");  // a stop leaves it to be read
+  tab.until(says("coil off, confirmed by the rig"));
+  CHECK(tab.value("document.getElementById('fault').hidden") == false);
+  press(tab, "acknowledge");
+  tab.until("document.getElementById('fault').hidden === true");
+  press(tab, "fire");
+  tab.until(says("Shot 2 at 90\xC2\xB0: touch"));
+  tab.until(no_job);
+  CHECK(tab.value("fetch('/api/bench').then(r=>r.json()).then(b=>b.status.state)") == "captured");
+  CHECK(tab.errors() == std::vector<std::string>());
+}
+
 TEST_CASE("live page: what differs from the simulation by more than U is marked", "[.slow]") {
   const Folder folder;
   folder.write("other.specimen.toml", "[bridges]\ngap_mm = 2.2\n");

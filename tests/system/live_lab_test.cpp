@@ -115,7 +115,7 @@ TEST_CASE("live page: what was said of an older request goes with the next one",
   press(tab, "fire");
   tab.until(seeking + " && " + alarm + ".hidden");
   press(tab, "stop");
-  tab.until("/^STOP came after this was asked for/.test(" + refused + ".textContent)");
+  tab.until("/^Not fired: STOP came after this was asked for/.test(" + refused + ".textContent)");
   write_plan(tab, "name = \"long\"\nangles_deg = [0, 90]\nrepeats = 100\n");
   press(tab, "run");
   tab.until("/ of 200/.test(document.getElementById('job').textContent) && " + alarm + ".hidden && " +

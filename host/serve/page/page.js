@@ -1,6 +1,6 @@
 // @ts-check
 // The live bench. State arrives over one WebSocket; everything a person does is an HTTP call.
-import { $, call, duration, field, known, learnAccess, sentences, stateWord, stream, whenTokenGiven } from './base.js';
+import { $, access, call, duration, field, known, learnAccess, sentences, stateWord, stream, whenTokenGiven } from './base.js';
 import './choice.js';
 import * as documents from './documents.js';
 import * as parameters from './parameters.js';
@@ -136,13 +136,23 @@ function endedText(ended) {
   return ended.name + ': ended at ' + ended.done + ' of ' + ended.shots + '. To fire the rest: page Documents, button Fire the rest';
 }
 
+/** The rig has switched off by itself, or does not arm: why, and the way out. @param {State} s */
+function showFault(s) {
+  const latched = !!s.status && s.status.state === 'fault' && !s.job;
+  $('fault').hidden = !latched;
+  if (!latched || !s.status) return;
+  $('fault-says').textContent = 'FAULT ' + parseInt(s.status.fault, 10) + ': ' + s.status.last_error + '. Nothing is fired before that.';
+  $('acknowledge').hidden = !access.may_fire;
+}
+$('acknowledge').addEventListener('click', () => attempt(() => call('POST', '/api/acknowledge', { fault: parseInt(state && state.status ? state.status.fault : '', 10) })));
+
 /** @param {State} s */
 function showJob(s) {
   const { status, job, ended } = s;
   // between two looks at the rig a shot may begin and end: "ready" would be the word of before
   const busy = (!!job || s.aiming) && !!status && !status.live && !(job && job.doing === 'paused');
   $('state').textContent = !status ? 'no answer' : busy ? 'busy' : stateWord(status.state);
-  $('state').className = 'state' + (status ? (status.live || (busy && job && job.doing === 'firing') ? ' live' : '') : ' gone');
+  $('state').className = 'state' + (status ? (status.live || (busy && job && job.doing === 'firing') ? ' live' : !busy && status.state === 'fault' ? ' fault' : '') : ' gone');
   $('job').textContent = !s.link.answers ? s.link.error : !job ? (s.aiming ? 'seeking the angle for the coil, then firing' : endedText(ended)) : job.kind === 'single' ? job.doing :
     job.name + ': ' + job.done + ' of ' + job.shots + ', ' + (job.ending ? 'last shot' : job.doing) +
     (known(job.seconds_left) ? ', ' + duration(job.seconds_left) + ' left' : '') +
@@ -162,6 +172,7 @@ function show(next) {
   $('rig-name').textContent = next.rig.model + ' ' + next.rig.serial;
   document.title = next.rig.origin + ', ' + (next.job ? next.job.doing : next.status ? stateWord(next.status.state) : 'no answer') + ': powbench';
   showJob(next);
+  showFault(next);
   if (next.stop && next.stop.text !== before?.stop?.text) {
     documents.noLongerAsked();
     if (!next.stop.off && !unconfirmed) unconfirmed = new Date().toLocaleTimeString();

@@ -241,6 +241,6 @@ export function opened(on) {
 }
 /** @param {import('./base.js').State} state */
 export function show(state) {
-  why = state.job ? 'the bench is busy' : !state.status ? 'the rig does not answer' : access.may_fire ? '' : 'the token may not fire';
+  why = state.job ? 'the bench is busy' : !state.status ? 'the rig does not answer' : state.status.state === 'fault' && !state.job ? 'the rig is in fault; acknowledge it first' : access.may_fire ? '' : 'the token may not fire';
   mayRun();
 }

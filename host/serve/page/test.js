@@ -37,14 +37,15 @@ $('fire-form').addEventListener('submit', async (e) => {
     await conditions.settle();
     await call('POST', '/api/fire', field('at').value === 'touch' ? { touch_deg: angle } : { angle_deg: angle });
   } catch (errors) {
-    notFired(errors);
+    refused('Not fired: ', errors);
   }
 });
-/** @param {unknown} errors */
-function notFired(errors) {
-  $('refused').textContent = sentences(errors).join(' ');
+/** @param {string} what @param {unknown} errors */
+function refused(what, errors) {
+  const said = sentences(errors).join(' ');
+  $('refused').textContent = said.startsWith(what) ? said : what + said;
 }
-conditions.whenRefused(notFired);
+conditions.whenRefused((errors) => refused('Not taken: ', errors));
 
 // ---- what is likely to be fired next is simulated while a person still looks at it ----
 
@@ -111,8 +112,8 @@ export function opened(on) {
 
 /** The newest shot, one at a time: what arrives while one is drawn is drawn next. @param {State} state @param {State|null} before */
 export function show(state, before) {
-  field('fire').disabled = !!state.job || state.aiming || !state.status || !access.may_fire;
-  field('fire').title = state.job ? 'the bench is busy' : state.aiming ? 'the angle for the coil is being sought' : !state.status ? 'the rig does not answer' : access.may_fire ? '' : 'the token may not fire';
+  field('fire').disabled = !!state.job || state.aiming || !state.status || state.status.state === 'fault' || !access.may_fire;
+  field('fire').title = state.job ? 'the bench is busy' : state.aiming ? 'the angle for the coil is being sought' : !state.status ? 'the rig does not answer' : state.status.state === 'fault' && !state.job ? 'the rig is in fault; acknowledge it first' : access.may_fire ? '' : 'the token may not fire';
   conditions.show(state.plan);
   $('conditions').textContent = state.plan.mains_hertz + ' Hz, specimen ' + state.plan.specimen + '; these, voltage and time as in the plan last run or saved, until they are changed here';
   const aim = state.job && state.job.aim;
