@@ -88,7 +88,9 @@ class EventSolver : public FollowedStep<System> {
     if (!guards_known_) system_->guards(begin_, m_.y, m_.slope, sets_[now_]);
     guards_known_ = false;
     Real root = 0;
-    const int chosen = system_->choose_root(sets_[now_], m_.y, m_.step, root);
+    int chosen = system_->choose_root(sets_[now_], m_.y, m_.step, root);
+    // the zero of a locked guard ends no step, and beyond that of its root the time would run backwards
+    if (chosen >= 0 && locked(chosen)) chosen = -1;
     follow(chosen, root);
     if (!Step::step(lock_.room(begin_))) return false;
     land();
