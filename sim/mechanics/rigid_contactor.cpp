@@ -11,11 +11,12 @@ namespace powbench::sim {
 namespace {
 
 POWBENCH_CLONES
-void rhs_kernel(const RigidLanes<double>& p, const double* s, double pull, double* ds) {
-  rigid_rhs(p, s, pull, ds);
+void rhs_kernel(const RigidLanes<double>& p, const double* s, double pull, double* ds, double* losses) {
+  rigid_rhs(p, s, pull, ds, losses);
 }
-void rhs_kernel(const RigidLanes<long double>& p, const long double* s, long double pull, long double* ds) {
-  rigid_rhs(p, s, pull, ds);
+void rhs_kernel(const RigidLanes<long double>& p, const long double* s, long double pull, long double* ds,
+                long double* losses) {
+  rigid_rhs(p, s, pull, ds, losses);
 }
 
 /// Depths with the sign of their mode, and their derivatives; idle lanes get 1, 0, 0.
@@ -111,16 +112,13 @@ R RigidContactor<R>::current(const Real* y) const {
 
 template <class R>
 void RigidContactor<R>::derivative(Real t, const Real* y, Real* dy) const {
-  if (electric_ < 0) {
-    const Real f = pull(t, y);
-    rhs_kernel(lanes_, y, f, dy);
-    if (ledger_ >= 0) book(t, y, {}, f, dy);
-    return;
-  }
-  const MagneticResponse m = field(y);
-  rhs_kernel(lanes_, y, static_cast<Real>(m.pull), dy);
-  electric(t, y, m, dy);
-  if (ledger_ >= 0) book(t, y, m, static_cast<Real>(m.pull), dy);
+  const bool coil = electric_ >= 0;
+  const MagneticResponse m = coil ? field(y) : MagneticResponse{};
+  const Real f = coil ? static_cast<Real>(m.pull) : pull(t, y);
+  Real losses[2];
+  rhs_kernel(lanes_, y, f, dy, ledger_ >= 0 ? losses : nullptr);
+  if (coil) electric(t, y, m, dy);
+  if (ledger_ >= 0) book(t, y, m, f, losses, dy);
 }
 
 /// Fluxes: dpsi/dt = u - R i while the switch is closed; with it open i = 0 binds psi to the rest.
@@ -258,7 +256,7 @@ R RigidContactor<R>::core_force(Real t, const Real* y) const {
   auto free = lanes_;
   free.stuck = false;
   free.friction = 0;
-  rhs_kernel(free, y, pull(t, y), dy);
+  rhs_kernel(free, y, pull(t, y), dy, nullptr);
   return dy[lanes_.dof] / lanes_.inverse_core;
 }
 

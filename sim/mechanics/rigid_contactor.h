@@ -198,7 +198,7 @@ class RigidContactor {
   Real open_voltage(const Real* y) const;   ///< V, at the coil without current
   double fed_current(const Real* y) const;  ///< A, zero while the coil is not fed
   void electric(Real t, const Real* y, const MagneticResponse&, Real* dy) const;
-  void book(Real t, const Real* y, const MagneticResponse&, Real pull, Real* dy) const;
+  void book(Real t, const Real* y, const MagneticResponse&, Real pull, const Real* losses, Real* dy) const;
   MagneticResponse field(const Real* y) const;
   Real gap(const Real* y) const;
 

@@ -8,35 +8,13 @@
 namespace powbench::sim {
 
 template <class R>
-void RigidContactor<R>::book(Real t, const Real* y, const MagneticResponse& m, Real f, Real* dy) const {
-  const int n = lanes_.dof;
-  const Real* v = y + n;
-  Lanes<Real> d[rigid_groups];
-  Lanes<Real> rate[rigid_groups];
-  Lanes<Real> force[rigid_groups];
-  rigid_depths(lanes_, y, Real(1), d);
-  rigid_depths(lanes_, v, Real(0), rate);
-  rigid_forces(lanes_, d, rate, force);
-  Real lost = 0;
-  for (int c = 0; c < rigid_contacts; ++c) {
-    if ((used_ >> c & 1U) == 0) continue;
-    const int g = c / rigid_lanes;
-    const int i = c % rigid_lanes;
-    const auto& law = law_of(g, i);
-    const bool follow = c == lanes_.followed;
-    const Real root = lanes_.root;
-    Real elastic = d[g][i] > 0 ? elastic_force(law, d[g][i]) : Real(0);
-    if (follow) elastic = lanes_.k[g][i] * root * root * root;
-    lost += (force[g][i] - elastic) * rate[g][i];
-  }
+void RigidContactor<R>::book(Real t, const Real* y, const MagneticResponse& m, Real f, const Real* losses,
+                             Real* dy) const {
+  const Real* v = y + lanes_.dof;
   const Real squeeze = v[2] - rigid_foot(lanes_, v);
-  Real damped = lanes_.core_damping * v[0] * v[0] + lanes_.tilt_damping * v[1] * v[1] +
+  Real damped = losses[1] + lanes_.core_damping * v[0] * v[0] + lanes_.tilt_damping * v[1] * v[1] +
                 lanes_.buffer_damping * squeeze * squeeze;
   for (int i = 0; i < lanes_.modes; ++i) damped += lanes_.mode_damping[i] * v[3 + i] * v[3 + i];
-  for (int j = 0; j < lanes_.bridges; ++j) {
-    const Real slip = v[0] + lanes_.at[j] * v[1] - v[3 + lanes_.modes + j];
-    damped += lanes_.damping[j] * slip * slip;
-  }
   Real* e = dy + ledger_;
   const bool coil = electric_ >= 0;
   const Real i = static_cast<Real>(m.current) + offset(y);
@@ -47,7 +25,7 @@ void RigidContactor<R>::book(Real t, const Real* y, const MagneticResponse& m, R
   e[1] = conducts ? (static_cast<Real>(drive_.resistance) + fed.resistance) * i * i + fed.lost : Real(0);
   if (offset_ >= 0) e[1] += drive_.remanence.loss(y[offset_], dy[electric_]);
   e[2] = static_cast<Real>(drive_.ring_resistance) * ring * ring;
-  e[3] = lost;
+  e[3] = losses[0];
   e[4] = -lanes_.friction * v[0];
   e[5] = damped;
 }

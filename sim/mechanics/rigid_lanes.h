@@ -23,6 +23,7 @@ struct RigidLanes {
   int modes = 0;
   int dof = 3;
   bool viscous = false;    ///< some contact has a force beside k d^n (1 + lambda d')
+  bool rooted = false;     ///< some contact has n = 1.5
   bool automatic = false;  ///< modes follow the sign of the depth, as a foreign integrator needs it
   int followed = -1;       ///< contact whose root is a state
   Real root = 0;
@@ -38,6 +39,8 @@ struct RigidLanes {
   V flat[rigid_groups]{};      ///< 1 where the viscous part has no ramp
   V pressing[rigid_groups]{};  ///< 1 or 0
   unsigned active = 0;         ///< bit g: some contact of group g presses
+  V dent[rigid_groups]{};      ///< 1 or 0: presses, or has a dent left that relaxes
+  unsigned dented = 0;         ///< bit g: some contact of group g does
   // bodies
   Real inverse_core = 0, inverse_tilt = 0, inverse_static = 0;
   Real return_preload = 0, return_rate = 0, core_damping = 0, tilt_rate = 0, tilt_damping = 0;
@@ -76,6 +79,20 @@ POWBENCH_INLINE void rigid_depths(const RigidLanes<Real>& p, const Real* q, Real
   d[4] = q[0] * p.to_x + q[1] * p.to_tilt + q[2] * p.to_static + offsets * p.offset;
 }
 
+/// Depths of group g above zero and their roots; those of a followed contact come from its root.
+template <class Real>
+POWBENCH_INLINE void rigid_dents(const RigidLanes<Real>& p, int g, Lanes<Real>* d, Lanes<Real>& clipped,
+                                 Lanes<Real>& root) {
+  clip(d[g], clipped);
+  root = Lanes<Real>{};
+  if (p.rooted) square_root<Real>(clipped, root);
+  if (p.followed < 0 || p.followed / lane_count != g) return;
+  const int lane = p.followed % lane_count;
+  d[g][lane] = p.root * p.root;
+  clipped[lane] = p.root * p.root;
+  root[lane] = p.root;
+}
+
 /// Forces of all contacts; with a followed contact its root replaces the one of its depth.
 template <class Real>
 POWBENCH_INLINE void rigid_forces(const RigidLanes<Real>& p, Lanes<Real>* d, const Lanes<Real>* rate,
@@ -88,13 +105,7 @@ POWBENCH_INLINE void rigid_forces(const RigidLanes<Real>& p, Lanes<Real>* d, con
     }
     V clipped;
     V root;
-    clip(d[g], clipped);
-    square_root<Real>(clipped, root);
-    if (p.followed / lane_count == g && p.followed >= 0) {
-      d[g][p.followed % lane_count] = p.root * p.root;
-      clipped[p.followed % lane_count] = p.root * p.root;
-      root[p.followed % lane_count] = p.root;
-    }
+    rigid_dents(p, g, d, clipped, root);
     const V elastic = p.k[g] * (p.linear[g] * d[g] + clipped * (p.hertz[g] * root + p.square[g] * clipped));
     force[g] = elastic + elastic * p.lambda[g] * rate[g];
     if (p.viscous) {
@@ -124,9 +135,28 @@ POWBENCH_INLINE Real rigid_foot(const RigidLanes<Real>& p, const Real* q) {
   return foot;
 }
 
-/// dy of the mechanical states; `pull` acts on the core and, reversed, on the static core. Writes past the states.
+/// W that the layers of all contacts lose: force beside the elastic one, at the rate of the depth. A layer that no
+/// longer presses relaxes by itself.
 template <class Real>
-POWBENCH_INLINE void rigid_rhs(const RigidLanes<Real>& p, const Real* s, Real pull, Real* ds) {
+POWBENCH_INLINE Real rigid_contact_loss(const RigidLanes<Real>& p, Lanes<Real>* d, const Lanes<Real>* rate,
+                                        const Lanes<Real>* force) {
+  using V = Lanes<Real>;
+  V lost{};
+  for (int g = 0; g < rigid_groups; ++g) {
+    if ((p.dented >> g & 1U) == 0 && !p.automatic) continue;
+    V clipped;
+    V root;
+    rigid_dents(p, g, d, clipped, root);
+    const V elastic = p.k[g] * clipped * (p.linear[g] + p.hertz[g] * root + p.square[g] * clipped);
+    lost += (force[g] - (p.automatic ? elastic : elastic * p.dent[g])) * rate[g];
+  }
+  return lane_sum<Real>(lost);
+}
+
+/// dy of the mechanical states; `pull` acts on the core and, reversed, on the static core. Writes past the states.
+/// `losses`: W in the contacts and in the springs of the bridges, or nullptr.
+template <class Real>
+POWBENCH_INLINE void rigid_rhs(const RigidLanes<Real>& p, const Real* s, Real pull, Real* ds, Real* losses) {
   using V = Lanes<Real>;
   const int n = p.dof;
   const Real* v = s + n;
@@ -146,6 +176,10 @@ POWBENCH_INLINE void rigid_rhs(const RigidLanes<Real>& p, const Real* s, Real pu
   load<Real>(v + first, vy);
   const V slip = v[0] - (vy - v[1] * p.at);
   const V spring = p.preload + p.rate * (s[0] - (y - s[1] * p.at)) + p.damping * slip;
+  if (losses != nullptr) {
+    losses[0] = rigid_contact_loss(p, d, rate, f);
+    losses[1] = lane_sum<Real>(p.damping * slip * slip);
+  }
   const V seat = f[2] + f[3];
   const V pads = f[0] + f[1];
   const V ay = (spring - pads - seat) * p.inverse_mass;

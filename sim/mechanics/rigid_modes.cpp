@@ -66,6 +66,7 @@ void RigidContactor<R>::set_contact(int group, int lane, const ContactLaw& law, 
   p.inverse_ramp[group][lane] = law.form == DampingForm::ramped ? 1 / static_cast<Real>(law.ramp) : Real(0);
   p.flat[group][lane] = law.form == DampingForm::linear ? Real(1) : Real(0);
   if (law.viscous() != 0) p.viscous = true;
+  if (law.exponent == 1.5) p.rooted = true;
   if (law.exponent == 1.5 && law.viscous() == 0) rooted_ |= std::uint64_t{1} << (group * rigid_lanes + lane);
   masses_[group][lane] = 1 / inverse_mass;
   sign_[group][lane] = -1;
@@ -160,6 +161,10 @@ void RigidContactor<R>::press(int contact, bool on) {
   lanes_.pressing[group][contact % rigid_lanes] = on ? 1 : 0;
   const bool some = (pressing_ >> (group * rigid_lanes) & 0xffU) != 0;
   lanes_.active = some ? lanes_.active | 1U << group : lanes_.active & ~(1U << group);
+  const std::uint64_t dents = pressing_ | detached_;
+  lanes_.dent[group][contact % rigid_lanes] = (dents & bit) != 0 ? 1 : 0;
+  const bool dented = (dents >> (group * rigid_lanes) & 0xffU) != 0;
+  lanes_.dented = dented ? lanes_.dented | 1U << group : lanes_.dented & ~(1U << group);
 }
 
 template <class R>
@@ -169,9 +174,9 @@ void RigidContactor<R>::flip_contact(Real t, const Real* y, int contact) {
   const bool closes = group[lane] < 0;
   const Real rate = lane_rate(contact, y);
   group[lane] = closes ? Real(1) : Real(-1);
-  press(contact, closes);
   const bool was_detached = detached_ >> contact & 1U;
   detached_ &= ~(std::uint64_t{1} << contact);
+  press(contact, closes);
   if (!was_detached)  // else the force had ended before
     events_.push_back(
         {number_of(contact), closes, static_cast<double>(t), std::fabs(static_cast<double>(rate))});
@@ -192,8 +197,8 @@ void RigidContactor<R>::flip_detached(Real t, const Real* y, bool release) {
     const Real rate = lane_rate(c, y);
     const Real margin = pressing_margin(c, y, rate);
     if (release ? margin > round_off : margin < -round_off) continue;
-    press(c, !release);
     detached_ ^= std::uint64_t{1} << c;
+    press(c, !release);
     events_.push_back({number_of(c), !release, static_cast<double>(t), std::fabs(static_cast<double>(rate))});
   }
 }
