@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdint>
 
+#include "sim/chatter_lock.h"
 #include "sim/dormand_prince.h"
 
 /// Integration of a system with modes: smooth between events, switched at the zero of a guard.
@@ -19,9 +20,8 @@ namespace powbench::sim {
 ///   switches the modes whose bits are set
 ///
 /// A step ends at the earliest zero of a guard, found on the dense output; everything that has changed sign
-/// there switches together, so the result does not depend on the order of the guards. A guard that switches
-/// more than `lock_count` times within `lock_window` is ignored for that long: accumulating events cannot
-/// stop the clock.
+/// there switches together, so the result does not depend on the order of the guards. A guard that keeps
+/// switching is ignored for a while (`ChatterLock`): accumulating events cannot stop the clock.
 template <class System>
 class EventIntegrator {
  public:
@@ -29,9 +29,6 @@ class EventIntegrator {
   using Guards = std::array<double, System::guard_capacity>;
 
   static constexpr double smallest_step = 1e-12;  ///< s
-  static constexpr double lock_window = 1e-9;     ///< s
-  static constexpr double longest_lock = 1e-4;    ///< s
-  static constexpr int lock_count = 6;
 
   EventIntegrator(System& system, double tolerance, double largest_step)
       : system_(&system), tolerance_(tolerance), largest_step_(largest_step) {}
@@ -69,7 +66,7 @@ class EventIntegrator {
   bool extend() {
     if (pending_ != 0) {
       system_->flip(end_, y_.data(), pending_);
-      note_flips();
+      lock_.note(end_, pending_);
       pending_ = 0;
       first_slope_known_ = false;
     }
@@ -123,7 +120,7 @@ class EventIntegrator {
     system_->guards(begin_ + share * step_, y.data(), g.data());
   }
 
-  bool locked(int k) const { return begin_ < locked_until_[static_cast<std::size_t>(k)]; }
+  bool locked(int k) const { return lock_.holds(k, begin_); }
 
   /// Share of the step before the first guard turns negative; 1 = none. Sets `pending_`.
   double locate() {
@@ -198,20 +195,6 @@ class EventIntegrator {
     return high;
   }
 
-  void note_flips() {
-    for (int k = 0; k < system_->guard_count(); ++k) {
-      if ((pending_ >> k & 1U) == 0) continue;
-      const auto i = static_cast<std::size_t>(k);
-      flips_[i] = end_ - last_flip_[i] < lock_window ? flips_[i] + 1 : 0;
-      last_flip_[i] = end_;
-      if (flips_[i] <= lock_count) continue;
-      const bool again = end_ - locked_until_[i] < 100 * lock_length_[i];
-      lock_length_[i] = again ? std::min(2 * lock_length_[i], longest_lock) : lock_window;
-      locked_until_[i] = end_ + lock_length_[i];
-      flips_[i] = 0;
-    }
-  }
-
   System* system_;
   double tolerance_;
   double largest_step_;
@@ -224,18 +207,9 @@ class EventIntegrator {
   double next_step_ = 0;
   bool first_slope_known_ = false;
   std::uint64_t pending_ = 0;
-  std::array<int, System::guard_capacity> flips_{};
-  std::array<double, System::guard_capacity> last_flip_ = filled(-1e300);
-  std::array<double, System::guard_capacity> locked_until_ = filled(-1e300);
-  std::array<double, System::guard_capacity> lock_length_ = filled(lock_window);
+  ChatterLock<double, System::guard_capacity> lock_;
   std::int64_t evaluations_ = 0;
   std::int64_t steps_ = 0;
-
-  static constexpr std::array<double, System::guard_capacity> filled(double v) {
-    std::array<double, System::guard_capacity> a{};
-    a.fill(v);
-    return a;
-  }
 };
 
 }  // namespace powbench::sim
