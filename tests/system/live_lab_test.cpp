@@ -295,5 +295,17 @@ TEST_CASE("live page: Back goes to what was open before, and filters come back e
       "document.getElementById('campaign') && !document.getElementById('campaign').hidden && "
       "document.querySelectorAll('#shots tr').length >= 1");
   CHECK(tab.value("document.getElementById('find-angle').value") == "");
+  // a shot that was opened from the list stands in the address, outlives a reload, and Back leads to the list
+  const std::string first = "document.querySelector('#shots button')";
+  const auto id = tab.value(first + ".textContent").get<std::string>();
+  const std::string there = "location.hash === '#test/" + id +
+                            "' && document.getElementById('shot-title').textContent.startsWith('Shot " + id +
+                            " at ') && document.getElementById('shot').getBoundingClientRect().top < 300";
+  tab.value(first + ".click()");
+  tab.until(there);
+  tab.value("location.reload()");
+  tab.until(there);
+  tab.value("history.back()");
+  tab.until("location.hash === '#documents/1' && !document.getElementById('campaign').hidden");
   CHECK(tab.errors() == std::vector<std::string>());
 }

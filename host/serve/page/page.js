@@ -70,10 +70,10 @@ whetherHeard();
 
 const tabs = /** @type {HTMLElement[]} */ ([...document.querySelectorAll('[role=tab]')]);
 const pages = { test, parameters, documents, rig };
-/** What the address names: a page, and of Documents a campaign. */
+/** What the address names: a page, and the campaign of Documents or the shot of Test that was opened there. */
 function named() {
   const [name, id] = location.hash.slice(1).split('/');
-  return { name: name in pages ? name : 'test', campaign: name === 'documents' ? Number(id) || 0 : 0 };
+  return { name: name in pages ? name : 'test', id: Number(id) || 0 };
 }
 /** Back and forward go through what was opened, and do not leave the bench at the first press. @param {string} place */
 function remember(place) {
@@ -98,9 +98,10 @@ function go(name) {
 }
 /** What the address names, as after Back. */
 function follow() {
-  const { name, campaign } = named();
-  if (name === 'documents') documents.choose(campaign);
+  const { name, id } = named();
+  if (name === 'documents') documents.choose(id);
   open(name);
+  if (name === 'test' && id) test.choose(id);
 }
 window.addEventListener('popstate', follow);
 documents.whenCampaign((id) => remember('documents/' + id));
@@ -208,7 +209,11 @@ function listen() {
 }
 whenTokenGiven(listen);
 for (const page of [parameters, documents]) page.whenRun(() => { alarm(''); go('test'); });
-documents.whenShot((id) => { go('test'); test.showShot(id); });
+documents.whenShot((id) => {
+  open('test');
+  remember('test/' + id);
+  test.choose(id);
+});
 
 if (!location.hash) history.replaceState(null, '', '#test');
 follow();

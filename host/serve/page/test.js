@@ -13,7 +13,7 @@ const panels = typeof Dygraph === 'undefined' ? null : closingPanels($('panels')
 let closing = null;
 // what arrives while another page is looked at is drawn when this one is opened: a hidden element has no size
 let visible = false, undrawn = false;
-let shown = 0, drawn = 0, newest = 0, stale = false, whole = true;
+let shown = 0, drawn = 0, newest = 0, stale = false, whole = true, chosen = false;
 /** @type {Promise<void>|null} */
 let drawing = null;
 
@@ -82,8 +82,9 @@ export async function showShot(id) {
   $('shot').hidden = false;
   $('no-shot').hidden = true;
   const asked = aims.get(id);
-  $('shot-title').textContent = 'Shot ' + shot.id + (asked ? ', touch asked ' + asked + '°, coil on at ' : ' at ') + angle + ': touch ' + value('t_ct1', 1e3) + ' ms, bounce ' +
-    value('t_ct_bon', 1e3) + ' ms' + (shot.bounce ? ', ' + openings(shot.bounce.openings.length) : '');
+  const found = 'touch ' + value('t_ct1', 1e3) + ' ms, bounce ' + value('t_ct_bon', 1e3) + ' ms' + (shot.bounce ? ', ' + openings(shot.bounce.openings.length) : '');
+  $('shot-title').textContent = 'Shot ' + shot.id + (asked ? ', touch asked ' + asked + '°, coil on at ' : ' at ') + angle + ': ' +
+    (shot.has_record ? found : shot.outcome + ', nothing was recorded');
   $('shot-reason').textContent = shot.origin + ', ' + shot.outcome + (shot.reason ? ': ' + shot.reason : '') + '; coil on at ' +
     measured(shot.reached_rad, 180 / Math.PI) + '°' + (aims.has(id) ? ' to touch at ' + aims.get(id) + '°' : '') + ', touched at ' + measured(shot.touch_rad, 180 / Math.PI) + '° of the mains; ' +
     askedOf(shot) + shot.started.replace('T', ' ').replace('Z', ' UTC');
@@ -110,6 +111,14 @@ export function opened(on) {
   undrawn = false;
 }
 
+/** A shot that somebody wants to see; it stays until the next one is fired. @param {number} id */
+export async function choose(id) {
+  chosen = true;
+  shown = newest;
+  await showShot(id);
+  $('shot').scrollIntoView({ block: 'start' });
+}
+
 /** The newest shot, one at a time: what arrives while one is drawn is drawn next. @param {State} state @param {State|null} before */
 export function show(state, before) {
   field('fire').disabled = !!state.job || state.aiming || !state.status || state.status.state === 'fault' || !access.may_fire;
@@ -126,10 +135,12 @@ export function show(state, before) {
   if (was && before.newest_shot !== state.newest_shot) aims.set(newest, was.touch_deg.toFixed(1));
   if (!before || before.job || !before.status || before.plan.name !== state.plan.name || before.plan.specimen !== state.plan.specimen ||
     before.plan.supply_volts !== state.plan.supply_volts || before.plan.hold_time_ms !== state.plan.hold_time_ms) prepare(state);
+  if (!before && chosen) shown = newest;
   drawNewest();
 }
 function drawNewest() {
   if (drawing || !newest || (newest === shown && !stale)) return;
+  if (location.hash.startsWith('#test/')) history.replaceState(null, '', '#test');
   shown = newest;
   stale = false;
   drawing = showShot(shown).catch(() => {}).then(() => {
