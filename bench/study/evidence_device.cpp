@@ -158,7 +158,7 @@ Fitted fitted(const Campaign& campaign, const Channels& channels, const std::vec
     auto& list = bounces.emplace_back();
     for (const auto& s : sample) list.push_back(s.bounce);
   }
-  f.calibration = sim::calibrate_bounce(bounces, measured);
+  f.calibration = sim::calibrate_bounce(bounces, measured, known_angles);
   return f;
 }
 
@@ -186,7 +186,7 @@ void judge(const Campaign& campaign, const Channels& channels, const std::vector
     const double at_held_out = logs.back();
     logs.pop_back();
     const double own = alone(f, place);
-    const auto fit = sim::pooled_bounce(std::exp(own), f.calibration);
+    const auto fit = sim::pooled_bounce(std::exp(own), f.calibration, h.angle);
     const Blend blend = blended(known, logs, h.angle, at_held_out), data = blended(known, {}, h.angle, 0);
     const Shot middle = middle_of(f.at_held_out, place);
     for (const auto& shot : h.shots) {

@@ -24,10 +24,14 @@ double number_from(const Json& j, const char* key, double least) {
 }
 
 Json json_of(const sim::BounceCalibration& c) {
-  return {{"factors", c.factors},
-          {"deviation", c.deviation},
-          {"median_s", c.median},
-          {"median_deviation", c.median_deviation}};
+  Json j = {{"factors", c.factors},
+            {"deviation", c.deviation},
+            {"median_s", c.median},
+            {"median_deviation", c.median_deviation}};
+  if (c.line.empty()) return j;
+  for (const auto& a : c.line) j["line"].push_back({{"angle_rad", a.angle}, {"bounce_s", a.bounce}});
+  j["line_deviation"] = c.line_deviation;
+  return j;
 }
 
 sim::BounceCalibration calibration_of(const Json& j) {
@@ -36,6 +40,14 @@ sim::BounceCalibration calibration_of(const Json& j) {
                            number_from(j, "median_s", shortest), number_from(j, "median_deviation", 0)};
   for (const double f : c.factors)
     if (!(f > 0)) throw std::invalid_argument("a bounce factor is not above 0");
+  if (!j.contains("line")) return c;
+  for (const Json& a : j.at("line")) {
+    c.line.push_back({number_from(a, "angle_rad", 0), number_from(a, "bounce_s", shortest)});
+    if (!std::isfinite(c.line.back().angle) || !std::isfinite(c.line.back().bounce))
+      throw std::invalid_argument("a bounce of the line is not known");
+  }
+  if (c.line.size() < 2) throw std::invalid_argument("the line of bounces has fewer than two angles");
+  c.line_deviation = number_from(j, "line_deviation", 0);
   return c;
 }
 
@@ -118,7 +130,9 @@ double rounded(double value) {
 
 sim::BounceCalibration rounded(sim::BounceCalibration c) {
   for (double& f : c.factors) f = rounded(f);
-  return {std::move(c.factors), rounded(c.deviation), rounded(c.median), rounded(c.median_deviation)};
+  for (auto& a : c.line) a = {rounded(a.angle), rounded(a.bounce)};
+  for (double* d : {&c.deviation, &c.median, &c.median_deviation, &c.line_deviation}) *d = rounded(*d);
+  return c;
 }
 
 std::vector<sim::Specimen> specimens(const FitFile& file, const FitFold& fold) {

@@ -80,11 +80,16 @@ std::string bytes_of(const FitFold& f) {
   out.add(f.misfit);
   add(out, f.members);
   const sim::BounceCalibration none, &b = f.bounce ? *f.bounce : none;
+  std::vector<double> angles, bounces;
+  for (const auto& a : b.line) angles.push_back(a.angle), bounces.push_back(a.bounce);
   return out.add(static_cast<std::int64_t>(f.bounce ? 1 : 0))
       .add(b.factors)
       .add(b.deviation)
       .add(b.median)
       .add(b.median_deviation)
+      .add(angles)
+      .add(bounces)
+      .add(b.line_deviation)
       .bytes();
 }
 
@@ -99,6 +104,11 @@ FitFold fold_of_bytes(const std::string& bytes) {
   b.deviation = in.number();
   b.median = in.number();
   b.median_deviation = in.number();
+  const auto angles = in.numbers(), bounces = in.numbers();
+  if (angles.size() != bounces.size())
+    throw std::invalid_argument("angles and bounces of a line differ in number");
+  for (std::size_t k = 0; k < angles.size(); ++k) b.line.push_back({angles[k], bounces[k]});
+  b.line_deviation = in.number();
   if (with_bounce) f.bounce = b;
   return f;
 }

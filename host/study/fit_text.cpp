@@ -143,17 +143,22 @@ std::string cells_text(const std::vector<FitCell>& cells) {
 /// The error of each posterior's bounce at the known angles, and its weight in the pooled prediction.
 std::string bounce_text(const FitFile& file) {
   std::string out;
+  bool line = false;
   for (const auto& fold : file.folds) {
     const double weight = fold.held_out && fold.bounce ? sim::weight_of_samples(*fold.bounce) : unknown;
     if (!std::isfinite(weight)) continue;
     out += fmt::format("{:>6.1f} {:>28.2f} {:>26.2f} {:>18.2f}\n", *fold.held_out, fold.bounce->deviation,
-                       fold.bounce->median_deviation, weight);
+                       without_model(*fold.bounce, 0).deviation, weight);
+    line = line || !fold.bounce->line.empty();
   }
   if (out.empty()) return out;
-  return "\nbounce held out: single samples and plain median, error at the known angles; rms of ln(measured "
-         "/ predicted)\n" +
-         fmt::format("{:>6} {:>28} {:>26} {:>18}\n", "theta", "error of samples", "error of median",
-                     "weight of samples") +
+  const char* other = line ? "line between angles" : "plain median";
+  return fmt::format(
+             "\nbounce held out: single samples and {}, error at the known angles; rms of ln(measured "
+             "/ predicted)\n",
+             other) +
+         fmt::format("{:>6} {:>28} {:>26} {:>18}\n", "theta", "error of samples",
+                     line ? "error of line" : "error of median", "weight of samples") +
          out;
 }
 

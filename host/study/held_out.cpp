@@ -44,7 +44,7 @@ Prediction predict(std::span<const sim::Specimen> list, const Conditions& condit
   if (touch.empty() || 2 * touch.size() < list.size()) return {};
   Prediction p{band(touch), band(bounce), band(settled), band(seat)};
   if (!calibration) return p;
-  const auto pooled = sim::pooled_bounce(p.bounce.median, *calibration);
+  const auto pooled = sim::pooled_bounce(p.bounce.median, *calibration, conditions.closing_angle);
   if (std::isfinite(pooled.deviation)) {
     const double side = std::exp(pooled.deviation);
     p.bounce = {pooled.value / side, pooled.value, pooled.value * side};

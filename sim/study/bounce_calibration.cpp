@@ -3,11 +3,16 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <map>
+
+#include "core/units.h"
 
 namespace powbench::sim {
 namespace {
 
-constexpr std::size_t fewest = 3;     // closings that a deviation is worth something with
+constexpr std::size_t fewest = 3;  // closings that a deviation is worth something with
+constexpr std::size_t fewest_angles =
+    10;                               // synthetic devices: with 6 the line is hardly better, with 12 it is
 constexpr double resolution = 20e-6;  // s: what bounces for less does not bounce
 
 double log_of(double bounce) {
@@ -33,10 +38,52 @@ double left_out(const std::vector<double>& logs) {
   return sum;
 }
 
+/// Angles that differ by no more than the firmware's resolution are one; half a period is polarity alone.
+double folded(double angle) {
+  constexpr double step = pi / 18000;
+  const double in_period = angle - pi * std::floor(angle / pi);
+  const double rounded = step * std::round(in_period / step);
+  return rounded >= pi ? 0 : rounded;
+}
+
+/// ln of the bounce on the line between the neighbours of `angle`, of period pi; `without`: an angle left out.
+double on_line(const std::vector<BounceCalibration::AtAngle>& line, double angle, double without = -1) {
+  const BounceCalibration::AtAngle *before = nullptr, *after = nullptr;
+  double back = 0, on = 0;
+  for (const auto& a : line) {
+    if (a.angle == without) continue;
+    const double ahead = a.angle - angle - pi * std::floor((a.angle - angle) / pi);
+    const double behind = ahead == 0 ? 0 : pi - ahead;
+    if (!after || ahead < on) on = ahead, after = &a;
+    if (!before || behind < back) back = behind, before = &a;
+  }
+  const double share = back + on > 0 ? back / (back + on) : 0;
+  return (1 - share) * log_of(before->bounce) + share * log_of(after->bounce);
+}
+
+void add_line(BounceCalibration& c, std::span<const double> measured, std::span<const double> angles) {
+  std::map<double, std::vector<double>> logs;
+  for (std::size_t i = 0; i < measured.size(); ++i)
+    if (std::isfinite(measured[i])) logs[folded(angles[i])].push_back(log_of(measured[i]));
+  if (logs.size() < fewest_angles) return;
+  std::vector<BounceCalibration::AtAngle> line;
+  for (auto& [angle, list] : logs) line.push_back({angle, std::exp(median_of(list))});
+  double sum = 0;
+  std::size_t count = 0;
+  for (const auto& [angle, list] : logs) {
+    const double told = on_line(line, angle, angle);
+    for (const double one : list) sum += std::pow(one - told, 2), ++count;
+  }
+  const double deviation = std::sqrt(sum / static_cast<double>(count));
+  if (deviation >= c.median_deviation) return;
+  c.line = std::move(line);
+  c.line_deviation = deviation;
+}
+
 }  // namespace
 
 BounceCalibration calibrate_bounce(std::span<const std::vector<double>> simulated,
-                                   std::span<const double> measured) {
+                                   std::span<const double> measured, std::span<const double> angles) {
   BounceCalibration c;
   c.factors.assign(simulated.size(), 1.0);
   std::vector<double> plain, logs;
@@ -57,18 +104,25 @@ BounceCalibration calibrate_bounce(std::span<const std::vector<double>> simulate
     c.median_deviation = std::sqrt(left_out(plain) / closings);
   }
   c.median = std::exp(median_of(plain));
+  if (!angles.empty()) add_line(c, measured, angles);
   return c;
 }
 
+PooledBounce without_model(const BounceCalibration& c, double angle) {
+  if (c.line.empty()) return {c.median, c.median_deviation};
+  return {std::exp(on_line(c.line, folded(angle))), c.line_deviation};
+}
+
 double weight_of_samples(const BounceCalibration& c) {
-  const double v = c.deviation * c.deviation, u = c.median_deviation * c.median_deviation;
+  const double v = std::pow(c.deviation, 2), u = std::pow(without_model(c, 0).deviation, 2);
   return u + v == 0 ? 1 : u / (u + v);
 }
 
-PooledBounce pooled_bounce(double own, const BounceCalibration& c) {
+PooledBounce pooled_bounce(double own, const BounceCalibration& c, double angle) {
   const double w = weight_of_samples(c);
   if (!std::isfinite(w)) return {own, BounceCalibration::nan};
-  return {std::exp(w * log_of(own) + (1 - w) * std::log(c.median)), std::sqrt(w) * c.deviation};
+  return {std::exp(w * log_of(own) + (1 - w) * std::log(without_model(c, angle).value)),
+          std::sqrt(w) * c.deviation};
 }
 
 }  // namespace powbench::sim

@@ -95,9 +95,12 @@ Posterior sample_posterior(const Misfit& misfit, const PosteriorOptions& options
     const double share = std::min(1.0, static_cast<double>(done + batch) / options.samples);
     if (!go_on(starts_end + (1 - starts_end) * share, best.sum)) return result;
   }
-  std::vector<double> measured;
-  for (const auto& m : misfit.problem().closings) measured.push_back(m.bounce.value);
-  result.bounce = calibrate_bounce(bounces, measured);
+  std::vector<double> measured, angles;
+  for (const auto& m : misfit.problem().closings) {
+    measured.push_back(m.bounce.value);
+    angles.push_back(m.conditions.closing_angle);
+  }
+  result.bounce = calibrate_bounce(bounces, measured, angles);
   result.stopped = false;
   return result;
 }

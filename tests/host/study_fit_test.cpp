@@ -7,6 +7,7 @@
 #include "host/store/maintain.h"
 #include "host/study/fit_file.h"
 #include "host/study/fit_job.h"
+#include "host/study/fit_point.h"
 #include "host/study/fit_text.h"
 #include "host/study/held_out.h"
 #include "host/study/problem.h"
@@ -50,7 +51,7 @@ FitJob small_job() {
 
 bool same(const sim::BounceCalibration& a, const sim::BounceCalibration& b) {
   return a.factors == b.factors && a.deviation == b.deviation && a.median == b.median &&
-         a.median_deviation == b.median_deviation;
+         a.median_deviation == b.median_deviation && a.line == b.line;
 }
 
 std::string hash(const std::string& store) {
@@ -257,6 +258,8 @@ TEST_CASE("a fit file is read back as it was written; what is no fit file is tol
   f.names = {"core.mass_g", "coil.turns"};
   f.folds = {{30.0, 1.5, {{180.25, 2100}, {181, 2200}}, sim::BounceCalibration{{1.25, 0.5}, 0.25, 6e-3}},
              {std::nullopt, 2.5, {{190, 2300}}}};
+  f.folds[0].bounce->line = {{0.25, 5e-3}, {1.5, 7e-3}};
+  f.folds[0].bounce->line_deviation = 0.125;
   const FitFile g = parse_fit_file(to_json(f), "f.json");
   CHECK(g.names == f.names);
   CHECK(*g.folds[0].held_out == 30);
@@ -267,6 +270,11 @@ TEST_CASE("a fit file is read back as it was written; what is no fit file is tol
   CHECK(g.folds[0].bounce->deviation == 0.25);
   CHECK(g.folds[0].bounce->median == 6e-3);
   CHECK(std::isnan(g.folds[0].bounce->median_deviation));
+  CHECK(g.folds[0].bounce->line == f.folds[0].bounce->line);
+  CHECK(g.folds[0].bounce->line_deviation == 0.125);
+  const FitFold through_bytes = fold_of_bytes(bytes_of(f.folds[0]));
+  CHECK(through_bytes.bounce->line == f.folds[0].bounce->line);
+  CHECK(through_bytes.bounce->line_deviation == 0.125);
   CHECK_FALSE(g.folds[1].bounce);
   const auto list = specimens(g, g.folds[0]);
   REQUIRE(list.size() == 2);
@@ -284,6 +292,11 @@ TEST_CASE("a fit file is read back as it was written; what is no fit file is tol
   light.folds[0].bounce->factors = {1, -1};
   CHECK_THROWS_WITH(parse_fit_file(to_json(light), "f.json"), Contains("above 0"));
   light.folds[0].bounce->factors = {1, 1};
+  light.folds[0].bounce->line = {{0.25, 5e-3}};
+  CHECK_THROWS_WITH(parse_fit_file(to_json(light), "f.json"), Contains("fewer than two angles"));
+  light.folds[0].bounce->line = {{0.25, 5e-3}, {-1, 5e-3}};
+  CHECK_THROWS_WITH(parse_fit_file(to_json(light), "f.json"), Contains("angle_rad"));
+  light.folds[0].bounce->line.clear();
   light.folds[0].bounce->median = 0;
   CHECK_THROWS_WITH(parse_fit_file(to_json(light), "f.json"), Contains("median_s"));
   f.names[0] = "core.weight";

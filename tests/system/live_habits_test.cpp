@@ -60,6 +60,22 @@ TEST_CASE("live page: a fault says why and how it ends, and its button ends it",
   CHECK(tab.errors() == std::vector<std::string>());
 }
 
+TEST_CASE("live page: what the rig confirmed is not shown once the program is gone", "[.slow]") {
+  const Folder folder;
+  auto bench = std::make_unique<LiveBench>(folder);
+  Browser browser(folder);
+  Tab tab = browser.open(bench->url);
+  tab.until("document.getElementById('fire').disabled === false");
+  press(tab, "stop");
+  tab.until(says("coil off, confirmed by the rig"));
+  bench.reset();
+  tab.until(says("does not answer"));
+  CHECK(tab.value("document.getElementById('alarm').hidden") == true);
+  CHECK(tab.value("document.getElementById('fire').disabled") == true);
+  press(tab, "stop");
+  tab.until(says("STOP FAILED"));
+}
+
 TEST_CASE("live page: what differs from the simulation by more than U is marked", "[.slow]") {
   const Folder folder;
   folder.write("other.specimen.toml", "[bridges]\ngap_mm = 2.2\n");

@@ -298,9 +298,11 @@ TEST_CASE("live page: Back goes to what was open before, and filters come back e
   // a shot that was opened from the list stands in the address, outlives a reload, and Back leads to the list
   const std::string first = "document.querySelector('#shots button')";
   const auto id = tab.value(first + ".textContent").get<std::string>();
-  const std::string there = "location.hash === '#test/" + id +
-                            "' && document.getElementById('shot-title').textContent.startsWith('Shot " + id +
-                            " at ') && document.getElementById('shot').getBoundingClientRect().top < 300";
+  const std::string there = "location.hash === '#test/" + id + "' && /^Shot " + id +
+                            "\\b/.test(document.getElementById('shot-title').textContent) && "
+                            "document.getElementById('shot').getBoundingClientRect().top < 300 && "
+                            "document.getElementById('shot').getBoundingClientRect().top > "
+                            "document.querySelector('header').getBoundingClientRect().bottom";
   tab.value(first + ".click()");
   tab.until(there);
   tab.value("location.reload()");

@@ -52,6 +52,10 @@ function alarm(text, done) {
   $('alarm').textContent = text;
   $('alarm').classList.toggle('done', !!done);
 }
+/** What the rig confirmed was true while it was seen. */
+function confirmationEnds() {
+  if ($('alarm').classList.contains('done')) alarm('');
+}
 $('stop').addEventListener('click', stop);
 // before anything on the page can take the key for itself
 window.addEventListener('keydown', (e) => {
@@ -180,6 +184,7 @@ function show(next) {
     alarm(stopWords(next.stop), next.stop.off);
   }
   if (!next.stop && before && before.stop) alarm('');
+  if (!next.status) confirmationEnds();
   stopAgain(next);
   // stays until the next job begins: a stop or a pause takes nothing back
   if (next.job && !(before && before.job)) $('outside').hidden = true;
@@ -195,6 +200,8 @@ function listen() {
   socket = new WebSocket(stream('/api/live'));
   socket.onmessage = (m) => show(JSON.parse(m.data));
   socket.onclose = () => {
+    confirmationEnds();
+    test.unseen();
     $('state').textContent = 'no connection';
     $('state').className = 'state gone';
     const again = () => window.setTimeout(listen, 500);

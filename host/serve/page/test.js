@@ -111,6 +111,12 @@ export function opened(on) {
   undrawn = false;
 }
 
+/** Nothing is known of the rig any more, until the next state arrives. */
+export function unseen() {
+  field('fire').disabled = true;
+  field('fire').title = 'the bench program does not answer';
+}
+
 /** A shot that somebody wants to see; it stays until the next one is fired. @param {number} id */
 export async function choose(id) {
   chosen = true;
