@@ -239,11 +239,14 @@ std::string fit_json(const FitJob& job, const FitReport& report, const std::vect
                           {"median_of_others_error_percent", json_of<Json>(c.others_percent)}});
   j["bounce_held_out"] = Json::array();
   for (const auto& fold : report.file.folds)
-    if (fold.held_out && fold.bounce)
+    if (fold.held_out && fold.bounce) {
       j["bounce_held_out"].push_back({{"theta_deg", *fold.held_out},
                                       {"samples_deviation", json_of<Json>(fold.bounce->deviation)},
                                       {"median_s", json_of<Json>(fold.bounce->median)},
                                       {"median_deviation", json_of<Json>(fold.bounce->median_deviation)}});
+      if (!fold.bounce->line.empty())
+        j["bounce_held_out"].back()["line_deviation"] = fold.bounce->line_deviation;
+    }
   j["summary"] = Json::array();
   for (const char* q : quantities) {
     const Summary s = summary(cells, q);
