@@ -141,8 +141,9 @@ BounceCalibration of_angles(int count, double scatter, double swing = 0.4, int r
 
 }  // namespace
 
-TEST_CASE("from ten angles on the line between the neighbours stands in the place of the median") {
-  CHECK(of_angles(9, 0.01).line.empty());
+TEST_CASE("from twelve angles on the line between the neighbours stands in the place of the median") {
+  CHECK(of_angles(11, 0.01).line.empty());
+  CHECK(of_angles(12, 0.01).line.size() == 12);
   const auto c = of_angles(18, 0.01);
   REQUIRE(c.line.size() == 18);
   CHECK(c.line_deviation < 0.05);
