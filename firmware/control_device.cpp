@@ -145,6 +145,12 @@ int write_zero_capture(void* self, std::uint32_t, std::string_view value) {
   return to_errno(bench(self).capture_zero());
 }
 
+/// Whether an arm would be accepted now: "yes", or the sentence it would be refused with.
+int read_ready(const void* self, std::uint32_t, Text& out) {
+  const std::string_view why = control_of(self).obstacle().why;
+  return out.put(why.empty() ? "yes" : why), 0;
+}
+
 /// The latched fault: its number in docs/reference/faults.md and its name, or "0 none".
 int read_fault(const void* self, std::uint32_t, Text& out) {
   const Fault fault = control_of(self).fault();
@@ -278,6 +284,7 @@ constexpr std::array attributes{
               [](const void* s, std::uint32_t, Text& t) { return t.put_int(control_of(s).operations()), 0; }},
     Attribute{"phase_faults", read_phase_faults},
     Attribute{"phase_u_millideg", read_phase_uncertainty},
+    Attribute{"ready", read_ready},
     Attribute{"safety_relay", [](const void* s, std::uint32_t,
                                  Text& t) { return t.put(control_of(s).relay_closed() ? '1' : '0'), 0; }},
     Attribute{"state",

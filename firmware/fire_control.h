@@ -29,6 +29,12 @@ struct LatchedShot {
 /// Answer to a command: accepted, or why not.
 enum class Refusal : std::uint8_t { accepted, wrong_state, out_of_range, faulted };
 
+/// What stands against a command; `why`: one sentence, empty when nothing does.
+struct Obstacle {
+  Refusal refusal = Refusal::accepted;
+  std::string_view why{};
+};
+
 struct FireConfig {
   std::int64_t sample_rate = 100'000;   ///< Hz
   std::int64_t hold_limit_ms = 10'000;  ///< hard cap of the on-time, as the attributes tell it
@@ -52,6 +58,8 @@ class FireControl {
   /// Once, before the first block: what the reset was. Anything but a clean one starts in fault.
   void boot(const BootReport&);
 
+  /// What arm() would answer now.
+  Obstacle obstacle() const;
   /// Sets the complete state for one shot. Refused while firing, in fault, while the last shot is not over or
   /// the contact not proven open, and when the coil has been used too often or too long.
   Refusal arm();
@@ -134,8 +142,8 @@ class FireControl {
   float angle_deviation() const { return angle_deviation_; }
 
  private:
-  Refusal refuse(Refusal, std::string_view why);
-  Refusal refuse_unless_rested();
+  Refusal refuse(const Obstacle&);
+  Obstacle unrested() const;
   Refusal refuse_latched();
   void trip(Fault, std::int64_t next_sample);
   void feed_mains(const Block&);

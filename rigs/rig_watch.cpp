@@ -56,6 +56,9 @@ RigStatus RigWatch::status() {
     s.phase_u = link.read_if_there(control, "phase_u_millideg");
     s.phase_faults = link.read_if_there(control, "phase_faults");
     s.phase = phase_words(s.phase_faults, s.phase_u);
+    s.gate = link.read_if_there(control, "gate");
+    s.relay = link.read_if_there(control, "safety_relay");
+    s.ready = link.read_if_there(control, "ready");
     s.tolerance = link.read_if_there(control, "angle_tolerance_millideg");
     return s;
   });

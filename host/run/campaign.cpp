@@ -77,8 +77,14 @@ StoredShot keep_shot(Store& store, StoredShot shot, const rigs::Shot& result, co
 }
 
 void pause_between(const RunOptions& options) {
-  for (double left = options.pause; left > 0 && !stop_asked(options); left -= 0.05)
+  const auto tell = [&](double left) {
+    if (options.watcher != nullptr) options.watcher->resting(left);
+  };
+  for (double left = options.pause; left > 0 && !stop_asked(options); left -= 0.05) {
+    tell(left);
     options.clock->sleep(std::min(left, 0.05));
+  }
+  tell(0);
   if (options.watcher != nullptr) options.watcher->between();
 }
 
@@ -159,6 +165,7 @@ RunSummary run_campaign(Store& store, std::int64_t campaign, std::span<const Pla
   };
   for (const PlannedShot& planned : plan) {
     if (done.contains(planned.index)) continue;
+    if (fired > 0) pause_between(options);
     if (stop_asked(options)) {
       summary.interrupted = true;
       stop("stopped by the operator", "");
@@ -192,7 +199,6 @@ RunSummary run_campaign(Store& store, std::int64_t campaign, std::span<const Pla
            "mend the cause, then ");
       break;
     }
-    pause_between(options);
   }
   store.set_finished(campaign, summary.done() == summary.planned);
   return summary;

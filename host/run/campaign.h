@@ -42,6 +42,8 @@ class RunWatcher {
   virtual ~RunWatcher() = default;
   /// The campaign ends before its next shot.
   virtual bool stopped() = 0;
+  /// The plan's pause between two shots lasts `left` s more; called again and again, at last with 0.
+  virtual void resting(double /*left*/) {}
   /// Between two shots; returns when the next one may begin.
   virtual void between() {}
   virtual void stored(std::int64_t /*shot*/) {}

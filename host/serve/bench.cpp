@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "core/origin.h"
 #include "core/phase.h"
@@ -153,6 +154,18 @@ void Bench::Impl::doing(const char* what) {
     if (job) job->doing = what;
   }
   changed();
+}
+
+void Bench::Impl::resting(double left) {
+  bool news = false;
+  {
+    const std::scoped_lock lock(mutex);
+    if (!job) return;
+    if (job->pause_left > left) job->pauses += job->pause_left - left;
+    news = std::ceil(left) != std::ceil(job->pause_left);
+    job->pause_left = left;
+  }
+  if (news) changed();
 }
 
 void Bench::Impl::between() {

@@ -29,8 +29,10 @@ struct Bench::Impl final : RunWatcher {
     std::optional<TouchAim::Aim> aim;  ///< of a closing at touch
     std::size_t before = 0;            ///< shots that the campaign has already
     std::size_t done = 0, outside = 0;
-    std::size_t cut = 0;  ///< of `done`: stopped in the middle, so still to be fired
-    double begun = 0;     ///< of `clock`, s; without the pauses
+    std::size_t cut = 0;    ///< of `done`: stopped in the middle, so still to be fired
+    double begun = 0;       ///< of `clock`, s; without what a person paused
+    double pauses = 0;      ///< s that the plan's pauses between shots have taken
+    double pause_left = 0;  ///< s of the one that is on
     std::string doing = "waiting";
     bool stopped_late = false;  ///< a stop came when all of it was fired
   };
@@ -44,6 +46,7 @@ struct Bench::Impl final : RunWatcher {
   rigs::RigInfo rig_now() const;
   void doing(const char*);
   bool stopped() override { return stop_flag || end_asked; }
+  void resting(double left) override;
   void between() override;
   void stored(std::int64_t shot) override;
 
@@ -62,6 +65,7 @@ struct Bench::Impl final : RunWatcher {
   void log_line(const std::string&);  ///< the lock is held
   void say(const std::string&);
   std::string state() const;
+  std::optional<double> seconds_left(const Job&) const;  ///< nothing where it is not known; the lock is held
 
   const std::string uri, database;
   const std::function<void()> changed, recorded;

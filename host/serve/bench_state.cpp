@@ -24,12 +24,20 @@ Json number_in(const std::string& text, double factor) {
   }
 }
 
+/// Of a rig's "0" or "1"; null for what is none.
+Json flag_in(const std::string& text) {
+  return text == "0" || text == "1" ? Json(text == "1") : Json(nullptr);
+}
+
 Json status_json(const rigs::RigStatus& s) {
   const auto gap = s.phase_u.find(' ');
   const std::string now = s.phase_u.substr(0, gap),
                     ahead = gap == std::string::npos ? "" : s.phase_u.substr(gap + 1);
   return {{"state", s.state},
           {"live", s.live()},
+          {"gate", flag_in(s.gate)},
+          {"relay", flag_in(s.relay)},
+          {"ready", rigs::advice(s.ready)},
           {"fault", s.fault},
           {"phase", s.phase},
           {"owner", s.owner},
@@ -85,6 +93,16 @@ void Bench::Impl::say(const std::string& text) {
   changed();
 }
 
+/// From the time that firing took so far, and the plan's pauses between the shots to come.
+std::optional<double> Bench::Impl::seconds_left(const Job& j) const {
+  const auto total = j.shots.size();
+  if (j.single || paused || j.done == total) return std::nullopt;
+  const auto left = static_cast<double>(total - j.done);
+  if (j.done == j.before) return estimated_seconds(j.scene.plan) * left / static_cast<double>(total);
+  const double a_shot = (clock.now() - j.begun - j.pauses) / static_cast<double>(j.done - j.before);
+  return left * std::max(0.0, a_shot) + (left - 1) * j.scene.plan.pause + j.pause_left;
+}
+
 std::string Bench::Impl::state() const {
   const Looker::Look look = looker->look();
   const std::scoped_lock lock(mutex);
@@ -110,16 +128,14 @@ std::string Bench::Impl::state() const {
               {"log", log}};
   if (job) {
     const auto total = job->shots.size();
-    const double passed = clock.now() - job->begun;
-    const double eta =
-        job->done > job->before && job->done < total
-            ? passed / static_cast<double>(job->done - job->before) * static_cast<double>(total - job->done)
-            : estimated_seconds(job->scene.plan);
+    const auto left = seconds_left(*job);
     out["job"] = {{"kind", job->single ? "single" : "plan"},
                   {"name", job->scene.plan.name},
                   {"campaign", job->campaign ? Json(job->campaign) : Json(nullptr)},
-                  {"doing", waiting             ? "paused"
-                            : paused            ? "pausing after this shot"
+                  {"doing", waiting  ? "paused"
+                            : paused ? "pausing after this shot"
+                            : job->pause_left > 0
+                                ? fmt::format("cooling, next shot in {:.0f} s", std::ceil(job->pause_left))
                             : job->stopped_late ? "all closings were already fired before STOP; " + job->doing
                                                 : job->doing},
                   {"paused", paused},
@@ -127,7 +143,8 @@ std::string Bench::Impl::state() const {
                   {"done", job->done},
                   {"outside_limits", job->outside},
                   {"shots", total},
-                  {"seconds_left", job->single || paused || job->done == total ? Json(nullptr) : Json(eta)},
+                  {"hold_time_ms", 1e3 * job->scene.plan.hold_time},
+                  {"seconds_left", left ? Json(*left) : Json(nullptr)},
                   {"aim", nullptr}};
     if (job->aim)
       out["job"]["aim"] = {{"touch_deg", degrees(job->aim->wanted)},

@@ -2,6 +2,7 @@
 
 #include "host/serve/calls.h"
 #include "host/serve/http.h"
+#include "rigs/interlock_list.h"
 
 namespace powbench::host {
 namespace {
@@ -63,6 +64,20 @@ Reply get_attributes(const Call& c) try {
   return json_reply(list.dump(-1, ' ', false, Json::error_handler_t::replace));
 } catch (const rigs::RigError& e) {
   throw Problem{503, e.what()};
+}
+
+Reply get_interlocks(const Call&) {
+  Json list = Json::array();
+  for (const auto& i : rigs::interlock_list())
+    list.push_back({{"number", i.number},
+                    {"name", i.name},
+                    {"watched", i.watched},
+                    {"reaction", i.reaction},
+                    {"limit", i.limit},
+                    {"when", i.when},
+                    {"cleared", i.cleared},
+                    {"advice", i.advice}});
+  return json_reply(list.dump());
 }
 
 Reply get_access(const Call& c) {
@@ -137,6 +152,13 @@ constexpr Route of_bench[] = {
      post_end},
     {"GET", "/api/rig/attributes", Right::read, "Every attribute of the rig and its value.", "",
      R"([{"name": "", "value": ""}])", get_attributes},
+    {"GET", "/api/rig/interlocks", Right::read,
+     "What the firmware watches and what it does then (docs/reference/faults.md), as of this program's own "
+     "firmware.",
+     "",
+     R"([{"number": 1, "name": "", "watched": "", "reaction": "", "limit": "", "when": "", "cleared": "",
+          "advice": ""}])",
+     get_interlocks},
 };
 
 }  // namespace

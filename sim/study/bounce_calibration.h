@@ -21,8 +21,8 @@ struct BounceCalibration {
   double median = nan;            ///< of the measured bounces, s: the prediction without any model
   double median_deviation = nan;  ///< of each measured bounce from the median of the others
 
-  /// Median bounce of each measured angle; angles of the mains modulo pi, rad, ascending. Only from twelve angles on, and
-  /// only where the line between the neighbours foretells a bounce better than the median does; else empty.
+  /// Median bounce of each measured angle; angles of the mains modulo pi, rad, ascending. Only from twelve angles on,
+  /// and only where the line between the neighbours foretells a bounce better than the median does; else empty.
   struct AtAngle {
     double angle = 0, bounce = 0;  ///< rad, s
     bool operator==(const AtAngle&) const = default;

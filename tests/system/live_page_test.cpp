@@ -222,13 +222,15 @@ TEST_CASE("live page: the raw channels with their trigger, the phase tracker, ev
   // the simulated mains stand still between shots: the tracker has seen none of it yet, and says so
   tab.until(
       "/not yet: the phase is not valid: the history is too "
-      "short/.test(document.getElementById('tracker').textContent)");
+      "short/.test(document.getElementById('guards').textContent)");
   tab.until("/50\\.0\\d\\d Hz|49\\.9\\d\\d Hz/.test(document.getElementById('tracker').textContent)");
   const std::string drawn = "Number(document.getElementById('scope').dataset.drawn || 0)";
   tab.value("document.getElementById('fire').click()");
   tab.until(drawn + " > 0");
   tab.until(says("Shot 1, SIMULATED RIG"));
-  tab.until("/yes: 3 u is within/.test(document.getElementById('tracker').textContent)");
+  tab.until("/yes: nothing is in the way, and 3 u/.test(document.getElementById('guards').textContent)");
+  CHECK(tab.value("/gate of the coil\\s*off/.test(document.getElementById('guards').textContent)") == true);
+  CHECK(tab.value("document.querySelectorAll('#interlocks tr').length") == 22);
   const std::string ink =
       "(()=>{const c=document.getElementById('scope');const "
       "d=c.getContext('2d').getImageData(0,0,c.width,c.height).data;"

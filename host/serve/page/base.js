@@ -16,10 +16,10 @@
  *   calibration_expires: string, sample_rate_hz: number, programmable_source: boolean, channels: ChannelLine[]}} Rig */
 /** @typedef {{answers: boolean, error: string, answer_ms: number, median_ms: number, worst_ms: number, looks: number,
  *   connections: number, lost: number}} Link */
-/** @typedef {{state: string, live: boolean, fault: string, phase: string, owner: string, last_error: string, mains_hertz: number|null,
+/** @typedef {{state: string, live: boolean, gate: boolean|null, relay: boolean|null, ready: string, fault: string, phase: string, owner: string, last_error: string, mains_hertz: number|null,
  *   phase_u_deg: number|null, phase_u_ahead_deg: number|null, phase_faults: string, angle_tolerance_deg: number|null}} Status */
 /** @typedef {{kind: string, name: string, campaign: number|null, doing: string, paused: boolean, ending: boolean, done: number,
- *   outside_limits: number, shots: number, seconds_left: number|null,
+ *   outside_limits: number, shots: number, hold_time_ms: number, seconds_left: number|null,
  *   aim: {touch_deg: number, closing_angle_deg: number, touch_s: number, gain: number}|null}} Job */
 /** @typedef {{version: string, rig: Rig, link: Link, status: Status|null, job: Job|null, aiming: boolean, newest_shot: number|null, newest_prediction: number|null,
  *   newest_campaign: number|null, stop: {off: boolean, text: string, ms: number}|null, log: string[],

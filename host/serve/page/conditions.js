@@ -10,19 +10,32 @@ const fields = [{ id: 'volts', key: 'supply_volts', unit: 'V' }, { id: 'hold', k
 /** @type {{[key: string]: number}} */
 const inForce = {};
 
-/** What a person has typed stays until it is taken. @param {State['plan']} plan */
-export function show(plan) {
+/** @type {State['plan']['usual']|null} */
+let usual = null;
+/** Said while it is typed: afterwards it is too late. A plan's own value that nobody types is unusual too. */
+function unusual() {
+  if (!usual) return;
   const other = [];
   for (const { id, key, unit } of fields) {
+    const value = numberOf(field(id).value), is = !Number.isNaN(value) && value !== usual[key];
+    field(id).classList.toggle('other', is);
+    if (is) other.push(usual[key] + ' ' + unit);
+  }
+  $('unusual').textContent = other.length ? 'not the usual ' + other.join(', ') : '';
+}
+for (const { id } of fields) field(id).addEventListener('input', unusual);
+
+/** What a person has typed stays until it is taken. @param {State['plan']} plan */
+export function show(plan) {
+  for (const { id, key } of fields) {
     const input = field(id), was = input.dataset.shown;
     inForce[key] = plan[key];
     if (was === undefined || (input.value === was && document.activeElement !== input)) input.value = String(plan[key]);
     if (numberOf(input.value) === plan[key]) input.removeAttribute('aria-invalid');
     input.dataset.shown = String(plan[key]);
-    input.classList.toggle('other', plan[key] !== plan.usual[key]);
-    if (plan[key] !== plan.usual[key]) other.push(plan.usual[key] + ' ' + unit);
   }
-  $('unusual').textContent = other.length ? 'not the usual ' + other.join(', ') : '';
+  usual = plan.usual;
+  unusual();
 }
 
 async function send() {

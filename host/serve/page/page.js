@@ -146,7 +146,8 @@ function showFault(s) {
   const latched = !!s.status && s.status.state === 'fault' && !s.job;
   $('fault').hidden = !latched;
   if (!latched || !s.status) return;
-  $('fault-says').textContent = 'FAULT ' + parseInt(s.status.fault, 10) + ': ' + s.status.last_error + '. Nothing is fired before that.';
+  $('fault-says').textContent = 'FAULT ' + parseInt(s.status.fault, 10) + ': ' + s.status.last_error + '. Nothing is fired before that.' +
+    (s.plan.supply_volts === s.plan.usual.supply_volts ? '' : ' The voltage asked for is ' + s.plan.supply_volts + ' V, not the usual ' + s.plan.usual.supply_volts + ' V.');
   $('acknowledge').hidden = !access.may_fire;
 }
 $('acknowledge').addEventListener('click', () => attempt(() => call('POST', '/api/acknowledge', { fault: parseInt(state && state.status ? state.status.fault : '', 10) })));
@@ -156,10 +157,12 @@ function showJob(s) {
   const { status, job, ended } = s;
   // between two looks at the rig a shot may begin and end: "ready" would be the word of before
   const busy = (!!job || s.aiming) && !!status && !status.live && !(job && job.doing === 'paused');
-  $('state').textContent = !status ? 'no answer' : busy ? 'busy' : stateWord(status.state);
-  $('state').className = 'state' + (status ? (status.live || (busy && job && job.doing === 'firing') ? ' live' : !busy && status.state === 'fault' ? ' fault' : '') : ' gone');
-  $('job').textContent = !s.link.answers ? s.link.error : !job ? (s.aiming ? 'seeking the angle for the coil, then firing' : endedText(ended)) : job.kind === 'single' ? job.doing :
-    job.name + ': ' + job.done + ' of ' + job.shots + ', ' + (job.ending ? 'last shot' : job.doing) +
+  const on = !!status && status.gate === true;
+  $('state').textContent = !status ? 'no answer' : on ? 'COIL ON' : busy ? 'busy' : stateWord(status.state);
+  $('state').className = 'state' + (status ? (on || status.live || (busy && job && job.doing === 'firing') ? ' live' : !busy && status.state === 'fault' ? ' fault' : '') : ' gone');
+  const doing = job && on ? 'coil on for ' + job.hold_time_ms + ' ms' : job ? job.doing : '';
+  $('job').textContent = !s.link.answers ? s.link.error : !job ? (s.aiming ? 'seeking the angle for the coil, then firing' : endedText(ended)) : job.kind === 'single' ? doing :
+    job.name + ': ' + job.done + ' of ' + job.shots + ', ' + (job.ending ? 'last shot' : doing) +
     (known(job.seconds_left) ? ', ' + duration(job.seconds_left) + ' left' : '') +
     (job.outside_limits ? ', ' + job.outside_limits + ' OUTSIDE LIMITS' : '');
   const plan = !!job && job.kind !== 'single';
@@ -175,7 +178,7 @@ function show(next) {
   state = next;
   $('origin').textContent = next.rig.origin;
   $('rig-name').textContent = next.rig.model + ' ' + next.rig.serial;
-  document.title = next.rig.origin + ', ' + (next.job ? next.job.doing : next.status ? stateWord(next.status.state) : 'no answer') + ': powbench';
+  document.title = next.rig.origin + ', ' + (next.status && next.status.gate ? 'COIL ON' : next.job ? next.job.doing : next.status ? stateWord(next.status.state) : 'no answer') + ': powbench';
   showJob(next);
   showFault(next);
   if (next.stop && next.stop.text !== before?.stop?.text) {

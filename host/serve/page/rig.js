@@ -208,19 +208,42 @@ const text = (x, digits, unit) => (known(x) ? x.toFixed(digits) + ' ' + unit : '
 
 /** @param {import('./base.js').Status} s */
 function tracker(s) {
-  const three = known(s.phase_u_ahead_deg) ? 3 * s.phase_u_ahead_deg : null;
-  const wrong = s.phase_faults && !/^0\b/.test(s.phase_faults);
-  const would = s.state === 'fault' ? 'no: fault ' + s.fault : wrong ? 'not yet: the phase is ' + s.phase + '; a shot waits until it is' : three === null || !known(s.angle_tolerance_deg) ? 'not known' :
-    three <= s.angle_tolerance_deg ? 'yes: 3 u is within the tolerance' : 'no: 3 u = ' + three.toFixed(3) + '° is more than the tolerance';
   facts('tracker', [['mains frequency', text(s.mains_hertz, 3, 'Hz')], ['uncertainty u of the phase now', text(s.phase_u_deg, 3, '°')],
     ['uncertainty u of the phase 20 ms ahead', text(s.phase_u_ahead_deg, 3, '°')], ['tolerance of the angle', text(s.angle_tolerance_deg, 3, '°')],
-    ['would it fire now', would], ['what is wrong with the mains', s.phase_faults || 'not known'], ['in words', s.phase],
-    ['last refusal', s.last_error]]);
+    ['what is wrong with the mains', s.phase_faults || 'not known'], ['in words', s.phase]]);
+}
+
+/** Everything that stands between a press and the coil. @param {import('./base.js').Status} s */
+function wouldFire(s) {
+  if (s.state === 'fault') return 'no: fault ' + s.fault;
+  if (s.ready && s.ready !== 'yes') return 'no: ' + s.ready;
+  if (s.phase_faults && !/^0\b/.test(s.phase_faults)) return 'not yet: the phase is ' + s.phase + '; a shot waits until it is';
+  if (!known(s.phase_u_ahead_deg) || !known(s.angle_tolerance_deg)) return 'not known';
+  const three = 3 * s.phase_u_ahead_deg;
+  return three <= s.angle_tolerance_deg ? 'yes: nothing is in the way, and 3 u of the phase is within the tolerance' : 'no: 3 u = ' + three.toFixed(3) + '° is more than the tolerance';
+}
+/** @param {boolean|null} flag @param {string} yes @param {string} no */
+const either = (flag, yes, no) => (flag === null ? 'not known: the rig does not tell' : flag ? yes : no);
+/** @typedef {{number: number, name: string, watched: string, reaction: string, limit: string, when: string, cleared: string, advice: string}} Interlock */
+/** @type {Interlock[]} */
+let interlocks = [];
+/** @param {import('./base.js').Status} s */
+function guards(s) {
+  const latched = parseInt(s.fault, 10) || 0;
+  const row = interlocks.find((i) => i.number === latched);
+  facts('guards', [['would it fire now', wouldFire(s)], ['gate of the coil', either(s.gate, 'ON: the coil is energised', 'off')],
+    ['safety relay', either(s.relay, 'told to close', 'told to open')],
+    ['fault', latched ? s.fault + (row ? ': ' + row.advice : '') : 'none is latched'], ['last refusal', s.last_error]]);
+  clear('interlocks');
+  for (const i of interlocks)
+    cells(newRow('interlocks'), [[i.number, 'n'], i.name, i.watched, i.reaction, i.limit, i.when, i.cleared === 'abort' ? 'acknowledging' : i.cleared.replace('abort, ', 'acknowledging, '),
+      i.number === latched ? ['LATCHED', 'bad'] : '']);
 }
 
 /** @param {boolean} on */
 export function opened(on) {
   visible = on;
+  if (on && !interlocks.length) call('GET', '/api/rig/interlocks').then((all) => { interlocks = all; }).catch(() => {});
   if (on) { listen(); redraw(); }
   else if (socket) {
     socket.onclose = null;
@@ -234,10 +257,12 @@ export function show(state) {
   const { rig, status, link: line } = state;
   facts('facts', [['rig', rig.uri + ', ' + rig.model + ' ' + rig.serial], ['origin', rig.origin], ['firmware', rig.firmware + ', boot ' + rig.boot_id],
     ['calibration', rig.calibration + (rig.calibration_expires ? ', valid until ' + rig.calibration_expires : '')],
-    ['sampling', rig.sample_rate_hz / 1e3 + ' kS/s'], ['state', status ? status.state + (status.state === 'captured' ? ' (record taken, ready for the next closing)' : '') : 'no answer'], ['fault', status ? status.fault : 'not known'],
+    ['sampling', rig.sample_rate_hz / 1e3 + ' kS/s'], ['state', status ? status.state + (status.state === 'captured' ? ' (record taken, ready for the next closing)' : '') : 'no answer'],
     ['owner', status ? status.owner : 'not known']]);
-  if (status) tracker(status);
-  else facts('tracker', [['mains', 'not known: the rig does not answer']]);
+  if (status) {
+    tracker(status);
+    guards(status);
+  } else for (const id of ['tracker', 'guards']) facts(id, [['not known', 'the rig does not answer']]);
   facts('link', [['answers', line.answers ? 'yes' : 'NO: ' + line.error], ['time of one answer', line.answer_ms.toFixed(1) + ' ms; median of 100 ' +
     line.median_ms.toFixed(1) + ' ms, worst ' + line.worst_ms.toFixed(1) + ' ms'], ['times asked', String(line.looks)],
     ['connections', line.connections + ', lost ' + line.lost]]);

@@ -1,0 +1,28 @@
+#include <catch2/catch.hpp>
+#include <fstream>
+#include <sstream>
+
+#include "firmware/faults.h"
+#include "rigs/interlock_list.h"
+#include "tests/places.h"
+
+using namespace powbench;
+
+TEST_CASE("the page of the faults says what the table says", "[fault]") {
+  std::ifstream file(test::source_dir() + "/docs/reference/faults.md");
+  std::stringstream text;
+  text << file.rdbuf();
+  const auto list = rigs::interlock_list();
+  REQUIRE(list.size() == firmware::fault_table.size());
+  for (const auto& f : list) {
+    std::ostringstream row;
+    row << "| " << f.number << " | `" << f.name << "` | " << f.watched << " | " << f.reaction << " | "
+        << f.limit << " | " << f.when << " | " << f.cleared << " |\n";
+    INFO("docs/reference/faults.md needs the line\n" << row.str());
+    CHECK(text.str().find(row.str()) != std::string::npos);
+    const auto reason = firmware::reason(static_cast<firmware::Fault>(f.number));
+    INFO("docs/reference/faults.md needs the line\n- `" << f.name << "`: " << reason);
+    CHECK(text.str().find("- `" + f.name + "`: " + std::string(reason) + "\n") != std::string::npos);
+    CHECK(f.advice.find("abort") == std::string::npos);  // the word of the attribute, not of a person
+  }
+}
