@@ -96,7 +96,7 @@ std::string Bench::Impl::run_job(const Job& now) {
     if (now.single) {  // nothing was planned: none of its closings is missing
       c.plan = by_hand_plan(c.plan);
       c.plan_hash = sha256_hex(c.plan);
-      c.name += ", single closings";
+      c.name = "single closings";
     }
     c.origin = origin_of_kind(found.kind);
     campaign = store.create_campaign(c);
@@ -128,7 +128,8 @@ std::string Bench::Impl::run_job(const Job& now) {
   };
   const RunSummary summary = run_campaign(store, campaign, now.shots, *rig, options, silent);
   with_shot = nullptr;
-  if (!stopped() && summary.done() > 0) {
+  // of a single closing that no STOP has cut the picture is made to the end: nothing is fired for it
+  if (summary.done() > 0 && (!stopped() || (now.single && !going()))) {
     doing("simulating");
     if (!now.single)
       simulate_campaign(store, campaign, now.shots, now.scene.specimen, sensors.config, options, silent,
@@ -146,6 +147,11 @@ std::string Bench::Impl::run_job(const Job& now) {
                     summary.done(), summary.planned, summary.count(Outcome::fail), how.empty() ? "" : "; ",
                     how));
   return {};
+}
+
+bool Bench::Impl::going() const {
+  const std::scoped_lock lock(mutex);
+  return ending;
 }
 
 void Bench::Impl::doing(const char* what) {
@@ -196,6 +202,7 @@ void Bench::Impl::stored(std::int64_t shot) {
     if (job && s.outcome == Outcome::aborted) ++job->cut;
     if (job && s.outcome == Outcome::fail) ++job->outside;
     newest_shot = shot;
+    newest_aim = job ? job->aim : std::nullopt;
     if (newest) frame = newest;
     const std::string asked =
         job && job->aim ? fmt::format(" to touch at {:.1f} deg", degrees(job->aim->wanted)) : std::string();

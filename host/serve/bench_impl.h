@@ -45,6 +45,7 @@ struct Bench::Impl final : RunWatcher {
   std::string run_job(const Job&);
   rigs::RigInfo rig_now() const;
   void doing(const char*);
+  bool going() const;  ///< the program ends
   bool stopped() override { return stop_flag || end_asked; }
   void resting(double left) override;
   void between() override;
@@ -87,8 +88,9 @@ struct Bench::Impl final : RunWatcher {
   bool paused = false, waiting = false,
        ending = false;  ///< paused: asked for; waiting: and no shot is in flight
   std::int64_t single_campaign = 0, newest_campaign = 0, newest_shot = 0;
-  std::int64_t newest_prediction = 0;  ///< simulated shot whose uncertainty was told last
-  int singles = 0;                     ///< single closings of this plan, so far
+  std::optional<TouchAim::Aim> newest_aim;  ///< of newest_shot, where its touch was asked for
+  std::int64_t newest_prediction = 0;       ///< simulated shot whose uncertainty was told last
+  int singles = 0;                          ///< single closings of this plan, so far
   std::optional<StopAnswer> last_stop;
   std::deque<std::string> log;
   std::shared_ptr<const std::string> frame;  ///< of the newest record

@@ -122,6 +122,7 @@ std::string Bench::Impl::state() const {
               {"aiming", aiming && *aiming > stopped_at.load()},
               {"ended", nullptr},
               {"newest_shot", newest_shot ? Json(newest_shot) : Json(nullptr)},
+              {"newest_aim_deg", newest_aim ? Json(degrees(newest_aim->wanted)) : Json(nullptr)},
               {"newest_prediction", newest_prediction ? Json(newest_prediction) : Json(nullptr)},
               {"newest_campaign", newest_campaign ? Json(newest_campaign) : Json(nullptr)},
               {"stop", nullptr},

@@ -95,7 +95,7 @@ Reply want_websocket(const Call&) {
 
 constexpr const char* state_example =
     R"({"version": "", "rig": {}, "link": {}, "status": {}, "plan": {}, "job": {}, "aiming": false,
-          "ended": {}, "newest_shot": 1, "newest_prediction": 1,
+          "ended": {}, "newest_shot": 1, "newest_aim_deg": 90, "newest_prediction": 1,
          "newest_campaign": 1, "stop": {"off": true, "text": "", "ms": 1}, "log": [""]})";
 
 constexpr Route of_bench[] = {

@@ -118,11 +118,11 @@ TEST_CASE("a shot is judged by the plan's angle tolerance and limits, and an ang
   CHECK(judged().outcome == Outcome::not_judged);
 }
 
-TEST_CASE("a campaign pauses after every shot for as long as its plan says", "[run]") {
+TEST_CASE("a campaign pauses between two shots for as long as its plan says, and not behind the last", "[run]") {
   Campaign c(3);
   const RunSummary summary = c.run();
   CHECK(summary.done() == 3);
-  CHECK(c.slept() == Approx(3 * 0.5));
+  CHECK(c.slept() == Approx(2 * 0.5));
 }
 
 TEST_CASE("a lost rig is looked for five times in 3.75 s, and the campaign goes on when it answers",

@@ -84,7 +84,12 @@ TEST_CASE("live bench: closing at touch", "[serve]") {
     // of the rig: angle within its tolerance of 1 deg, which the closing may multiply; noise of touch below 0.3 ms =
     // 5 deg
     CHECK(std::fabs(std::remainder(reached - wanted, 360)) < 6);
+    CHECK(s.state().at("newest_aim_deg") == Approx(wanted));
   }
+  REQUIRE(s.ask("POST", "/api/fire", R"({"angle_deg": 90})").status == 202);
+  s.until_ended();
+  CHECK(s.state().at("newest_aim_deg").is_null());
+  CHECK(s.get("/api/campaigns").at(0).at("name") == "single closings");  // its plan was never run
   CHECK(s.ask("POST", "/api/fire", R"({"touch_deg": 90, "angle_deg": 90})").status == 400);
   CHECK(s.ask("POST", "/api/fire", R"({"touch_deg": 361})").status == 400);
 }

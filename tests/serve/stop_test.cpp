@@ -166,6 +166,27 @@ TEST_CASE("STOP: a closing that it cut is not counted as done, and shows no curv
   CHECK(cut);
 }
 
+TEST_CASE("STOP: a single closing that it comes too late for has its simulation all the same", "[serve]") {
+  Served s;
+  bool late = false;
+  for (int round = 0; round < 20 && !late; ++round) {
+    s.bench.fire(radians(10.0 + round));
+    wait_until("the shot", [&] {
+      const auto now = s.state();
+      return now.at("job").is_null() || now.at("job").at("done") == 1;
+    });
+    late = !s.state().at("job").is_null();
+    s.bench.stop();
+    s.until_ended();
+    const auto shot = s.get("/api/shots/" + s.state().at("newest_shot").dump());
+    if (shot.at("outcome") == "ABORTED") continue;
+    CHECK(shot.at("quantities").at(0).at("simulated").is_number());
+    wait_until("U of the simulation", [&] {
+      return s.get("/api/shots/" + shot.at("id").dump()).at("quantities").at(0).at("simulated_u").is_number();
+    });
+  }
+}
+
 TEST_CASE("STOP: a rig that does not answer is said loudly", "[serve]") {
   auto rig = std::make_unique<rigs::LocalRig>(rigs::SimRigConfig{}, sim::Specimen{});
   Served s(served_plan, "ip:" + rig->address());

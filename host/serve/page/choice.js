@@ -65,7 +65,8 @@ function show(choice) {
   const box = choice.button.getBoundingClientRect();
   list.style.minWidth = box.width + 'px';
   list.style.left = scrollX + Math.max(4, Math.min(box.left, document.documentElement.clientWidth - list.offsetWidth - 4)) + 'px';
-  list.style.top = scrollY + box.bottom + 2 + 'px';
+  const above = box.bottom + 2 + list.offsetHeight > innerHeight && box.top > innerHeight - box.bottom;  // a list that ends off the screen hides choices
+  list.style.top = scrollY + (above ? box.top - 2 - list.offsetHeight : box.bottom + 2) + 'px';
   choice.button.setAttribute('aria-expanded', 'true');
   choice.button.setAttribute('aria-controls', list.id);
   mark(choice.select.selectedIndex);

@@ -30,7 +30,7 @@ async function load() {
   for (const id of ['first', 'second']) {
     const select = /** @type {HTMLSelectElement} */ (/** @type {unknown} */ ($(id))), before = select.value;
     select.textContent = '';
-    for (const c of campaigns) select.add(new Option(c.id + ' ' + c.name + ', ' + c.created.slice(0, 16).replace('T', ' ') + ', ' + c.shots + ' shots', String(c.id)));
+    for (const c of campaigns) select.add(new Option(c.id + ' ' + c.name + ', ' + c.created.slice(0, 16).replace('T', ' ') + ', ' + c.shots + (c.shots === 1 ? ' shot' : ' shots'), String(c.id)));
     if (before) select.value = before;
     else if (id === 'first' && campaigns.length > 1) select.selectedIndex = 1;
   }
@@ -49,7 +49,8 @@ function showCampaigns() {
     links.append(anchor('/api/campaigns/' + c.id + '/report.html', 'report'), ' ', anchor('/api/campaigns/' + c.id + '/report.pdf', 'PDF'),
       ' ', anchor('/api/campaigns/' + c.id + '/shots.csv', 'CSV'), ' ', anchor('/api/campaigns/' + c.id + '/junit.xml', 'JUnit'));
     const count = document.createElement('span');
-    count.append(c.shots + (c.finished ? '' : ', unfinished'));
+    const without = ['ERROR', 'TIMEOUT', 'ABORTED'].filter((o) => c.outcomes[o]).map((o) => ', ' + c.outcomes[o] + ' ' + o);
+    count.append(c.shots + without.join('') + (c.resumable ? ', unfinished' : ''));
     if (c.resumable) count.append(' ', restButton(c));
     cells(newRow('campaigns'), [button(String(c.id), () => { opening(c.id); open(c.id); }), c.name, c.created.slice(0, 16).replace('T', ' '), c.specimen, c.origin,
       [count, 'n'], [c.outside_limits, c.outside_limits ? 'n bad' : 'n'], links]);
@@ -130,7 +131,7 @@ function showShots() {
       [measured(s.reached_rad, 180 / Math.PI), 'n'], [measured(q.t_ct1, 1e3), 'n'], [measured(q.t_ct_bon, 1e3), 'n'], [measured(q.t_ct2, 1e3), 'n'],
       s.outcome + (s.reason ? ': ' + s.reason : s.kind === 'simulated' ? ': at the conditions asked for' : ''), files]);
   }
-  $('found-shots').textContent = some.length + ' of ' + shots.length + ' shots' + (some.length > mostShots ? ', the first ' + mostShots + ' are shown; CSV has all' : '');
+  $('found-shots').textContent = some.length + ' of ' + shots.length + (shots.length === 1 ? ' shot' : ' shots') + (some.length > mostShots ? ', the first ' + mostShots + ' are shown; CSV has all' : '');
 }
 async function notes() {
   const all = await call('GET', '/api/campaigns/' + shownCampaign + '/annotations');

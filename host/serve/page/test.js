@@ -63,7 +63,7 @@ function prepare(state) {
 }
 for (const id of ['angle', 'at']) $(id).addEventListener('input', () => prepare(null));
 
-/** The touch asked for of closings that this page has seen fired. @type {Map<number, string>} */
+/** The touch asked for of the newest closings. @type {Map<number, string>} */
 const aims = new Map();
 /** What a shot was asked to be: an older one had other volts than the line above says of the next. @param {Shot} shot */
 const askedOf = (shot) => (known(shot.supply_volts) && known(shot.mains_hertz) ? 'asked for ' + shot.supply_volts + ' V, ' + shot.mains_hertz + ' Hz' +
@@ -85,8 +85,8 @@ export async function showShot(id) {
   const found = 'touch ' + value('t_ct1', 1e3) + ' ms, bounce ' + value('t_ct_bon', 1e3) + ' ms' + (shot.bounce ? ', ' + openings(shot.bounce.openings.length) : '');
   $('shot-title').textContent = 'Shot ' + shot.id + (asked ? ', touch asked ' + asked + '°, coil on at ' : ' at ') + angle + ': ' +
     (shot.has_record ? found : shot.outcome + ', nothing was recorded');
-  $('shot-reason').textContent = shot.origin + ', ' + shot.outcome + (shot.reason ? ': ' + shot.reason : '') + '; coil on at ' +
-    measured(shot.reached_rad, 180 / Math.PI) + '°' + (aims.has(id) ? ' to touch at ' + aims.get(id) + '°' : '') + ', touched at ' + measured(shot.touch_rad, 180 / Math.PI) + '° of the mains; ' +
+  $('shot-reason').textContent = shot.origin + ', ' + shot.outcome + (shot.reason ? ': ' + shot.reason : '') + '; ' + (shot.has_record ? 'coil on at ' +
+    measured(shot.reached_rad, 180 / Math.PI) + '°' + (asked ? ' to touch at ' + asked + '°' : '') + ', touched at ' + measured(shot.touch_rad, 180 / Math.PI) + '° of the mains; ' : '') +
     askedOf(shot) + shot.started.replace('T', ' ').replace('Z', ' UTC');
   $('shot-title').classList.toggle('bad', shot.outcome === 'FAIL');
   showQuantities(shot);
@@ -137,8 +137,7 @@ export function show(state, before) {
   if (before && before.newest_prediction !== state.newest_prediction) stale = true;  // the simulation's U has come
   if (before && before.job && !state.job) stale = stale || !whole || !!drawing;  // the simulation is there now; what is being drawn may have been asked for before
   newest = state.newest_shot || 0;
-  const was = before && before.job && before.job.aim;
-  if (was && before.newest_shot !== state.newest_shot) aims.set(newest, was.touch_deg.toFixed(1));
+  if (known(state.newest_aim_deg)) aims.set(newest, state.newest_aim_deg.toFixed(1));
   if (!before || before.job || !before.status || before.plan.name !== state.plan.name || before.plan.specimen !== state.plan.specimen ||
     before.plan.supply_volts !== state.plan.supply_volts || before.plan.hold_time_ms !== state.plan.hold_time_ms) prepare(state);
   if (!before && chosen) shown = newest;
