@@ -203,7 +203,6 @@ function listen() {
   socket = new WebSocket(stream('/api/live'));
   socket.onmessage = (m) => show(JSON.parse(m.data));
   socket.onclose = () => {
-    confirmationEnds();
     test.unseen();
     $('state').textContent = 'no connection';
     $('state').className = 'state gone';
@@ -212,6 +211,7 @@ function listen() {
       if (!known) $('job').textContent = 'the bench answers, and wants a token';
       again();
     }, () => {
+      confirmationEnds();
       $('job').textContent = 'the bench program does not answer; trying again';
       again();
     });
