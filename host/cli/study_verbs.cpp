@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <filesystem>
+#include <fstream>
 #include <set>
 
 #include "host/cli/demo_end.h"
@@ -21,6 +22,16 @@ namespace {
 
 /// Closing angles at which the two specimens show the printed trains: the paper prints none.
 constexpr double level_deg = 112, tilted_deg = 180;
+
+/// A scene of the demo; a file that somebody has changed stays, and is used.
+void lay_out(const std::filesystem::path& file, std::string_view text) {
+  if (!std::filesystem::exists(file)) return write_file(file, std::string(text));
+  std::ifstream in(file, std::ios::binary);
+  const std::string there{std::istreambuf_iterator<char>(in), {}};
+  if (there != text)
+    fmt::print(stderr, "{} is not as the demo writes it: kept and used; delete it for the demo's own\n",
+               file.string());
+}
 
 }  // namespace
 
@@ -61,13 +72,12 @@ Exit demo(const DemoArgs& args) {
   const fs::path folder(args.folder);
   std::error_code ignored;  // the first file says it
   fs::create_directories(folder, ignored);
-  for (const auto& [file, text] : demo_scenes) write_file(folder / file, text);
+  for (const auto& [file, text] : demo_scenes) lay_out(folder / file, text);
   const std::string plan = (folder / "demo.plan.toml").string();
   const std::string database = (folder / "demo.db").string();
   // a simulated rig that is not told otherwise is the one of the demo
   const bool bare = rigs::is_simulated(args.rig) && args.rig.ends_with(':');
   const std::string rig = bare ? args.rig + (folder / "demo.rig.toml").string() : args.rig;
-  for (const char* ending : {"", "-wal", "-shm"}) fs::remove(database + ending);
 
   RunArgs run;
   run.plan = plan;

@@ -118,7 +118,8 @@ TEST_CASE("a shot is judged by the plan's angle tolerance and limits, and an ang
   CHECK(judged().outcome == Outcome::not_judged);
 }
 
-TEST_CASE("a campaign pauses between two shots for as long as its plan says, and not behind the last", "[run]") {
+TEST_CASE("a campaign pauses between two shots for as long as its plan says, and not behind the last",
+          "[run]") {
   Campaign c(3);
   const RunSummary summary = c.run();
   CHECK(summary.done() == 3);

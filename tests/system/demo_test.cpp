@@ -66,6 +66,19 @@ TEST_CASE("the demo: every shot recorded, simulated, compared and reported", "[s
   }
   const std::string junit = read_file(folder.file("demo/junit.xml"));
   CHECK_THAT(junit, Contains("<testsuite"));
+
+  // once more, with a plan that somebody has changed: nothing of his is lost
+  const std::string plan = folder.file("demo/demo.plan.toml");
+  const std::string edited = "name = \"mine\"\nangles_deg = [45]\nrepeats = 1\n";
+  folder.write("demo/demo.plan.toml", edited);
+  const Finished again = run(folder, {"demo", "-o", folder.file("demo"), "--progress", "none"});
+  INFO(again.err);
+  CHECK(again.status == 0);
+  CHECK_THAT(again.err, Contains("demo.plan.toml is not as the demo writes it: kept and used"));
+  CHECK(read_file(plan) == edited);
+  const json both = json::parse(run(folder, {"campaigns", "--db", db, "--json"}).out);
+  REQUIRE(both.size() == 2);
+  CHECK(both[0].at("shots").size() + both[1].at("shots").size() == 30);
 }
 
 TEST_CASE("a campaign is the same, record for record, when it is run again", "[system]") {
