@@ -320,6 +320,14 @@ TEST_CASE("texts of a fit name every number, mark what lies at a bound, and neve
                        Contains("inrush") && Contains("weight of samples"));
   CHECK(text.find("nan") == std::string::npos);
   CHECK_THAT(json, Contains("held_out_error_percent") && Contains("samples_deviation"));
+  CHECK(json.find("line_deviation") == std::string::npos);
+  CHECK_THAT(text, !Contains("error of line"));
+  r.file.folds[0].bounce->line = {{0.0, 5e-3}, {1.0, 6e-3}};
+  r.file.folds[0].bounce->line_deviation = 0.0625;
+  const auto [line_text, line_json] = texts();
+  CHECK_THAT(line_json, Contains("\"line_deviation\": 0.0625"));
+  CHECK_THAT(line_text, Contains("error of line") && Contains("0.06"));
+  r.file.folds[0].bounce->line.clear();
   r.file.folds[0].bounce->median_deviation = sim::BounceCalibration::nan;
   const auto [unknown_text, unknown_json] = texts();
   CHECK(unknown_text.find("nan") == std::string::npos);
