@@ -301,7 +301,7 @@ Shot IioRig::attempt(Clock::time_point deadline) {
     const std::string why = last_error();
     read_state();  // an answer out of step would be no state
     shot.outcome = Outcome::error;
-    shot.interlock = r.error == EPERM;
+    shot.interlock = shot.latched = r.error == EPERM;
     shot.reason = sentence(r) + (why.empty() || why == "no error" ? "" : ": " + advice(why));
     record = kept(open);
   }

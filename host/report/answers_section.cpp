@@ -41,12 +41,13 @@ void verdict_answer(Markup& out, const ReportInput& input) {
   add(c.missing, "not fired");
   detail += ". ";
   if (const std::string why = verdict_reason(input); !why.empty()) detail += "Why: " + why + ". ";
-  detail += input.limits.empty() && !std::isfinite(input.most_from_simulation)
-                ? std::string(c.failed + c.not_observed > 0 ? "The plan sets no limit on a quantity."
-                              : input.angle_tolerance > 0
-                                  ? "The plan sets no limit on a quantity: only the closing angle was judged."
-                                  : "The plan sets no limit, so nothing was judged.")
-                : std::string(decision_text(input.decision));
+  detail +=
+      input.limits.empty() && !std::isfinite(input.most_from_simulation)
+          ? std::string(c.failed + c.not_observed > 0 ? "The plan sets no limit on a quantity."
+                        : input.angle_tolerance > 0
+                            ? "The plan sets no limit on a quantity; only the closing angle has a tolerance."
+                            : "The plan sets no limit, so nothing was judged.")
+          : std::string(decision_text(input.decision));
   answer(out, "Verdict", name(verdict(input)), detail);
 }
 

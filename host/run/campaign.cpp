@@ -194,6 +194,10 @@ RunSummary run_campaign(Store& store, std::int64_t campaign, std::span<const Pla
       stop("stopped because the rig did not come back", "what was stored is safe; ");
       break;
     }
+    if (result.latched) {
+      stop("stopped because the rig is in fault", "mend the cause and acknowledge the fault, then ");
+      break;
+    }
     if (failures >= options.max_failures) {
       stop(fmt::format("stopped after {} shots in a row without a record", failures),
            "mend the cause, then ");

@@ -73,7 +73,8 @@ void Bench::Impl::work() {
     if (!how.empty()) say(how);
     lock.lock();
     if (!job->single)
-      ended = Ended{job->scene.plan.name, job->campaign, job->done - job->cut, job->shots.size()};
+      ended =
+          Ended{job->scene.plan.name, job->campaign, job->done - job->lacking, job->shots.size(), job->why};
     job.reset();
     paused = end_asked = false;
     lock.unlock();
@@ -142,6 +143,10 @@ std::string Bench::Impl::run_job(const Job& now) {
   const std::string how = !stop_flag ? summary.stopped
                           : all      ? "STOP came when all closings were already fired"
                                      : "stopped";
+  {
+    const std::scoped_lock lock(mutex);
+    job->why = how;
+  }
   if (!now.single)
     say(fmt::format("plan {}: {} of {} shots recorded, {} outside limits{}{}", now.scene.plan.name,
                     summary.done(), summary.planned, summary.count(Outcome::fail), how.empty() ? "" : "; ",
@@ -200,6 +205,7 @@ void Bench::Impl::stored(std::int64_t shot) {
     const std::scoped_lock lock(mutex);
     if (job) ++job->done;
     if (job && s.outcome == Outcome::aborted) ++job->cut;
+    if (job && !measured(s.outcome)) ++job->lacking;
     if (job && s.outcome == Outcome::fail) ++job->outside;
     newest_shot = shot;
     newest_aim = job ? job->aim : std::nullopt;

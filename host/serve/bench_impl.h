@@ -29,10 +29,12 @@ struct Bench::Impl final : RunWatcher {
     std::optional<TouchAim::Aim> aim;  ///< of a closing at touch
     std::size_t before = 0;            ///< shots that the campaign has already
     std::size_t done = 0, outside = 0;
-    std::size_t cut = 0;    ///< of `done`: stopped in the middle, so still to be fired
-    double begun = 0;       ///< of `clock`, s; without what a person paused
-    double pauses = 0;      ///< s that the plan's pauses between shots have taken
-    double pause_left = 0;  ///< s of the one that is on
+    std::size_t lacking = 0;  ///< of `done`: without a record
+    std::string why;          ///< it ends early, one sentence
+    std::size_t cut = 0;      ///< of `done`: stopped in the middle, so still to be fired
+    double begun = 0;         ///< of `clock`, s; without what a person paused
+    double pauses = 0;        ///< s that the plan's pauses between shots have taken
+    double pause_left = 0;    ///< s of the one that is on
     std::string doing = "waiting";
     bool stopped_late = false;  ///< a stop came when all of it was fired
   };
@@ -52,6 +54,7 @@ struct Bench::Impl final : RunWatcher {
   void stored(std::int64_t shot) override;
 
   StopAnswer stop();
+  void show_stopped();
   void acknowledge(int number);
   void begin(Job, Instant asked);
   Job single(double angle) const;
@@ -66,6 +69,7 @@ struct Bench::Impl final : RunWatcher {
   void log_line(const std::string&);  ///< the lock is held
   void say(const std::string&);
   std::string state() const;
+  std::string doing_words(const Job&) const;
   std::optional<double> seconds_left(const Job&) const;  ///< nothing where it is not known; the lock is held
 
   const std::string uri, database;
@@ -81,7 +85,8 @@ struct Bench::Impl final : RunWatcher {
   struct Ended {
     std::string name;
     std::int64_t campaign = 0;
-    std::size_t done = 0, shots = 0;
+    std::size_t done = 0, shots = 0;  ///< done: with a record
+    std::string why;                  ///< it was not fired to its end
   };
   std::optional<Job> job;
   std::optional<Ended> ended;  ///< the plan that ended last, until something else begins

@@ -93,6 +93,17 @@ void Bench::Impl::say(const std::string& text) {
   changed();
 }
 
+/// What the job does, for people; the lock is held.
+std::string Bench::Impl::doing_words(const Job& j) const {
+  if (waiting) return "paused";
+  if (stop_flag)
+    return j.stopped_late ? "all closings were already fired before STOP; " + j.doing : "stopping";
+  if (j.pause_left > 0)
+    return paused ? "cooling, then paused"
+                  : fmt::format("cooling, next shot in {:.0f} s", std::ceil(j.pause_left));
+  return paused ? "pausing after this shot" : j.doing;
+}
+
 /// From the time that firing took so far, and the plan's pauses between the shots to come.
 std::optional<double> Bench::Impl::seconds_left(const Job& j) const {
   const auto total = j.shots.size();
@@ -133,12 +144,7 @@ std::string Bench::Impl::state() const {
     out["job"] = {{"kind", job->single ? "single" : "plan"},
                   {"name", job->scene.plan.name},
                   {"campaign", job->campaign ? Json(job->campaign) : Json(nullptr)},
-                  {"doing", waiting  ? "paused"
-                            : paused ? "pausing after this shot"
-                            : job->pause_left > 0
-                                ? fmt::format("cooling, next shot in {:.0f} s", std::ceil(job->pause_left))
-                            : job->stopped_late ? "all closings were already fired before STOP; " + job->doing
-                                                : job->doing},
+                  {"doing", doing_words(*job)},
                   {"paused", paused},
                   {"ending", end_asked.load()},
                   {"done", job->done},
@@ -154,8 +160,11 @@ std::string Bench::Impl::state() const {
                            {"gain", job->aim->gain}};
   }
   if (ended)
-    out["ended"] = {
-        {"name", ended->name}, {"campaign", ended->campaign}, {"done", ended->done}, {"shots", ended->shots}};
+    out["ended"] = {{"name", ended->name},
+                    {"campaign", ended->campaign},
+                    {"done", ended->done},
+                    {"shots", ended->shots},
+                    {"why", ended->why}};
   if (last_stop) out["stop"] = {{"off", last_stop->off}, {"text", last_stop->text}, {"ms", last_stop->ms}};
   return out.dump(-1, ' ', false, Json::error_handler_t::replace);
 }

@@ -247,9 +247,10 @@ std::string shot_document(const Store& store, const StoredShot& shot) {
                     {"simulated_own", row.own},
                     {"simulated_of_angle", json_of<Json>(predicted ? q.of(*predicted).value : unknown)},
                     {"over_U", json_of<Json>(over_U)},
-                    {"agreement", judged || !std::isfinite(expected) ? agreement(over_U)
-                                  : row.u_simulated_unknown          ? "simulated U not known"
-                                                                     : "no simulated U yet"}});
+                    {"agreement", !events && shot.kind == ShotKind::measured ? "not measured"
+                                  : judged || !std::isfinite(expected)       ? agreement(over_U)
+                                  : row.u_simulated_unknown                  ? "simulated U not known"
+                                                                             : "no simulated U yet"}});
   }
   return text(
       {{"id", shot.id},

@@ -54,6 +54,7 @@ void Looker::work() {
     }
     const double took = std::chrono::duration<double, std::milli>(Clock::now() - asked).count();
     lock.lock();
+    if (asked < taken_ && seen.status) seen.status = look_.status;
     const bool first = look_.looks == 0, answered = look_.status.has_value();
     const bool news =
         first || seen.status != look_.status || seen.error != look_.error || seen.now != look_.now;
@@ -77,6 +78,12 @@ void Looker::work() {
     lock.lock();
     wake_.wait_for(lock, look_interval, [this] { return ending_; });
   }
+}
+
+void Looker::take(const rigs::RigStatus& status) {
+  const std::scoped_lock lock(mutex_);
+  look_.status = status;
+  taken_ = Clock::now();
 }
 
 Looker::Look Looker::look() const {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <chrono>
 #include <condition_variable>
 #include <deque>
 #include <functional>
@@ -35,6 +36,8 @@ class Looker {
     double answer_ms = 0, median_ms = 0, worst_ms = 0;  ///< newest, and of the newest 100 looks
   };
   Look look() const;
+  /// What another line has read just now: what this one asked for before is older.
+  void take(const rigs::RigStatus&);
   /// Every attribute of the rig, on a line of its own. Throws RigError.
   std::vector<std::pair<std::string, std::string>> attributes();
 
@@ -48,6 +51,7 @@ class Looker {
   std::condition_variable wake_;
   bool ending_ = false;
   Look look_;
+  std::chrono::steady_clock::time_point taken_{};
   std::deque<double> answers_;
   std::mutex reading_;  ///< one reader of attributes at a time
   std::thread thread_;

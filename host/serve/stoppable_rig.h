@@ -4,6 +4,7 @@
 #include <chrono>
 #include <memory>
 #include <optional>
+#include <string_view>
 #include <utility>
 
 #include "rigs/rig.h"
@@ -24,6 +25,9 @@ class StoppableRig final : public rigs::Rig {
     rigs::Shot shot = rig_->fire(c, limit);
     if (stop_ && shot.outcome != Outcome::pass) {  // its own words are of any client that stops
       shot.outcome = Outcome::aborted;
+      // to the rig this stop came by another line
+      constexpr std::string_view stranger = ": stopped by a client that is not the owner";
+      if (shot.reason.ends_with(stranger)) shot.reason.resize(shot.reason.size() - stranger.size());
       shot.reason = "stopped by the operator; the rig: " + shot.reason;
     }
     return shot;

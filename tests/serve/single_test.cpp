@@ -293,6 +293,23 @@ TEST_CASE("live bench: a pause of the plan is no firing, and is in the time left
   s.until_ended();
 }
 
+TEST_CASE("live bench: a plan ends at a latched fault, and says how many shots have a record", "[serve]") {
+  const Served s;
+  const std::string plan = "name = \"low\"\nangles_deg = [0, 90, 180]\nrepeats = 2\nsupply_volts = 20\n";
+  REQUIRE(s.ask("POST", "/api/plan/run", json{{"text", plan}}.dump()).status == 202);
+  s.until_ended();
+  wait_until("the next look", [&] { return s.state().at("status").at("state") == "fault"; });
+  const json now = s.state();
+  CHECK(now.at("ended").at("done") == 0);
+  CHECK(now.at("ended").at("shots") == 6);
+  CHECK_THAT(now.at("ended").at("why").get<std::string>(),
+             Contains("stopped because the rig is in fault; mend the cause and acknowledge the fault"));
+  const json campaign = s.get("/api/campaigns").at(0);
+  CHECK(campaign.at("outcomes").at("ERROR") == campaign.at("shots"));
+  CHECK(campaign.at("shots") < 3);
+  CHECK(campaign.at("resumable") == true);
+}
+
 TEST_CASE("live bench: while the gate is on the state says so, and what would stand in the way of a shot",
           "[serve]") {
   const Served s;

@@ -187,6 +187,25 @@ TEST_CASE("STOP: a single closing that it comes too late for has its simulation 
   }
 }
 
+TEST_CASE("STOP: what it has confirmed is in the very next state", "[serve]") {
+  Served s;
+  for (int round = 0; round < 5; ++round) {
+    s.bench.run(scene_of("angles_deg = [0, 90]\nrepeats = 50\nhold_time_ms = 5000\n"));
+    wait_until("the coil", [&] {
+      const auto status = s.state().at("status");
+      return !status.is_null() && status.at("gate") == true;
+    });
+    const auto answer = s.bench.stop();
+    const auto now = s.state();
+    REQUIRE(answer.off);
+    CHECK(now.at("status").at("gate") == false);
+    CHECK(now.at("status").at("live") == false);
+    if (!now.at("job").is_null()) CHECK(now.at("job").at("doing") == "stopping");
+    s.until_ended();
+    CHECK(s.state().at("log").dump().find("not the owner") == std::string::npos);
+  }
+}
+
 TEST_CASE("STOP: a rig that does not answer is said loudly", "[serve]") {
   auto rig = std::make_unique<rigs::LocalRig>(rigs::SimRigConfig{}, sim::Specimen{});
   Served s(served_plan, "ip:" + rig->address());

@@ -76,6 +76,66 @@ TEST_CASE("live page: what the rig confirmed is not shown once the program is go
   tab.until(says("STOP FAILED"));
 }
 
+TEST_CASE(
+    "live page: the program gone in mid-plan is an alarm, and nothing of the rig is shown as if it were "
+    "known",
+    "[.slow]") {
+  const Folder folder;
+  auto bench = std::make_unique<LiveBench>(folder);
+  Browser browser(folder);
+  Tab tab = browser.open(bench->url);
+  tab.until("document.getElementById('fire').disabled === false");
+  press(tab, "tab-rig");  // the first visit
+  tab.until("document.querySelectorAll('#interlocks tr').length === 22");
+  const std::string guards = "document.getElementById('guards').textContent";
+  tab.until("/gate of the coil\\s*off/.test(" + guards + ")");
+  write_plan(tab, "angles_deg = [0, 90]\nrepeats = 100\npause_s = 0.5\n");
+  press(tab, "run");
+  tab.until("/cooling, next shot in 1 s/.test(document.getElementById('job').textContent)");
+  bench->program.send(SIGKILL);
+  tab.until(says("does not answer since") + " && " + says("Use the emergency switch of the rig."));
+  press(tab, "tab-rig");
+  tab.until("/not known.*does not answer/.test(" + guards + ")");
+  CHECK(tab.value("/gate of the coil|would it fire/.test(" + guards + ")") == false);
+  CHECK(tab.value("document.getElementById('pause').disabled") == true);
+  const std::string port = bench->url.substr(bench->url.rfind(':') + 1);
+  bench.reset();
+  LiveBench again(folder, "sim:", port);
+  tab.until(says("The bench answers again") + " && " + says("its coil is off"));
+  tab.until("/gate of the coil\\s*off/.test(" + guards + ")");
+}
+
+TEST_CASE("live page: STOP stands still, whatever is said beside it", "[.slow]") {
+  const Folder folder;
+  LiveBench bench(folder);
+  Browser browser(folder);
+  Tab tab = browser.open(bench.url);
+  const std::string place =
+      "(()=>{const b=document.getElementById('stop').getBoundingClientRect();return "
+      "[b.left,b.top].join()})()";
+  for (const int width : {390, 780, 1000, 1400}) {
+    CAPTURE(width);
+    tab.size(width, 800);
+    tab.until("document.getElementById('fire').disabled === false");
+    const auto idle = tab.value(place);
+    write_plan(
+        tab,
+        "name = \"a plan whose name takes some room in the line\"\nangles_deg = [0, 90]\nrepeats = 100\n"
+        "pause_s = 0.5\n");
+    press(tab, "run");
+    tab.until("/cooling/.test(document.getElementById('job').textContent)");
+    CHECK(tab.value(place) == idle);
+    press(tab, "pause");
+    tab.until("document.getElementById('state').textContent === 'paused'");
+    CHECK(tab.value(place) == idle);
+    picture(tab, "live-header-" + std::to_string(width) + ".png");
+    press(tab, "stop");
+    tab.until(says("coil off, confirmed by the rig"));
+    CHECK(tab.value(place) == idle);
+    tab.until(no_job);
+  }
+}
+
 TEST_CASE("live page: what differs from the simulation by more than U is marked", "[.slow]") {
   const Folder folder;
   folder.write("other.specimen.toml", "[bridges]\ngap_mm = 2.2\n");
@@ -198,7 +258,7 @@ TEST_CASE("live page: what comes while another page is looked at has its size an
   press(tab, "run");
   tab.until("fetch('/api/bench').then(r=>r.json()).then(b=>b.job&&b.job.done>=1)");
   press(tab, "end");
-  tab.until("/^half: ended at [1-5] of 6/.test(document.getElementById('job').textContent)");
+  tab.until("/^half: [1-5] of 6 recorded; /.test(document.getElementById('job').textContent)");
   press(tab, "tab-documents");
   const std::string half =
       "[...document.querySelectorAll('#campaigns tr')].find(r=>/half/.test(r.textContent))";

@@ -203,7 +203,12 @@ TEST_CASE("live page: voltage and hold time stand beside the button, and a mista
   CHECK(tab.value(hold + ".value") == "20000");
   CHECK(tab.value(hold + ".getAttribute('aria-invalid')") == "true");
   CHECK(tab.value("fetch('/api/bench').then(r=>r.json()).then(b=>b.newest_shot)") == 1);
+  CHECK(tab.value(unusual) == "not the usual 100 ms");  // while it is typed
   type("80");
+  tab.until("fetch('/api/bench').then(r=>r.json()).then(b=>b.plan.hold_time_ms===80)");
+  CHECK(tab.value("fetch('/api/bench').then(r=>r.json()).then(b=>b.newest_shot)") ==
+        1);  // Enter took the value, no more
+  press(tab, "fire");
   tab.until("fetch('/api/bench').then(r=>r.json()).then(b=>b.job===null&&b.newest_shot>1)");
   CHECK(tab.value(
             "fetch('/api/campaigns/2/shots').then(r=>r.json()).then(c=>fetch('/api/shots/'+c.shots[0].id))."

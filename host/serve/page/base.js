@@ -23,7 +23,7 @@
  *   aim: {touch_deg: number, closing_angle_deg: number, touch_s: number, gain: number}|null}} Job */
 /** @typedef {{version: string, rig: Rig, link: Link, status: Status|null, job: Job|null, aiming: boolean, newest_shot: number|null, newest_aim_deg: number|null, newest_prediction: number|null,
  *   newest_campaign: number|null, stop: {off: boolean, text: string, ms: number}|null, log: string[],
- *   ended: {name: string, campaign: number, done: number, shots: number}|null,
+ *   ended: {name: string, campaign: number, done: number, shots: number, why: string}|null,
  *   plan: {name: string, specimen: string, supply_volts: number, mains_hertz: number, hold_time_ms: number, shots: number,
  *   usual: {supply_volts: number, hold_time_ms: number}}}} State */
 
@@ -78,6 +78,9 @@ export const link = (path) => path + (access.link_token ? (path.includes('?') ? 
  * @param {string} path */
 export const stream = (path) => (location.protocol === 'https:' ? 'wss://' : 'ws://') + location.host + link(path);
 
+/** No mistake of what was asked. */
+export const unanswered = 'the bench program does not answer';
+
 /** One HTTP call; throws the server's sentences.
  * @param {string} method @param {string} path @param {object} [body] @param {boolean} [again] @returns {Promise<any>} */
 export async function call(method, path, body, again) {
@@ -85,7 +88,7 @@ export async function call(method, path, body, again) {
   const headers = {};
   if (token) headers.Authorization = 'Bearer ' + token;
   if (body) headers['Content-Type'] = 'application/json';
-  const reply = await fetch(path, { method, headers, body: body ? JSON.stringify(body) : undefined });
+  const reply = await fetch(path, { method, headers, body: body ? JSON.stringify(body) : undefined }).catch(() => { throw [unanswered]; });
   const json = await reply.json();
   if (reply.status === 401) {
     if (!again && await renewToken()) return call(method, path, body, true);

@@ -65,5 +65,11 @@ export function settle() {
 }
 /** @param {(errors: unknown) => void} refused */
 export function whenRefused(refused) {
+  // Enter fires in the field of the angle; here it takes the value
+  for (const { id } of fields) field(id).addEventListener('keydown', (e) => {
+    if (e.key !== 'Enter') return;
+    e.preventDefault();
+    settle().catch(refused);
+  });
   for (const { id } of fields) field(id).addEventListener('change', () => { settle().catch(refused); });
 }

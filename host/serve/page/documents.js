@@ -15,7 +15,7 @@ const mostShots = 2000;
 let campaigns = [];
 /** @type {ListedShot[]} */
 let shots = [];
-let shownCampaign = 0, visible = false;
+let shownCampaign = 0, running = 0, visible = false;
 /** @type {(id: number) => void} */
 let look = () => {};
 /** @param {(id: number) => void} act */
@@ -49,9 +49,9 @@ function showCampaigns() {
     links.append(anchor('/api/campaigns/' + c.id + '/report.html', 'report'), ' ', anchor('/api/campaigns/' + c.id + '/report.pdf', 'PDF'),
       ' ', anchor('/api/campaigns/' + c.id + '/shots.csv', 'CSV'), ' ', anchor('/api/campaigns/' + c.id + '/junit.xml', 'JUnit'));
     const count = document.createElement('span');
-    const without = ['ERROR', 'TIMEOUT', 'ABORTED'].filter((o) => c.outcomes[o]).map((o) => ', ' + c.outcomes[o] + ' ' + o);
+    const without = ['NOT OBSERVED', 'ERROR', 'TIMEOUT', 'ABORTED'].filter((o) => c.outcomes[o]).map((o) => ', ' + c.outcomes[o] + ' ' + o);
     count.append(c.shots + without.join('') + (c.resumable ? ', unfinished' : ''));
-    if (c.resumable) count.append(' ', restButton(c));
+    if (c.resumable && c.id !== running) count.append(' ', restButton(c));
     cells(newRow('campaigns'), [button(String(c.id), () => { opening(c.id); open(c.id); }), c.name, c.created.slice(0, 16).replace('T', ' '), c.specimen, c.origin,
       [count, 'n'], [c.outside_limits, c.outside_limits ? 'n bad' : 'n'], links]);
   }
@@ -131,7 +131,8 @@ function showShots() {
       [measured(s.reached_rad, 180 / Math.PI), 'n'], [measured(q.t_ct1, 1e3), 'n'], [measured(q.t_ct_bon, 1e3), 'n'], [measured(q.t_ct2, 1e3), 'n'],
       s.outcome + (s.reason ? ': ' + s.reason : s.kind === 'simulated' ? ': at the conditions asked for' : ''), files]);
   }
-  $('found-shots').textContent = some.length + ' of ' + shots.length + (shots.length === 1 ? ' shot' : ' shots') + (some.length > mostShots ? ', the first ' + mostShots + ' are shown; CSV has all' : '');
+  const fired = some.filter((s) => s.kind === 'measured').length;
+  $('found-shots').textContent = some.length + ' of ' + shots.length + (shots.length === 1 ? ' shot' : ' shots') + (fired < some.length ? ', ' + (some.length - fired) + ' of them simulated' : '') + (some.length > mostShots ? ', the first ' + mostShots + ' are shown; CSV has all' : '');
 }
 async function notes() {
   const all = await call('GET', '/api/campaigns/' + shownCampaign + '/annotations');
@@ -179,7 +180,9 @@ export function opened(on) {
 }
 /** @param {State} state @param {State|null} before */
 export function show(state, before) {
-  if (visible && before && before.job && !state.job) again();
+  const was = running;
+  running = (state.job && state.job.campaign) || 0;
+  if (visible && before && ((before.job && !state.job) || was !== running)) again();
 }
 function again() {
   load();

@@ -74,6 +74,8 @@ whetherHeard();
 
 const tabs = /** @type {HTMLElement[]} */ ([...document.querySelectorAll('[role=tab]')]);
 const pages = { test, parameters, documents, rig };
+/** The state is the bench's newest; without a connection nothing is known of it. */
+let seen = false;
 /** What the address names: a page, and the campaign of Documents or the shot of Test that was opened there. */
 function named() {
   const [name, id] = location.hash.slice(1).split('/');
@@ -92,7 +94,7 @@ function open(name) {
     $(t.getAttribute('aria-controls') || '').hidden = !on;
   }
   for (const [key, page] of Object.entries(pages)) page.opened(key === name);
-  if (state) for (const page of Object.values(pages)) page.show(state, state);
+  if (state && seen) for (const page of Object.values(pages)) page.show(state, state);
 }
 /** @param {string} name */
 function go(name) {
@@ -138,17 +140,18 @@ $('end').addEventListener('click', () => attempt(() => call('POST', '/api/plan/e
 function endedText(ended) {
   if (!ended) return '';
   if (ended.done >= ended.shots) return ended.name + ': all ' + ended.shots + ' done';
-  return ended.name + ': ended at ' + ended.done + ' of ' + ended.shots + '. To fire the rest: page Documents, button Fire the rest';
+  const rest = 'the page Documents has a button for the rest';
+  return ended.name + ': ' + ended.done + ' of ' + ended.shots + ' recorded; ' + (ended.why.includes('Documents') ? ended.why : (ended.why ? ended.why + '; ' : '') + rest);
 }
 
 /** The rig has switched off by itself, or does not arm: why, and the way out. @param {State} s */
 function showFault(s) {
-  const latched = !!s.status && s.status.state === 'fault' && !s.job;
+  const latched = !!s.status && s.status.state === 'fault';
   $('fault').hidden = !latched;
   if (!latched || !s.status) return;
-  $('fault-says').textContent = 'FAULT ' + parseInt(s.status.fault, 10) + ': ' + s.status.last_error + '. Nothing is fired before that.' +
+  $('fault-says').textContent = 'FAULT ' + parseInt(s.status.fault, 10) + ': ' + s.status.last_error + '. ' + (s.status.gate === false ? 'The coil is off. ' : '') + 'Nothing is fired before that.' +
     (s.plan.supply_volts === s.plan.usual.supply_volts ? '' : ' The voltage asked for is ' + s.plan.supply_volts + ' V, not the usual ' + s.plan.usual.supply_volts + ' V.');
-  $('acknowledge').hidden = !access.may_fire;
+  $('acknowledge').hidden = !access.may_fire || !!s.job;
 }
 $('acknowledge').addEventListener('click', () => attempt(() => call('POST', '/api/acknowledge', { fault: parseInt(state && state.status ? state.status.fault : '', 10) })));
 
@@ -158,9 +161,12 @@ function showJob(s) {
   // between two looks at the rig a shot may begin and end: "ready" would be the word of before
   const busy = (!!job || s.aiming) && !!status && !status.live && !(job && job.doing === 'paused');
   const on = !!status && status.gate === true;
-  $('state').textContent = !status ? 'no answer' : on ? 'COIL ON' : busy ? 'busy' : stateWord(status.state);
+  // the rig tells what it would refuse; a phase that is not there yet is waited for
+  const ready = !status || status.ready === '' || status.ready === 'yes' || (status.state !== 'idle' && status.state !== 'captured');
+  $('state').textContent = !status ? 'no answer' : on ? 'COIL ON' : busy ? 'busy' : job && job.paused && !status.live ? 'paused' : ready ? stateWord(status.state) : 'not ready';
+  $('state').title = ready || !status ? '' : status.ready;
   $('state').className = 'state' + (status ? (on || status.live || (busy && job && job.doing === 'firing') ? ' live' : !busy && status.state === 'fault' ? ' fault' : '') : ' gone');
-  const doing = job && on ? 'coil on for ' + job.hold_time_ms + ' ms' : job ? job.doing : '';
+  const doing = job && on ? 'coil on for ' + job.hold_time_ms + ' ms' + (s.rig.origin === 'SIMULATED RIG' ? ' of simulated time' : '') : job ? job.doing : '';
   $('job').textContent = !s.link.answers ? s.link.error : !job ? (s.aiming ? 'seeking the angle for the coil, then firing' : endedText(ended)) : job.kind === 'single' ? doing :
     job.name + ': ' + job.done + ' of ' + job.shots + ', ' + (job.ending ? 'last shot' : doing) +
     (known(job.seconds_left) ? ', ' + duration(job.seconds_left) + ' left' : '') +
@@ -169,7 +175,35 @@ function showJob(s) {
   $('progress').hidden = $('pause').hidden = $('end').hidden = !plan;
   if (job) /** @type {HTMLProgressElement} */ ($('progress')).value = job.done / job.shots;
   field('end').disabled = !!job && job.ending;
+  field('pause').disabled = false;
   $('pause').textContent = job && job.paused ? 'Continue' : 'Pause';
+}
+
+/** When the connection was lost while the coil was on, or could be. */
+let lostLive = '';
+/** Nothing is known any more: what was last read would be taken for what is. */
+function unseen() {
+  const status = state && state.status;
+  if (seen && state && (state.job || (status && (status.gate || status.live)))) {
+    lostLive = new Date().toLocaleTimeString();
+    alarm('The bench program does not answer since ' + lostLive + ', in the middle of a job: ' +
+      (status && status.gate ? 'THE COIL WAS ON' : 'the coil may be on') + ', and whether it is off by now is not known. Use the emergency switch of the rig.');
+  } else if (seen) confirmationEnds();
+  seen = false;
+  field('pause').disabled = field('end').disabled = true;
+  test.unseen();
+  rig.unseen();
+  $('state').textContent = 'no connection';
+  $('state').className = 'state gone';
+  $('job').textContent = 'the bench program does not answer; trying again';
+}
+/** @param {State} s */
+function seenAgain(s) {
+  seen = true;
+  if (!lostLive || !s.status || s.status.live || s.status.gate) return;
+  alarm('The bench answers again, which it did not since ' + lostLive + ': the rig is ' + (s.job ? 'at work' : stateWord(s.status.state)) + ', its coil is off.' +
+    (s.job ? '' : ' A closing that was on then is in no list, a plan can be gone on with on the page Documents.'), true);
+  lostLive = '';
 }
 
 /** @param {State} next */
@@ -188,7 +222,9 @@ function show(next) {
   }
   if (!next.stop && before && before.stop) alarm('');
   if (!next.status) confirmationEnds();
+  if (next.job && before && !before.job) confirmationEnds();
   stopAgain(next);
+  seenAgain(next);
   // stays until the next job begins: a stop or a pause takes nothing back
   if (next.job && !(before && before.job)) $('outside').hidden = true;
   if (next.job && next.job.outside_limits) {
@@ -203,16 +239,15 @@ function listen() {
   socket = new WebSocket(stream('/api/live'));
   socket.onmessage = (m) => show(JSON.parse(m.data));
   socket.onclose = () => {
-    test.unseen();
-    $('state').textContent = 'no connection';
-    $('state').className = 'state gone';
     const again = () => window.setTimeout(listen, 500);
     learnAccess().then((known) => {
-      if (!known) $('job').textContent = 'the bench answers, and wants a token';
+      if (!known) {
+        unseen();
+        $('job').textContent = 'the bench answers, and wants a token';
+      }
       again();
     }, () => {
-      confirmationEnds();
-      $('job').textContent = 'the bench program does not answer; trying again';
+      unseen();
       again();
     });
   };

@@ -1,6 +1,6 @@
 // @ts-check
 // Parameters: plan, specimen and rig file as text and as a list of keys, with the checks of the files.
-import { $, access, button, call, cells, clear, duration, field, newRow, sentences } from './base.js';
+import { $, access, button, call, cells, clear, duration, field, newRow, sentences, unanswered } from './base.js';
 
 /** @typedef {{section: string, section_meaning: string, key: string, unit: string, allowed: string, meaning: string, value: string,
  *   default: string, required: boolean}} Key */
@@ -25,7 +25,7 @@ async function load() {
     const file = await call('GET', '/api/files/' + of);
     const draft = sessionStorage.getItem(draftOf(of)), back = draft !== null && draft !== file.text;
     texts[of] = { text: back ? draft : file.text, saved: file.text, template: file.template, file: file.file };
-    if (back) $('noted-file').textContent = 'Your text that was not saved is back; Discard my changes takes the file.';
+    if (back) $('noted-file').textContent = 'Your text that was not saved is back; Discard my changes takes what the bench has.';
   }
   if (of === kind) put(texts[of].text);
 }
@@ -110,6 +110,10 @@ async function check() {
     reply = { errors: sentences(errors) };
   }
   if (mine !== checks) return;
+  if (reply.errors[0] === unanswered) {
+    $('planned').textContent = 'Not checked: ' + unanswered + '.';
+    return;
+  }
   showErrors(reply.errors);
   findWrong(reply.errors);
   mistakes = reply.errors.length > 0;

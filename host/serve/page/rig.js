@@ -243,7 +243,10 @@ function guards(s) {
 /** @param {boolean} on */
 export function opened(on) {
   visible = on;
-  if (on && !interlocks.length) call('GET', '/api/rig/interlocks').then((all) => { interlocks = all; }).catch(() => {});
+  if (on && !interlocks.length) call('GET', '/api/rig/interlocks').then((all) => {
+    interlocks = all;
+    if (newest) show(newest);
+  }).catch(() => {});
   if (on) { listen(); redraw(); }
   else if (socket) {
     socket.onclose = null;
@@ -251,8 +254,18 @@ export function opened(on) {
     socket = null;
   }
 }
+/** Nothing is known of the rig any more: what was read before would be taken for what is. */
+export function unseen() {
+  newest = null;
+  for (const id of ['facts', 'tracker', 'guards', 'link']) facts(id, [['not known', 'the bench program does not answer']]);
+  clear('channels');
+  clear('interlocks');
+}
+/** @type {State|null} */
+let newest = null;
 /** @param {State} state */
 export function show(state) {
+  newest = state;
   if (!visible) return;
   const { rig, status, link: line } = state;
   facts('facts', [['rig', rig.uri + ', ' + rig.model + ' ' + rig.serial], ['origin', rig.origin], ['firmware', rig.firmware + ', boot ' + rig.boot_id],

@@ -82,7 +82,8 @@ export async function showShot(id) {
   $('shot').hidden = false;
   $('no-shot').hidden = true;
   const asked = aims.get(id);
-  const found = 'touch ' + value('t_ct1', 1e3) + ' ms, bounce ' + value('t_ct_bon', 1e3) + ' ms' + (shot.bounce ? ', ' + openings(shot.bounce.openings.length) : '');
+  const touched = known((shot.quantities.find((q) => q.symbol === 't_ct1') || { value: null }).value);
+  const found = !touched ? 'no touch was observed' : 'touch ' + value('t_ct1', 1e3) + ' ms, bounce ' + value('t_ct_bon', 1e3) + ' ms' + (shot.bounce ? ', ' + openings(shot.bounce.openings.length) : '');
   $('shot-title').textContent = 'Shot ' + shot.id + (asked ? ', touch asked ' + asked + '°, coil on at ' : ' at ') + angle + ': ' +
     (shot.has_record ? found : shot.outcome + ', nothing was recorded');
   $('shot-reason').textContent = shot.origin + ', ' + shot.outcome + (shot.reason ? ': ' + shot.reason : '') + '; ' + (shot.has_record ? 'coil on at ' +
