@@ -11,6 +11,7 @@
 
 #include "core/crc32.h"
 #include "rigs/iio_link.h"
+#include "rigs/interlock_list.h"
 #include "rigs/rig_watch.h"
 #include "rigs/sealed_shot.h"
 #include "rigs/shot_set_points.h"
@@ -45,6 +46,7 @@ struct Failed {
   Outcome outcome = Outcome::error;
   std::string reason;
   bool interlock = false;
+  bool latched = false;
 };
 
 /// Who we are to others, and the token only we know. A rig that is open to a network wants its secret in front.
@@ -280,8 +282,9 @@ Failed IioRig::trip() {
   constexpr std::string_view done_here = ", then write 1 to abort";
   if (const auto at = why.find(done_here); at != std::string::npos) why.erase(at, done_here.size());
   if (why.starts_with("mains phase")) why += "; now " + link_->phase();
-  abort();
-  return {Outcome::error, "the rig tripped: " + why, true};
+  const bool again = may_try_again(std::atoi(link_->read(Device::control, "fault").c_str()));
+  if (again) abort();
+  return {Outcome::error, "the rig tripped: " + why, true, !again};
 }
 
 /// One go at the open shot over the link there is. Throws LinkBroken.
@@ -296,6 +299,7 @@ Shot IioRig::attempt(Clock::time_point deadline) {
     shot.outcome = f.outcome;
     shot.reason = f.reason;
     shot.interlock = f.interlock;
+    shot.latched = f.latched;
     record = kept(open);
   } catch (const Refusal& r) {
     const std::string why = last_error();

@@ -61,4 +61,12 @@ std::vector<InterlockLine> interlock_list() {
   return list;
 }
 
+bool may_try_again(int fault) {
+  using firmware::Fault;
+  for (const Fault f : {Fault::mains_lost, Fault::phase_invalid, Fault::samples_lost, Fault::host_lost,
+                        Fault::sensor_implausible, Fault::phase_stale})
+    if (fault == static_cast<int>(f)) return true;
+  return false;
+}
+
 }  // namespace powbench::rigs

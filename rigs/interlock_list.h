@@ -19,4 +19,8 @@ struct InterlockLine {
 /// In the order of their numbers, of the firmware that this program was built with.
 std::vector<InterlockLine> interlock_list();
 
+/// Mains, phase, samples, host or sensors were at fault, not the coil's circuit: the next shot may be tried. Any other
+/// fault stays latched for a person to read, and every shot is refused until then.
+bool may_try_again(int fault);
+
 }  // namespace powbench::rigs

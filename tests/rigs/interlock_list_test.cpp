@@ -26,3 +26,14 @@ TEST_CASE("the page of the faults says what the table says", "[fault]") {
     CHECK(f.advice.find("abort") == std::string::npos);  // the word of the attribute, not of a person
   }
 }
+
+TEST_CASE("only what says nothing of the coil's circuit may be tried again", "[fault]") {
+  using firmware::Fault;
+  int again = 0;
+  for (const auto& f : firmware::fault_table) again += rigs::may_try_again(static_cast<int>(f.fault)) ? 1 : 0;
+  CHECK(again == 6);
+  for (const Fault f : {Fault::coil_overcurrent, Fault::coil_stuck_on, Fault::contact_welded,
+                        Fault::emergency_stop, Fault::relay_welded, Fault::on_time_exceeded})
+    CHECK_FALSE(rigs::may_try_again(static_cast<int>(f)));
+  CHECK_FALSE(rigs::may_try_again(0));  // what is not known is none of them
+}

@@ -122,8 +122,11 @@ TEST_CASE("faults on request end in a sentence, and the rig works again afterwar
       const Shot shot = rig->fire(at(0), 5s);
       CHECK(shot.outcome == Outcome::error);
       CHECK(shot.interlock);
+      CHECK(shot.latched);  // a fault of the coil's circuit is not ended by whoever fires
       CHECK(shot.reason.find("no coil current") != std::string::npos);
     }
+    CHECK(rig->abort());  // acknowledged: the next shot is tried
+    CHECK(rig->fire(at(0), 5s).reason.find("the rig tripped: no coil current") != std::string::npos);
   }
   SECTION("lost samples") {
     config.faults.lost_samples = 3;
