@@ -43,6 +43,8 @@ TEST_CASE("live page: a fault says why and how it ends, and its button ends it",
   press(tab, "fire");
   tab.until("document.getElementById('fault').hidden === false");
   CHECK(tab.value(says("FAULT 1: mains lost: check the supply, then acknowledge the fault")) == true);
+  CHECK(tab.value(says("The coil is off.") + " && " +
+                  says("not the usual 230 V: the rig takes so low a mains")) == true);
   tab.until(says("Shot 1 at 90\xC2\xB0: ERROR, nothing was recorded"));
   CHECK(tab.value("document.getElementById('state').className") == "state fault");
   CHECK(tab.value("document.getElementById('fire').disabled") == true);

@@ -150,7 +150,8 @@ function showFault(s) {
   $('fault').hidden = !latched;
   if (!latched || !s.status) return;
   $('fault-says').textContent = 'FAULT ' + parseInt(s.status.fault, 10) + ': ' + s.status.last_error + '. ' + (s.status.gate === false ? 'The coil is off. ' : '') + 'Nothing is fired before that.' +
-    (s.plan.supply_volts === s.plan.usual.supply_volts ? '' : ' The voltage asked for is ' + s.plan.supply_volts + ' V, not the usual ' + s.plan.usual.supply_volts + ' V.');
+    (s.plan.supply_volts === s.plan.usual.supply_volts ? '' : ' The voltage asked for is ' + s.plan.supply_volts + ' V, not the usual ' + s.plan.usual.supply_volts + ' V' +
+      (parseInt(s.status.fault, 10) === 1 && s.plan.supply_volts < 0.3 * s.plan.usual.supply_volts ? ': the rig takes so low a mains for lost.' : '.'));
   $('acknowledge').hidden = !access.may_fire || !!s.job;
 }
 $('acknowledge').addEventListener('click', () => attempt(() => call('POST', '/api/acknowledge', { fault: parseInt(state && state.status ? state.status.fault : '', 10) })));

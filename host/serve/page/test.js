@@ -86,7 +86,7 @@ export async function showShot(id) {
   const found = !touched ? 'no touch was observed' : 'touch ' + value('t_ct1', 1e3) + ' ms, bounce ' + value('t_ct_bon', 1e3) + ' ms' + (shot.bounce ? ', ' + openings(shot.bounce.openings.length) : '');
   $('shot-title').textContent = 'Shot ' + shot.id + (asked ? ', touch asked ' + asked + '°, coil on at ' : ' at ') + angle + ': ' +
     (shot.has_record ? found : shot.outcome + ', nothing was recorded');
-  $('shot-reason').textContent = shot.origin + ', ' + shot.outcome + (shot.reason ? ': ' + shot.reason : '') + '; ' + (shot.has_record ? 'coil on at ' +
+  $('shot-reason').textContent = shot.origin + ', ' + shot.outcome + (shot.reason ? ': ' + shot.reason : shot.outcome === 'NOT JUDGED' ? ' (no limit is set)' : '') + '; ' + (shot.has_record ? 'coil on at ' +
     measured(shot.reached_rad, 180 / Math.PI) + '°' + (asked ? ' to touch at ' + asked + '°' : '') + ', touched at ' + measured(shot.touch_rad, 180 / Math.PI) + '° of the mains; ' : '') +
     askedOf(shot) + shot.started.replace('T', ' ').replace('Z', ' UTC');
   $('shot-title').classList.toggle('bad', shot.outcome === 'FAIL');
