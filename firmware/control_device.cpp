@@ -147,7 +147,7 @@ int write_zero_capture(void* self, std::uint32_t, std::string_view value) {
 
 /// Whether an arm would be accepted now: "yes", or the sentence it would be refused with.
 int read_ready(const void* self, std::uint32_t, Text& out) {
-  const std::string_view why = control_of(self).obstacle().why;
+  const std::string_view why = control_of(self).obstacle();
   return out.put(why.empty() ? "yes" : why), 0;
 }
 

@@ -40,45 +40,48 @@ void FireControl::boot(const BootReport& report) {
   if (boot_.survivor) boot_.survivor->note_gate(false);
 }
 
-Refusal FireControl::refuse(const Obstacle& o) {
-  if (o.refusal != Refusal::accepted) last_error_ = o.why;
-  return o.refusal;
+Refusal FireControl::refuse(Refusal how, std::string_view why) {
+  last_error_ = why;
+  return how;
 }
 
-/// Is the last shot over, and may there be another one?
-Obstacle FireControl::unrested() const {
-  const auto wait = [](std::string_view why) { return Obstacle{Refusal::wrong_state, why}; };
-  if (!gate_.idle()) return wait("cannot arm while the gate is on");
+/// Is the last shot over, and may there be another one? Empty, or why not.
+std::string_view FireControl::unrested() const {
+  if (!gate_.idle()) return "cannot arm while the gate is on";
   if (settling() || !interlocks_->contact_open(next_sample_))
-    return wait("cannot arm before current has ended and the contact is proven open");
+    return "cannot arm before current has ended and the contact is proven open";
   switch (
       budget_.judge(config_->budget, next_sample_, gate_since_, hold_samples(), 60 * config_->sample_rate)) {
     case DutyBudget::Verdict::ready:
       return {};
     case DutyBudget::Verdict::pause:
-      return wait("too soon after the last shot: wait for the pause between shots");
+      return "too soon after the last shot: wait";
     case DutyBudget::Verdict::too_many:
-      return wait("too many shots within a minute: wait");
+      return "too many shots a minute: wait";
     case DutyBudget::Verdict::too_hot:
       break;
   }
-  return wait("coil energised for too long: let it cool, or ask for less hold time");
+  return "coil energised too long: let it cool";
 }
 
-Obstacle FireControl::obstacle() const {
-  if (state_ == State::fault) return {Refusal::faulted, reason(fault_)};
-  if (!boot_.unfit.empty()) return {Refusal::faulted, boot_.unfit};
-  if (!unready_.empty()) return {Refusal::wrong_state, unready_};
-  if (state_ == State::firing)
-    return {Refusal::wrong_state, "cannot arm while firing: wait for captured, or abort"};
-  if (const Obstacle tired = unrested(); tired.refusal != Refusal::accepted) return tired;
-  if (interlocks_->emergency_stop())
-    return {Refusal::wrong_state, "emergency stop is open: close it before arming"};
-  return {};
+Refusal FireControl::refuse_unless_rested() {
+  const std::string_view why = unrested();
+  return why.empty() ? Refusal::accepted : refuse(Refusal::wrong_state, why);
+}
+
+std::string_view FireControl::obstacle() const {
+  if (state_ == State::fault) return reason(fault_);
+  if (!boot_.unfit.empty()) return boot_.unfit;
+  if (!unready_.empty()) return unready_;
+  if (state_ == State::firing) return "cannot arm while firing: wait, or abort";
+  if (const std::string_view why = unrested(); !why.empty()) return why;
+  return interlocks_->emergency_stop() ? "emergency stop is open: close it first" : std::string_view();
 }
 
 Refusal FireControl::arm() {
-  if (const Refusal no = refuse(obstacle()); no != Refusal::accepted) return no;
+  if (const std::string_view why = obstacle(); !why.empty())
+    return refuse(state_ == State::fault || !boot_.unfit.empty() ? Refusal::faulted : Refusal::wrong_state,
+                  why);
   // everything a shot depends on starts from a known state, so that equal shots give equal records
   mains_->reset();
   tracker_origin_ = next_sample_;
@@ -94,7 +97,7 @@ Refusal FireControl::arm() {
 
 Refusal FireControl::disarm() {
   if (state_ == State::firing)
-    return refuse({Refusal::wrong_state, "cannot disarm while firing: write 1 to abort"});
+    return refuse(Refusal::wrong_state, "cannot disarm while firing: write 1 to abort");
   if (state_ != State::armed) return Refusal::accepted;
   recorder_->discard();
   token_ = false;
@@ -103,10 +106,10 @@ Refusal FireControl::disarm() {
 }
 
 Refusal FireControl::fire() {
-  if (state_ == State::fault) return refuse({Refusal::faulted, reason(fault_)});
+  if (state_ == State::fault) return refuse(Refusal::faulted, reason(fault_));
   if (state_ != State::armed || !token_)
-    return refuse({Refusal::wrong_state, "not armed: write 1 to arm before firing"});
-  if (const Refusal tired = refuse(unrested()); tired != Refusal::accepted) return tired;
+    return refuse(Refusal::wrong_state, "not armed: write 1 to arm before firing");
+  if (const Refusal tired = refuse_unless_rested(); tired != Refusal::accepted) return tired;
   token_ = false;
   fired_ = true;
   planned_ = false;
@@ -152,42 +155,40 @@ void FireControl::owner_gone() {
   }
 }
 
-Refusal FireControl::refuse_latched() {
+/// Of a value to be set: outside its range, or at the wrong time.
+Refusal FireControl::refuse_set_point(bool in_range, std::string_view range) {
+  if (!in_range) return refuse(Refusal::out_of_range, range);
   if (!set_points_latched()) return Refusal::accepted;
-  return refuse(
-      {Refusal::wrong_state, "set-points are latched from arm until the shot is over: disarm first"});
+  return refuse(Refusal::wrong_state, "set-points are latched from arm to the end of the shot: disarm");
 }
 
 Refusal FireControl::set_closing_angle(std::int64_t centi_degrees) {
-  if (centi_degrees < 0 || centi_degrees >= full_turn_centi)
-    return refuse({Refusal::out_of_range, "closing angle outside 0 .. 35999 hundredths of a degree"});
-  if (const Refusal latched = refuse_latched(); latched != Refusal::accepted) return latched;
-  closing_angle_ = static_cast<CentiDegrees>(centi_degrees);
-  return Refusal::accepted;
+  const Refusal no = refuse_set_point(centi_degrees >= 0 && centi_degrees < full_turn_centi,
+                                      "closing angle outside 0 .. 35999 (0.01 deg)");
+  if (no == Refusal::accepted) closing_angle_ = static_cast<CentiDegrees>(centi_degrees);
+  return no;
 }
 
 Refusal FireControl::set_hold_time_ms(std::int64_t ms) {
-  if (ms < 1 || ms > config_->hold_limit_ms)
-    return refuse({Refusal::out_of_range, "hold time outside 1 .. 10000 ms"});
-  if (const Refusal latched = refuse_latched(); latched != Refusal::accepted) return latched;
-  hold_time_ms_ = ms;
-  return Refusal::accepted;
+  const Refusal no =
+      refuse_set_point(ms >= 1 && ms <= config_->hold_limit_ms, "hold time outside 1 .. 10000 ms");
+  if (no == Refusal::accepted) hold_time_ms_ = ms;
+  return no;
 }
 
 Refusal FireControl::set_touch_delay_us(std::int64_t us) {
-  if (us < 0 || us > longest_touch_delay_us)
-    return refuse({Refusal::out_of_range, "touch delay outside 0 .. 50000 us"});
-  if (const Refusal latched = refuse_latched(); latched != Refusal::accepted) return latched;
-  touch_delay_us_ = us;
-  return Refusal::accepted;
+  const Refusal no =
+      refuse_set_point(us >= 0 && us <= longest_touch_delay_us, "touch delay outside 0 .. 50000 us");
+  if (no == Refusal::accepted) touch_delay_us_ = us;
+  return no;
 }
 
 Refusal FireControl::set_angle_tolerance(std::int64_t millidegrees) {
-  if (millidegrees < least_tolerance_millideg || millidegrees > most_tolerance_millideg)
-    return refuse({Refusal::out_of_range, "angle tolerance outside 10 .. 90000 thousandths of a degree"});
-  if (const Refusal latched = refuse_latched(); latched != Refusal::accepted) return latched;
-  tolerance_millideg_ = millidegrees;
-  return Refusal::accepted;
+  const Refusal no =
+      refuse_set_point(millidegrees >= least_tolerance_millideg && millidegrees <= most_tolerance_millideg,
+                       "angle tolerance outside 10 .. 90000 (0.001 deg)");
+  if (no == Refusal::accepted) tolerance_millideg_ = millidegrees;
+  return no;
 }
 
 void FireControl::current_at_rest() {

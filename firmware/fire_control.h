@@ -29,12 +29,6 @@ struct LatchedShot {
 /// Answer to a command: accepted, or why not.
 enum class Refusal : std::uint8_t { accepted, wrong_state, out_of_range, faulted };
 
-/// What stands against a command; `why`: one sentence, empty when nothing does.
-struct Obstacle {
-  Refusal refusal = Refusal::accepted;
-  std::string_view why{};
-};
-
 struct FireConfig {
   std::int64_t sample_rate = 100'000;   ///< Hz
   std::int64_t hold_limit_ms = 10'000;  ///< hard cap of the on-time, as the attributes tell it
@@ -58,8 +52,8 @@ class FireControl {
   /// Once, before the first block: what the reset was. Anything but a clean one starts in fault.
   void boot(const BootReport&);
 
-  /// What arm() would answer now.
-  Obstacle obstacle() const;
+  /// Why arm() would be refused now, one sentence; empty: it would not.
+  std::string_view obstacle() const;
   /// Sets the complete state for one shot. Refused while firing, in fault, while the last shot is not over or
   /// the contact not proven open, and when the coil has been used too often or too long.
   Refusal arm();
@@ -142,9 +136,10 @@ class FireControl {
   float angle_deviation() const { return angle_deviation_; }
 
  private:
-  Refusal refuse(const Obstacle&);
-  Obstacle unrested() const;
-  Refusal refuse_latched();
+  Refusal refuse(Refusal, std::string_view why);
+  Refusal refuse_unless_rested();
+  std::string_view unrested() const;
+  Refusal refuse_set_point(bool in_range, std::string_view range);
   void trip(Fault, std::int64_t next_sample);
   void feed_mains(const Block&);
   Fault examine(const Block&, std::int64_t end);

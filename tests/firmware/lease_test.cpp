@@ -277,12 +277,12 @@ TEST_CASE("the bench says beforehand whether it would arm, in the words of the r
   b.write("lease", "t 60000");
   b.step(true);
   CHECK(b.read("iio:device1 last_error") == "no error");
-  CHECK(b.read("iio:device1 ready") == "emergency stop is open: close it before arming");
+  CHECK(b.read("iio:device1 ready") == "emergency stop is open: close it first");
   CHECK(b.read("iio:device1 last_error") == "no error");  // it was asked, not refused
   CHECK(b.write("arm", "1 t") == "-16\n");
   CHECK(b.read("iio:device1 last_error") == b.read("iio:device1 ready"));
   b.step();
   CHECK(b.write("arm", "1 t") == "3\n");
   CHECK(b.write("fire", "1 t") == "3\n");
-  CHECK(b.read("iio:device1 ready") == "cannot arm while firing: wait for captured, or abort");
+  CHECK(b.read("iio:device1 ready") == "cannot arm while firing: wait, or abort");
 }
