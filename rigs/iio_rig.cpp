@@ -303,9 +303,10 @@ Shot IioRig::attempt(Clock::time_point deadline) {
     record = kept(open);
   } catch (const Refusal& r) {
     const std::string why = last_error();
-    read_state();  // an answer out of step would be no state
+    const std::string state = read_state();  // an answer out of step would be no state
     shot.outcome = Outcome::error;
-    shot.interlock = shot.latched = r.error == EPERM;
+    shot.interlock = r.error == EPERM;
+    shot.latched = state == "fault";
     shot.reason = sentence(r) + (why.empty() || why == "no error" ? "" : ": " + advice(why));
     record = kept(open);
   }

@@ -51,8 +51,7 @@ struct Shot {
   Record record;
   bool rig_lost = false;   ///< the connection broke: reconnect before the next shot
   bool interlock = false;  ///< the rig refused or tripped for safety
-  bool latched =
-      false;  ///< it stays in fault until somebody acknowledges that: it will refuse every other shot
+  bool latched = false;    ///< it stays in fault, and refuses every shot, until somebody acknowledges that
 };
 
 class Rig {

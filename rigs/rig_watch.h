@@ -37,9 +37,9 @@ struct RigStatus {
   /// 0.001 deg ("4 6"); what is wrong with the mains ("144 cross_check disturbed"); tolerance of the closing angle,
   /// 0.001 deg.
   std::string hertz, phase_u, phase_faults, tolerance;
-  std::string gate,
-      relay;  ///< "1": the gate energises the coil; the safety relay is told to close. "": an older rig
-  std::string ready;  ///< whether it would arm now: "yes", or why not; "": an older rig
+  std::string gate;   ///< "1": it energises the coil; "": not known
+  std::string relay;  ///< "1": the safety relay is told to close; "": not known
+  std::string ready;  ///< whether it would arm now: "yes", or why not; "": not known
 
   /// The coil is on, or could be without another command of its owner.
   bool live() const { return state == "armed" || state == "firing"; }

@@ -130,7 +130,7 @@ std::string Bench::Impl::run_job(const Job& now) {
   const RunSummary summary = run_campaign(store, campaign, now.shots, *rig, options, silent);
   with_shot = nullptr;
   // of a single closing that no STOP has cut the picture is made to the end: nothing is fired for it
-  if (summary.done() > 0 && (!stopped() || (now.single && !going()))) {
+  if (summary.done() > 0 && (!stopped() || (now.single && !is_ending()))) {
     doing("simulating");
     if (!now.single)
       simulate_campaign(store, campaign, now.shots, now.scene.specimen, sensors.config, options, silent,
@@ -154,7 +154,7 @@ std::string Bench::Impl::run_job(const Job& now) {
   return {};
 }
 
-bool Bench::Impl::going() const {
+bool Bench::Impl::is_ending() const {
   const std::scoped_lock lock(mutex);
   return ending;
 }

@@ -47,14 +47,13 @@ struct Bench::Impl final : RunWatcher {
   std::string run_job(const Job&);
   rigs::RigInfo rig_now() const;
   void doing(const char*);
-  bool going() const;  ///< the program ends
+  bool is_ending() const;  ///< the program ends
   bool stopped() override { return stop_flag || end_asked; }
   void resting(double left) override;
   void between() override;
   void stored(std::int64_t shot) override;
 
   StopAnswer stop();
-  void show_stopped();
   void acknowledge(int number);
   void begin(Job, Instant asked);
   Job single(double angle) const;

@@ -84,6 +84,7 @@ StopAnswer Bench::Impl::stop() {
       const std::string state = stop_line->state();
       if (nobody && rigs::coil_off(state)) {
         answer.off = true;
+        looker->coil_is_off(state);
         answer.ms = 1e3 * seconds_since(begun);
         answer.text = fmt::format("coil off, confirmed by the rig: gate off (its state: {}), {}, at {}{}",
                                   state, coil_current(stop_line, expected), time_of_day(), late);
@@ -97,7 +98,6 @@ StopAnswer Bench::Impl::stop() {
     std::this_thread::sleep_for(milliseconds(1));
   }
   if (!answer.off) answer.ms = 1e3 * seconds_since(begun);
-  if (answer.off) show_stopped();
   {
     const std::scoped_lock lock(mutex);
     last_stop = answer;
@@ -105,15 +105,6 @@ StopAnswer Bench::Impl::stop() {
   }
   changed();
   return answer;
-}
-
-/// The state that the stop has confirmed is shown with its answer: the looker's may be 0.1 s old.
-void Bench::Impl::show_stopped() {
-  try {
-    looker->take(stop_line->status());
-  } catch (const rigs::RigError&) {
-    stop_line.reset();
-  }
 }
 
 /// The line of the thread that fires holds the lease, so nobody else's `abort` ends a fault; no job begins meanwhile.

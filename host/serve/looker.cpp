@@ -54,7 +54,7 @@ void Looker::work() {
     }
     const double took = std::chrono::duration<double, std::milli>(Clock::now() - asked).count();
     lock.lock();
-    if (asked < taken_ && seen.status) seen.status = look_.status;
+    if (asked < told_ && seen.status) seen.status = look_.status;
     const bool first = look_.looks == 0, answered = look_.status.has_value();
     const bool news =
         first || seen.status != look_.status || seen.error != look_.error || seen.now != look_.now;
@@ -80,10 +80,13 @@ void Looker::work() {
   }
 }
 
-void Looker::take(const rigs::RigStatus& status) {
+void Looker::coil_is_off(const std::string& state) {
   const std::scoped_lock lock(mutex_);
-  look_.status = status;
-  taken_ = Clock::now();
+  told_ = Clock::now();
+  if (!look_.status) return;
+  look_.status->state = state;
+  look_.status->gate = "0";
+  look_.status->relay = look_.status->ready = "";  // until the next look
 }
 
 Looker::Look Looker::look() const {

@@ -36,8 +36,8 @@ class Looker {
     double answer_ms = 0, median_ms = 0, worst_ms = 0;  ///< newest, and of the newest 100 looks
   };
   Look look() const;
-  /// What another line has read just now: what this one asked for before is older.
-  void take(const rigs::RigStatus&);
+  /// Another line has read just now that the rig is in this state, and its gate off: what was read before is older.
+  void coil_is_off(const std::string& state);
   /// Every attribute of the rig, on a line of its own. Throws RigError.
   std::vector<std::pair<std::string, std::string>> attributes();
 
@@ -51,7 +51,7 @@ class Looker {
   std::condition_variable wake_;
   bool ending_ = false;
   Look look_;
-  std::chrono::steady_clock::time_point taken_{};
+  std::chrono::steady_clock::time_point told_{};
   std::deque<double> answers_;
   std::mutex reading_;  ///< one reader of attributes at a time
   std::thread thread_;

@@ -10,10 +10,9 @@
 namespace powbench::sim {
 namespace {
 
-constexpr std::size_t fewest = 3;  // closings that a deviation is worth something with
-constexpr std::size_t fewest_angles =
-    12;                               // synthetic devices: with 6 the line is hardly better, with 12 it is
-constexpr double resolution = 20e-6;  // s: what bounces for less does not bounce
+constexpr std::size_t fewest = 3;          // closings that a deviation is worth something with
+constexpr std::size_t fewest_angles = 12;  // with 6 the line is hardly better on synthetic devices
+constexpr double resolution = 20e-6;       // s: what bounces for less does not bounce
 
 double log_of(double bounce) {
   return std::log(bounce > resolution ? bounce : resolution);  // NaN too

@@ -203,7 +203,7 @@ function seenAgain(s) {
   seen = true;
   if (!lostLive || !s.status || s.status.live || s.status.gate) return;
   alarm('The bench answers again, which it did not since ' + lostLive + ': the rig is ' + (s.job ? 'at work' : stateWord(s.status.state)) + ', its coil is off.' +
-    (s.job ? '' : ' A closing that was on then is in no list, a plan can be gone on with on the page Documents.'), true);
+    (s.job ? '' : ' A closing that was on then may be in no list; a plan can be gone on with on the page Documents.'), true);
   lostLive = '';
 }
 
