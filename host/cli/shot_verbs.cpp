@@ -5,6 +5,7 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
+#include "core/counted.h"
 #include "core/phase.h"
 #include "core/quantities.h"
 #include "host/cli/show.h"
@@ -264,6 +265,11 @@ Exit compare_campaigns(const CompareArgs& args) {
   const auto lines = unlike(store, first, second);
   if (!lines.empty()) fmt::print("the two campaigns were not alike in\n");
   for (const std::string& line : lines) fmt::print("  {}\n", line);
+  if (const std::size_t same = same_records(store, first, second); same > 0)
+    fmt::print(
+        "{} of the second campaign hold the records of the first, bit for bit: simulated with one seed, so "
+        "their agreement says nothing\n",
+        counted(same, "shot"));
   return exit_of(worse(verdicts[0], verdicts[1]));
 }
 

@@ -65,4 +65,14 @@ std::vector<std::string> unlike(const Store& store, const CampaignInfo& first, c
   return lines;
 }
 
+std::size_t same_records(const Store& store, const CampaignInfo& first, const CampaignInfo& second) {
+  std::set<std::string> there;
+  for (const StoredShot& s : store.shots(first.id, ShotKind::measured)) there.insert(s.record_hash);
+  there.erase("");
+  std::size_t count = 0;
+  for (const StoredShot& s : store.shots(second.id, ShotKind::measured))
+    count += there.contains(s.record_hash) ? 1U : 0U;
+  return count;
+}
+
 }  // namespace powbench::host

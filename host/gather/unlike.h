@@ -11,4 +11,8 @@ namespace powbench::host {
 /// line each, as "supply voltage: 230 V, then 200 V"; none where they were alike.
 std::vector<std::string> unlike(const Store&, const CampaignInfo& first, const CampaignInfo& second);
 
+/// How many measured closings of the second campaign hold a record of the first, bit for bit: a simulated rig given the
+/// same plan and seed twice. That these agree says nothing.
+std::size_t same_records(const Store&, const CampaignInfo& first, const CampaignInfo& second);
+
 }  // namespace powbench::host

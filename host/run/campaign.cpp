@@ -145,6 +145,8 @@ RunSummary run_campaign(Store& store, std::int64_t campaign, std::span<const Pla
   RunSummary summary;
   summary.planned = plan.size();
   summary.limits = tally_of(options.limits);
+  for (const StoredShot& left : store.close_begun())
+    progress.say(fmt::format("campaign {}, shot {}: {}", left.campaign, left.number + 1, left.reason));
   std::set<int> done;
   for (const StoredShot& s : recorded_shots(store, campaign)) {
     done.insert(s.number);
@@ -172,6 +174,7 @@ RunSummary run_campaign(Store& store, std::int64_t campaign, std::span<const Pla
       break;
     }
     const StoredShot shot = stored(campaign, ShotKind::measured, planned);
+    store.begin_shot(shot);
     rigs::Shot result = rig.fire(planned.conditions, options.shot_limit);
     StoredShot ended = keep_shot(store, shot, result, options, summary, progress);
     bool back = true;

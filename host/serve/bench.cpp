@@ -33,7 +33,9 @@ Bench::Impl::Impl(const std::string& rig_uri, const Scene& first, const std::str
       endpoint(rigs::endpoint(rig_uri, sensors.config,
                               sensors.specimen.empty() ? first.specimen : load_specimen(sensors))),
       scene(first) {
-  Store(database, Store::Mode::read_write);  // there and sound, or the sentence that says what is wrong
+  // there and sound, or the sentence that says what is wrong
+  for (const StoredShot& left : Store(database, Store::Mode::read_write).close_begun())
+    log_line(fmt::format("shot {}, coil on at {:.2f} deg: ERROR: {}", left.id, left.angle_deg, left.reason));
   rig = std::make_unique<StoppableRig>(rigs::connect_iio(endpoint.uri), stop_flag, inside);
   info = rig->info();
   stop_line = std::make_unique<rigs::RigWatch>(endpoint.uri, connect_time);

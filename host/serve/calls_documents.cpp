@@ -170,7 +170,7 @@ constexpr Route of_documents[] = {
      "",
      R"({"first": {}, "second": {}, "rows": [{"quantity": "", "unit": "", "closing_angle_deg": 0, "n": [1],
           "first": {"value": 0, "u": 0, "U": 0}, "second": {"value": 0, "u": 0, "U": 0}, "difference": 0,
-          "U": 0, "over_U": 0, "agreement": ""}], "unlike": [""]})",
+          "U": 0, "over_U": 0, "agreement": ""}], "unlike": [""], "same_records": 0})",
      get_comparison,
      {"first", "second"}},
     {"GET", "/api/shots/{id}", Right::read,

@@ -320,7 +320,8 @@ std::string pair_document(const Store& store, const CampaignInfo& first, const C
   return text({{"first", who(first)},
                {"second", who(second)},
                {"rows", rows},
-               {"unlike", unlike(store, first, second)}});
+               {"unlike", unlike(store, first, second)},
+               {"same_records", same_records(store, first, second)}});
 }
 
 std::string junit_document(const Store& store, const CampaignInfo& campaign) {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <filesystem>
 
+#include "host/store/begun_rows.h"
 #include "host/store/content.h"
 #include "host/store/json.h"
 #include "host/store/open.h"
@@ -97,6 +98,7 @@ StoreContent check_store(const std::string& path, const Step& step) {
   Database db = open_store(path, Store::Mode::read_only);
   check_structure(db, c);
   c.bare = db.number("SELECT count(*) FROM record WHERE packing = ''");
+  sound(c, [&] { select_begun(db); });
   sound(c, [&] { check_rows(db, c, step); });
   if (!c.damage.empty()) c.hash.clear();
   return c;

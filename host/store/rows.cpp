@@ -101,13 +101,17 @@ StoredShot plain_shot(const Statement& s) {
 
 }  // namespace
 
-std::string utc_now() {
-  const std::time_t now = std::chrono::system_clock::to_time_t(std::chrono::system_clock::now());
+std::string utc_text(std::chrono::system_clock::time_point when) {
+  const std::time_t now = std::chrono::system_clock::to_time_t(when);
   std::tm tm{};
   gmtime_r(&now, &tm);
   char text[32];
   std::strftime(text, sizeof text, "%Y-%m-%dT%H:%M:%SZ", &tm);
   return text;
+}
+
+std::string utc_now() {
+  return utc_text(std::chrono::system_clock::now());
 }
 
 Origin origin_from(const std::string& word) {

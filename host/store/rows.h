@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <chrono>
 #include <optional>
 #include <string>
 #include <utility>
@@ -17,7 +18,8 @@ namespace powbench::host {
 Outcome outcome_from(const std::string& word);
 Origin origin_from(
     const std::string& word);  ///< unknown for a word that is none, as in rows from before there were origins
-std::string utc_now();         ///< ISO 8601
+std::string utc_text(std::chrono::system_clock::time_point);  ///< ISO 8601
+std::string utc_now();
 
 /// Stored JSON that cannot be read is damage, not bad input.
 template <class F>

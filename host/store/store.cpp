@@ -3,6 +3,7 @@
 #include <set>
 
 #include "core/quantities.h"
+#include "host/store/begun_rows.h"
 #include "host/store/json.h"
 #include "host/store/open.h"
 #include "host/store/record_rows.h"
@@ -99,6 +100,30 @@ std::optional<CampaignInfo> Store::find_campaign(const std::string& plan_hash,
   return campaign_row(s);
 }
 
+void Store::begin_shot(const StoredShot& given) {
+  StoredShot shot = given;
+  if (shot.started.empty()) shot.started = utc_now();
+  insert_begun(impl_->db, shot);
+}
+
+std::vector<StoredShot> Store::close_begun() {
+  Database& db = impl_->db;
+  std::vector<StoredShot> closed;
+  Transaction t(db);
+  for (BegunRow& row : select_begun(db)) {
+    if (row.running) continue;
+    row.shot.outcome = Outcome::error;
+    row.shot.reason =
+        "the program ended while this shot was fired: the coil may have been on, nothing was recorded";
+    row.shot.attempt = impl_->next_attempt(row.shot);
+    row.shot.id = insert_shot(db, row.shot);
+    remove_begun(db, row.shot.campaign, row.shot.number);
+    closed.push_back(std::move(row.shot));
+  }
+  t.commit();
+  return closed;
+}
+
 std::int64_t Store::store_shot(const StoredShot& given, const Record* record, const Events* events,
                                const ExtractionInfo& extraction) {
   Database& db = impl_->db;
@@ -107,6 +132,7 @@ std::int64_t Store::store_shot(const StoredShot& given, const Record* record, co
   Transaction t(db);
   shot.attempt = impl_->next_attempt(shot);
   const std::int64_t id = insert_shot(db, shot);
+  if (shot.kind == ShotKind::measured) remove_begun(db, shot.campaign, shot.number);
   if (record) {
     const std::int64_t record_id = insert_record(db, id, *record);
     if (events) impl_->insert(id, record_id, *events, extraction);

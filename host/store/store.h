@@ -94,7 +94,7 @@ class Store {
  public:
   /// Marks the file as a powbench store ("PoWb").
   static constexpr std::uint32_t application_id = 0x506F5762;
-  static constexpr int schema_version = 7;
+  static constexpr int schema_version = 8;
 
   enum class Mode { read_only, read_write };
 
@@ -113,6 +113,13 @@ class Store {
   /// The newest campaign of this plan and specimen that was fired on a rig, finished or not.
   std::optional<CampaignInfo> find_campaign(const std::string& plan_hash,
                                             const std::string& specimen_hash) const;
+
+  /// Marks a measured shot as being fired, before its coil is switched on; store_shot takes the mark away. id, outcome,
+  /// reason and attempt of `shot` are ignored.
+  void begin_shot(const StoredShot& shot);
+  /// Stores what a program that no longer runs has begun as ERROR, with the reason; what another one fires stays. The
+  /// caller itself has nothing in flight. Returns what it stored, of all campaigns.
+  std::vector<StoredShot> close_begun();
 
   /// Shot, record and events in one transaction. id, record_hash and attempt of `shot` are ignored. Returns the
   /// shot's id. A shot that is there already (same campaign, kind, number) gets another attempt, a measured one only

@@ -169,6 +169,20 @@ TEST_CASE("what was fired before the rig was lost is fetched, and the failed att
   CHECK(earlier[0].reason == "the rig went away");
 }
 
+TEST_CASE("a shot is marked in the store before it is fired, and the mark goes with its result", "[run]") {
+  Campaign c(2);
+  c.rig.on_fire = [&](int fired) {
+    if (fired == 1) CHECK(c.store.shots(1).empty());
+    const auto begun = Store(c.folder.file()).close_begun();  // as a program that comes behind a killed one
+    REQUIRE(begun.size() == 1);
+    CHECK(begun[0].number == fired - 1);
+  };
+  c.run();
+  CHECK(c.store.close_begun().empty());
+  CHECK(c.store.shots(1).size() == 2);
+  CHECK(c.store.earlier_attempts(1).size() == 2);
+}
+
 TEST_CASE("a stop during a shot ends the campaign behind it; the shot is stored", "[run]") {
   const StopOnSignal guard;
   Campaign c(4);

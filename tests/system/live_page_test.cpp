@@ -187,6 +187,9 @@ TEST_CASE("live page: closing at touch, pause, two campaigns, PDF, exports", "[.
   tab.until("document.querySelectorAll('#campaigns tr').length === 3");
   tab.value("document.querySelector('#compare button[type=submit]').click()");
   tab.until("/of 18 comparisons differ/.test(document.getElementById('pair-title').textContent)");
+  tab.until(
+      "/4 of the shots hold the same record in "
+      "both/.test(document.getElementById('pair-title').textContent)");
   picture(tab, "live-compare.png");
   const auto find = [&](const std::string& id, const std::string& value) {
     tab.value("(()=>{const e=document.getElementById('" + id + "');e.value='" + value +

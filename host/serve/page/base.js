@@ -177,6 +177,8 @@ for (const box of document.querySelectorAll('.wide')) {
 const states = { idle: 'ready', armed: 'armed', firing: 'firing', captured: 'ready', fault: 'FAULT' };
 /** What a state of the rig means to a person; its record is stored before the next closing. @param {string} state */
 export const stateWord = (state) => states[state] || state;
+/** A phase that is not valid yet hinders nobody: a shot waits for it. @param {Status} s */
+export const lacksPhase = (s) => s.phase_faults !== '' && !/^0\b/.test(s.phase_faults);
 
 /** @param {string} path @param {string} text */
 export function anchor(path, text) {

@@ -1,6 +1,6 @@
 // @ts-check
 // The live bench. State arrives over one WebSocket; everything a person does is an HTTP call.
-import { $, access, call, duration, field, known, learnAccess, sentences, stateWord, stream, whenTokenGiven } from './base.js';
+import { $, access, call, duration, field, known, lacksPhase, learnAccess, sentences, stateWord, stream, whenTokenGiven } from './base.js';
 import './choice.js';
 import * as documents from './documents.js';
 import * as parameters from './parameters.js';
@@ -164,8 +164,10 @@ function showJob(s) {
   const on = !!status && status.gate === true;
   // the rig tells what it would refuse; a phase that is not there yet is waited for
   const ready = !status || status.ready === '' || status.ready === 'yes' || (status.state !== 'idle' && status.state !== 'captured');
-  $('state').textContent = !status ? 'no answer' : on ? 'COIL ON' : busy ? 'busy' : job && job.paused && !status.live ? 'paused' : ready ? stateWord(status.state) : 'not ready';
-  $('state').title = ready || !status ? '' : status.ready;
+  const word = status ? stateWord(status.state) : '', lacks = word === 'ready' && !!status && lacksPhase(status),
+    bad = lacks && status.phase_faults !== '1 warming_up';  // this passes by itself
+  $('state').textContent = !status ? 'no answer' : on ? 'COIL ON' : busy ? 'busy' : job && job.paused && !status.live ? 'paused' : !ready ? 'not ready' : bad ? 'phase not valid' : word;
+  $('state').title = !status ? '' : !ready ? status.ready : lacks ? 'the phase is ' + status.phase + '; a shot waits until it is' : '';
   $('state').className = 'state' + (status ? (on || status.live || (busy && job && job.doing === 'firing') ? ' live' : !busy && status.state === 'fault' ? ' fault' : '') : ' gone');
   const doing = job && on ? 'coil on for ' + job.hold_time_ms + ' ms' + (s.rig.origin === 'SIMULATED RIG' ? ' of simulated time' : '') : job ? job.doing : '';
   $('job').textContent = !s.link.answers ? s.link.error : !job ? (s.aiming ? 'seeking the angle for the coil, then firing' : endedText(ended)) : job.kind === 'single' ? doing :

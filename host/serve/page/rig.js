@@ -1,6 +1,6 @@
 // @ts-check
 // Rig: who it is, how it is, its attributes, and a scope on the raw channels of the last records.
-import { $, bytes, call, cells, clear, field, known, list, newRow, sentences, stream, unitOf } from './base.js';
+import { $, bytes, call, cells, clear, field, known, lacksPhase, list, newRow, sentences, stream, unitOf } from './base.js';
 
 /** @typedef {import('./base.js').State} State */
 /** @typedef {{name: string, unit: string, scale: number, offset: number, clip_low: number, clip_high: number, counts: Int16Array}} Trace */
@@ -217,7 +217,7 @@ function tracker(s) {
 function wouldFire(s) {
   if (s.state === 'fault') return 'no: fault ' + s.fault;
   if (s.ready && s.ready !== 'yes') return 'no: ' + s.ready;
-  if (s.phase_faults && !/^0\b/.test(s.phase_faults)) return 'not yet: the phase is ' + s.phase + '; a shot waits until it is';
+  if (lacksPhase(s)) return 'not yet: the phase is ' + s.phase + '; a shot waits until it is';
   if (!known(s.phase_u_ahead_deg) || !known(s.angle_tolerance_deg)) return 'not known';
   const three = 3 * s.phase_u_ahead_deg;
   return three <= s.angle_tolerance_deg ? 'yes: nothing is in the way, and 3 u of the phase is within the tolerance' : 'no: 3 u = ' + three.toFixed(3) + '° is more than the tolerance';

@@ -61,7 +61,10 @@ function prepare(state) {
     call('POST', '/api/prepare', { angle_deg: angle }).catch(() => {});
   }, 100);
 }
-for (const id of ['angle', 'at']) $(id).addEventListener('input', () => prepare(null));
+for (const id of ['angle', 'at']) $(id).addEventListener('input', () => { clear('refused'); prepare(null); });
+// what is chosen stands after a reload too: an angle of the touch must not become one of the coil
+field('at').value = sessionStorage.getItem('powbench-at') || field('at').value;
+$('at').addEventListener('input', () => sessionStorage.setItem('powbench-at', field('at').value));
 
 /** The touch asked for of the newest closings. @type {Map<number, string>} */
 const aims = new Map();
