@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <charconv>
+#include <chrono>
 #include <map>
 #include <nlohmann/json.hpp>
+#include <span>
 #include <thread>
 
 #include "core/version.h"
@@ -102,6 +104,12 @@ std::string design_text(const SweepArgs& args, const Study& s) {
   return j.dump();
 }
 
+constexpr std::int64_t block = 500;  ///< points
+
+/// Blocks are simulated and stored in groups: at the end of each the threads wait for each other and for the disk.
+/// What a stop or a kill loses is one group.
+constexpr std::chrono::milliseconds longest_group{2000};
+
 Exit run_sweep(const SweepArgs& args, const Study& s, sim::Team& team) {
   const std::map<std::string, sim::Sampling> samplings{{"grid", sim::Sampling::grid},
                                                        {"latin", sim::Sampling::latin},
@@ -134,29 +142,45 @@ Exit run_sweep(const SweepArgs& args, const Study& s, sim::Team& team) {
       rows[static_cast<std::size_t>(b.first + k)].assign(from, from + static_cast<std::ptrdiff_t>(width));
       known[static_cast<std::size_t>(b.first + k)] = true;
     }
-  constexpr std::int64_t block = 500;
   const auto count_of = [&](std::int64_t first) { return std::min(block, design.size() - first); };
   std::int64_t blocks = 0, own = 0, points = 0, done = 0;
-  for (std::int64_t first = 0; first < design.size(); first += block, ++blocks)
-    if (shard.has(blocks)) ++own, points += count_of(first);
+  std::vector<std::int64_t> wanted;  // first points of the blocks to be simulated
+  for (std::int64_t first = 0; first < design.size(); first += block, ++blocks) {
+    if (!shard.has(blocks)) continue;
+    ++own, points += count_of(first);
+    if (known[static_cast<std::size_t>(first)])
+      done += count_of(first);
+    else
+      wanted.push_back(first);
+  }
   Progress progress("sweep", static_cast<std::size_t>(points), progress_style(args.progress));
-  for (std::int64_t first = 0; first < design.size(); first += block) {
-    if (!shard.has(first / block)) continue;
-    done += count_of(first);
-    if (known[static_cast<std::size_t>(first)]) continue;
+  std::size_t together = 1;
+  for (std::size_t next = 0; next < wanted.size();) {
     if (StopOnSignal::asked()) {
       fmt::print(stderr, "stopped; the same command goes on with sweep {} in {}\n", id, args.database);
       return Exit::interrupted;
     }
-    const std::int64_t count = count_of(first);
-    std::vector<double> flat;
-    const auto results = sim::run_points(design, s.base, first, count, s.options, team);
-    for (std::size_t k = 0; k < results.size(); ++k) {
-      auto& row = rows[static_cast<std::size_t>(first) + k] = metric_values(results[k]);
-      flat.insert(flat.end(), row.begin(), row.end());
+    const auto begun = std::chrono::steady_clock::now();
+    const std::span<const std::int64_t> group =
+        std::span(wanted).subspan(next, std::min(together, wanted.size() - next));
+    std::vector<std::int64_t> numbers;
+    for (const std::int64_t first : group)
+      for (std::int64_t k = 0; k < count_of(first); ++k) numbers.push_back(first + k);
+    const auto results = sim::run_points(design, s.base, numbers, s.options, team);
+    std::vector<SweepBlock> stored;
+    std::size_t at = 0;
+    for (const std::int64_t first : group) {
+      SweepBlock& b = stored.emplace_back(SweepBlock{first, count_of(first), {}});
+      for (std::int64_t k = 0; k < b.count; ++k, ++at) {
+        auto& row = rows[static_cast<std::size_t>(first + k)] = metric_values(results[at]);
+        b.numbers.insert(b.numbers.end(), row.begin(), row.end());
+      }
     }
-    store.put(id, first, count, flat);
+    store.put(id, stored);
+    next += group.size();
+    done += static_cast<std::int64_t>(results.size());
     progress.update(static_cast<std::size_t>(done));
+    if (std::chrono::steady_clock::now() - begun < longest_group / 2) together *= 2;
   }
   progress.finish();
   fmt::print(stderr, "sweep {} in {}\n", id, args.database);

@@ -156,10 +156,9 @@ std::vector<SweepInfo> SweepStore::sweeps() const {
   return select_sweeps(impl_->db);
 }
 
-void SweepStore::put(std::int64_t sweep, std::int64_t first, std::int64_t count,
-                     std::span<const double> numbers) {
+void SweepStore::put(std::int64_t sweep, std::span<const SweepBlock> blocks) {
   Transaction t(impl_->db);
-  insert_block(impl_->db, sweep, first, count, numbers);
+  for (const SweepBlock& b : blocks) insert_block(impl_->db, sweep, b.first, b.count, b.numbers);
   t.commit();
 }
 

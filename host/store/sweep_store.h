@@ -38,7 +38,7 @@ class SweepStore {
   std::vector<SweepInfo> sweeps() const;
 
   /// One transaction. A block that is there already is kept as it is.
-  void put(std::int64_t sweep, std::int64_t first, std::int64_t count, std::span<const double> numbers);
+  void put(std::int64_t sweep, std::span<const SweepBlock> blocks);
   /// In ascending order; throws StoreError when a block does not match its seal.
   std::vector<SweepBlock> blocks(std::int64_t sweep) const;
 

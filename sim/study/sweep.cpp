@@ -72,12 +72,13 @@ void bootstrap(const Sample& s, const BestAngleOptions& options, BestAngle& b) {
 
 }  // namespace
 
-std::vector<ClosingMetrics> run_points(const Design& design, const Case& base, std::int64_t first,
-                                       std::int64_t count, const MetricOptions& options, Team& team) {
-  std::vector<ClosingMetrics> results(static_cast<std::size_t>(count));
-  for_each_index(team, static_cast<int>(count), [&](int k) {
-    results[static_cast<std::size_t>(k)] =
-        closing_metrics(design.apply(base, design.point(first + k)), options);
+std::vector<ClosingMetrics> run_points(const Design& design, const Case& base,
+                                       std::span<const std::int64_t> points, const MetricOptions& options,
+                                       Team& team) {
+  std::vector<ClosingMetrics> results(points.size());
+  for_each_index(team, static_cast<int>(points.size()), [&](int k) {
+    const auto i = static_cast<std::size_t>(k);
+    results[i] = closing_metrics(design.apply(base, design.point(points[i])), options);
   });
   return results;
 }

@@ -1,6 +1,8 @@
 #pragma once
 
+#include <cstdint>
 #include <functional>
+#include <span>
 #include <vector>
 
 #include "sim/study/metrics.h"
@@ -10,9 +12,9 @@
 
 namespace powbench::sim {
 
-/// Simulates the points first .. first + count - 1 of a design. The result does not depend on the number of threads.
-std::vector<ClosingMetrics> run_points(const Design&, const Case& base, std::int64_t first,
-                                       std::int64_t count, const MetricOptions&, Team&);
+/// Simulates points of a design, one result each. A result depends on its point alone.
+std::vector<ClosingMetrics> run_points(const Design&, const Case& base, std::span<const std::int64_t> points,
+                                       const MetricOptions&, Team&);
 
 /// d metric / d variable by a central difference. NaN where a side does not close.
 struct Sensitivity {

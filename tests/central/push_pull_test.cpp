@@ -132,7 +132,7 @@ TEST_CASE("a large sweep is pushed, pulled, checked and merged without being hel
     for (int i = 0; i < blocks; ++i) {
       for (std::size_t k = 0; k < numbers.size(); ++k)
         numbers[k] = static_cast<double>(k) + 1e-3 * static_cast<double>(i);
-      store.put(sweep, 500 * i, 500, numbers);
+      store.put(sweep, std::vector{SweepBlock{500 * i, 500, numbers}});
     }
   };
   constexpr int blocks = 1500;  // 120 MB
@@ -328,11 +328,11 @@ TEST_CASE("content that conflicts with the database is refused, and the database
     refused("its prediction");
   }
   SECTION("a block of a sweep") {
-    SweepStore(f[1]).put(1, 0, 10, std::vector<double>(10, 1.0));
+    SweepStore(f[1]).put(1, std::vector{SweepBlock{0, 10, std::vector<double>(10, 1.0)}});
     refused("its block 0");
   }
   SECTION("the cut of a sweep into blocks") {
-    SweepStore(f[1]).put(1, 5, 10, std::vector<double>(10, 1.0));
+    SweepStore(f[1]).put(1, std::vector{SweepBlock{5, 10, std::vector<double>(10, 1.0)}});
     refused("the cut into blocks");
   }
 }

@@ -59,8 +59,8 @@ struct Three {
       info.program_version = "1";
       const auto sweep = sweeps.open_sweep(info);
       const std::vector<double> numbers(10, std::nan(""));
-      sweeps.put(sweep, 10 * i, 10, numbers);
-      if (i == 2) sweeps.put(sweep, 0, 10, numbers);  // once more
+      sweeps.put(sweep, std::vector{SweepBlock{10 * i, 10, numbers}});
+      if (i == 2) sweeps.put(sweep, std::vector{SweepBlock{0, 10, numbers}});  // once more
     }
   }
 };

@@ -133,8 +133,9 @@ TEST_CASE("sweeps cut into other blocks are refused, from whichever side", "[sto
   info.program_version = "1";
   const auto file = [&](const std::string& name, std::int64_t first, std::int64_t count) {
     SweepStore store(folder.file(name));
-    store.put(store.open_sweep(info), first, count,
-              std::vector<double>(static_cast<std::size_t>(count), 1.0));
+    store.put(
+        store.open_sweep(info),
+        std::vector{SweepBlock{first, count, std::vector<double>(static_cast<std::size_t>(count), 1.0)}});
     return folder.file(name);
   };
   const std::string middle = file("m.db", 20, 20), low = file("l.db", 10, 11), high = file("h.db", 39, 5),

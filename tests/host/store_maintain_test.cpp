@@ -128,7 +128,7 @@ TEST_CASE("conflicting content is refused and the target stays as it was", "[sto
     CHECK_THROWS_WITH(merge_stores(at("fresh.db"), {f[0], f[1]}), Contains("extraction is not the same"));
   }
   SECTION("a block of a sweep") {
-    SweepStore(f[1]).put(1, 0, 10, std::vector<double>(10, 1.0));
+    SweepStore(f[1]).put(1, std::vector{SweepBlock{0, 10, std::vector<double>(10, 1.0)}});
     refused("block 0 is not the same");
   }
   SECTION("a source that is damaged") {

@@ -29,9 +29,8 @@ TEST_CASE("sweeps live beside campaigns in one store: blocks once, in order, NaN
     CHECK(store.open_sweep(info) != id);
     const std::vector<double> second{5, 6, 7, 8};
     const std::vector<double> first{1, 2, std::nan(""), 4};
-    store.put(id, 2, 2, second);
-    store.put(id, 0, 2, first);
-    store.put(id, 0, 2, second);  // there already: kept as it is
+    store.put(id, std::vector<SweepBlock>{{2, 2, second}, {0, 2, first}});
+    store.put(id, std::vector<SweepBlock>{{0, 2, second}});  // there already: kept as it is
   }
   {
     const SweepStore store(folder.file());
