@@ -184,8 +184,7 @@ double ContactorModel::flux_rates(const Field& f, double offset, const CoilFeed<
     }
     ds[phi] = (mmf_rate - other) / stiffness;
   } else {
-    const double resistance = resistance_ + feed.resistance;
-    linkage_rate = feed.emf - resistance * f.mmf / coil.turns - resistance * offset;
+    linkage_rate = feed.linkage_rate(resistance_, f.mmf / coil.turns + offset);
     ds[phi] = (linkage_rate - ratio * other) / (coil.turns + ratio * stiffness);
   }
   if (!ring) ds[phi2] = share * ds[phi];
@@ -193,7 +192,7 @@ double ContactorModel::flux_rates(const Field& f, double offset, const CoilFeed<
 }
 
 double ContactorModel::losses(const double* s, const Forces& f) const {
-  double sum = specimen_.core.friction * std::fabs(s[v]) + base_damping_ * s[w] * s[w];
+  double sum = friction_.loss(s[v]) + base_damping_ * s[w] * s[w];
   const auto lost = [&](int k) {
     return contacts_[static_cast<std::size_t>(k)].loss(f.pen[k], f.rate[k], f.contact[k]);
   };
@@ -217,20 +216,7 @@ void ContactorModel::derivative(double t, const double* s, double* ds) const {
 
   const auto& core = specimen_.core;
   ds[x] = s[v];
-  switch (friction_) {
-    case Friction::none:
-      ds[v] = f.core / core.mass;
-      break;
-    case Friction::stick:
-      ds[v] = 0;
-      break;
-    case Friction::forward:
-      ds[v] = (f.core - core.friction) / core.mass;
-      break;
-    case Friction::backward:
-      ds[v] = (f.core + core.friction) / core.mass;
-      break;
-  }
+  ds[v] = friction_.net(f.core) / core.mass;
   ds[z] = s[w];
   ds[w] = f.base / specimen_.base.mass;
   if (floats()) {
@@ -257,7 +243,7 @@ void ContactorModel::derivative(double t, const double* s, double* ds) const {
   if (capacitor_ >= 0) ds[capacitor_] = fed.capacitor_rate;
   double* ledger = ds + ledger_;
   ledger[0] = fed.supplied;
-  ledger[1] = (resistance_ + fed.resistance) * i * i + fed.lost;
+  ledger[1] = fed.heat(resistance_, i);
   ledger[2] =
       circuit_.has_ring() ? circuit_.ring_resistance() * f.field.ring_current * f.field.ring_current : 0.0;
   ledger[3] = losses(s, f);

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "sim/friction.h"
 #include "sim/magnetic_circuit.h"
 #include "sim/plant.h"
 #include "sim/remanence.h"
@@ -38,7 +39,6 @@ class ContactorModel {
   using State = std::array<double, capacity>;
 
   enum : int { phi, phi2, x, v, z, w, first_group };
-  enum class Friction : std::uint8_t { none, stick, forward, backward };
 
   ContactorModel(const Specimen&, const Mains&, const PlantOptions&);
 
@@ -100,7 +100,6 @@ class ContactorModel {
   bool floats() const { return static_core_ != z; }
   double coil_current(const double* s) const;  ///< A, as if fed
   double mmf_stiffness(const Field&) const;    ///< d mmf / d phi, A/Wb, of what follows phi
-  double flux_linkage(const double* s) const;  ///< Wb, with all that is in series
   double current_rate(const Field&, double separation_rate, const double* flux_rates) const;  ///< A/s
   double second_flux(const double* s) const {
     return circuit_.has_ring() ? s[phi2] : circuit_.shaded_share() * s[phi];
@@ -140,7 +139,7 @@ class ContactorModel {
   int capacitor_ = -1;  ///< state of the suppression, V, -1: none
   int ledger_ = 0;
   double start_energy_ = 0;  ///< J, of the remanence
-  Friction friction_ = Friction::none;
+  CoulombFriction<double> friction_;
   std::vector<PlantEvent> events_;
 };
 

@@ -13,7 +13,7 @@ void ContactorModel::reset_modes() {
     contacts_[static_cast<std::size_t>(g.first_contact)].pressed = true;
     if (g.tilts) contacts_[static_cast<std::size_t>(g.first_contact + 1)].pressed = true;
   }
-  friction_ = specimen_.core.friction > 0 ? Friction::stick : Friction::none;
+  friction_ = CoulombFriction<double>(specimen_.core.friction);
 }
 
 void ContactorModel::guards(double t, const double* s, double* g) const {
@@ -22,21 +22,7 @@ void ContactorModel::guards(double t, const double* s, double* g) const {
   penetrations(s, pen, rate);
   for (int k = 0; k < contact_count_; ++k)
     g[k] = contacts_[static_cast<std::size_t>(k)].guard(pen[k], rate[k]);
-  double& friction = g[contact_count_];
-  switch (friction_) {
-    case Friction::none:
-      friction = 1;
-      break;
-    case Friction::stick:
-      friction = specimen_.core.friction - std::fabs(core_force(s));
-      break;
-    case Friction::forward:
-      friction = s[v];
-      break;
-    case Friction::backward:
-      friction = -s[v];
-      break;
-  }
+  g[contact_count_] = friction_.guard(s[v], [&] { return core_force(s); });
   double& coil = g[contact_count_ + 1];
   coil = 1;
   if (supply_.watches_open_voltage())
@@ -60,7 +46,7 @@ void ContactorModel::flip(double t, double* s, std::uint64_t which) {
     if (by_time) settle_supply(t, s, supply_.pass(t, current(s)), before);
   }
   const bool friction = (which >> contact_count_ & 1U) != 0;
-  if (friction || friction_ == Friction::stick) flip_friction(t, s);
+  if (friction || friction_.sticks()) flip_friction(t, s);
 }
 
 void ContactorModel::flip_contact(double t, int k, double rate) {
@@ -78,14 +64,9 @@ void ContactorModel::flip_contact(double t, int k, double rate) {
 
 /// Stick, or slide in the direction of the force: called where the velocity is zero.
 void ContactorModel::flip_friction(double t, double* s) {
-  if (friction_ == Friction::forward && !contacts_[0].pressed) publish(PlantEvent::Kind::stall, t, 0);
+  if (friction_.slides_forward() && !contacts_[0].pressed) publish(PlantEvent::Kind::stall, t, 0);
   s[v] = 0;
-  const double force = core_force(s);
-  if (std::fabs(force) <= specimen_.core.friction) {
-    friction_ = Friction::stick;
-  } else {
-    friction_ = force > 0 ? Friction::forward : Friction::backward;
-  }
+  friction_.choose(core_force(s));
 }
 
 void ContactorModel::publish(PlantEvent::Kind kind, double t, double velocity) {
@@ -128,22 +109,13 @@ void ContactorModel::settle_supply(double t, double* s, SupplyModes::Effect effe
   if (effect == SupplyModes::Effect::none) return;
   if (effect != SupplyModes::Effect::blocked) publish(PlantEvent::Kind::coil_open, t, 0);
   if (effect == SupplyModes::Effect::opened) return;
-  const double before = flux_linkage(s);
-  const double offset_before = offset(s);
   const double turns = specimen_.coil.turns;
-  for (int pass = 0; pass < 60; ++pass) {
+  const double left = remove_current(remanence_, s[phi], offset(s), [&] {
     const Field f = circuit_.field(s[phi], second_flux(s), separation(s));
-    double slope = mmf_stiffness(f);
-    double miss = f.mmf;
-    if (offset_ >= 0) {
-      const double gone = turns * s[phi] + inductance_ / turns * f.mmf - before;
-      s[offset_] = remanence_.after(offset_before, gone);
-      miss += turns * s[offset_];
-      slope += turns * remanence_.stiffness(s[offset_], gone > 0) * (turns + inductance_ / turns * slope);
-    }
-    s[phi] -= miss / slope;
-    if (std::fabs(miss / slope) <= 1e-15 * std::fabs(s[phi])) break;
-  }
+    const double i = f.mmf / turns, slope = mmf_stiffness(f) / turns;
+    return CoilPoint{i, slope, turns * s[phi] + inductance_ * i, turns + inductance_ * slope};
+  });
+  if (offset_ >= 0) s[offset_] = left;
   if (!circuit_.has_ring()) s[phi2] = circuit_.shaded_share() * s[phi];
   book_loss(s, energy_before - stored_energy(s));
 }

@@ -15,10 +15,6 @@ double ContactorModel::coil_current(const double* s) const {
   return circuit_.field(s[phi], second_flux(s), separation(s)).mmf / specimen_.coil.turns + offset(s);
 }
 
-double ContactorModel::flux_linkage(const double* s) const {
-  return specimen_.coil.turns * s[phi] + inductance_ * (coil_current(s) - offset(s));
-}
-
 double ContactorModel::current_rate(const Field& f, double separation_rate, const double* rates) const {
   return (f.mmf_phi * rates[phi] + f.mmf_phi2 * rates[phi2] + f.mmf_separation * separation_rate) /
          specimen_.coil.turns;

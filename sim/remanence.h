@@ -57,6 +57,33 @@ inline Remanence remanence(const Specimen& s) {
           m.remanence};
 }
 
+/// Of a coil at one state of its flux: dW/dpsi and the flux linkage, and their slopes by that state.
+struct CoilPoint {
+  double current = 0, current_slope = 0;
+  double linkage = 0, linkage_slope = 0;
+};
+
+/// Brings the current of a coil that was cut to zero, by Newton, with what the iron remembers of the way: moves
+/// `state`, of which `at()` tells a CoilPoint, and returns i_h there, which was `offset`.
+template <class Real, class At>
+double remove_current(const Remanence& iron, Real& state, double offset, const At& at) {
+  const double before = at().linkage;
+  double now = offset;
+  for (int pass = 0; pass < 100; ++pass) {
+    const CoilPoint p = at();
+    double miss = p.current, slope = p.current_slope;
+    if (iron.present()) {
+      const double gone = p.linkage - before;
+      now = iron.after(offset, gone);
+      miss += now;
+      slope += iron.stiffness(now, gone > 0) * p.linkage_slope;
+    }
+    state -= static_cast<Real>(miss / slope);
+    if (std::fabs(miss / slope) <= 1e-15 * std::fabs(static_cast<double>(state))) break;
+  }
+  return now;
+}
+
 /// The state without coil and ring current that an offset i_h leaves at a gap: dW/dpsi = -i_h, dW/dphi_s = 0. Its
 /// pull is what holds a closed core when the coil is off.
 MagneticState remanent_state(const MagneticPotential&, double offset, double gap);

@@ -106,37 +106,38 @@ R RigidContactor<R>::pull(Real t, const Real* y) const {
 }
 
 template <class R>
-R RigidContactor<R>::current(const Real* y) const {
-  return electric_ < 0 ? Real(0) : static_cast<Real>(field(y).current) + offset(y);
-}
-
-template <class R>
 void RigidContactor<R>::derivative(Real t, const Real* y, Real* dy) const {
   const bool coil = electric_ >= 0;
   const MagneticResponse m = coil ? field(y) : MagneticResponse{};
   const Real f = coil ? static_cast<Real>(m.pull) : pull(t, y);
   Real losses[2];
   rhs_kernel(lanes_, y, f, dy, ledger_ >= 0 ? losses : nullptr);
-  if (coil) electric(t, y, m, dy);
-  if (ledger_ >= 0) book(t, y, m, f, losses, dy);
+  Real i = 0;
+  CoilFeed<Real> fed;
+  if (coil && supply_.conducts()) {
+    i = static_cast<Real>(m.current) + offset(y);
+    fed = feed(t, y, i);
+  }
+  if (coil) electric(y, m, i, fed, dy);
+  if (ledger_ >= 0) book(y, m, f, i, fed, losses, dy);
+}
+
+template <class R>
+R RigidContactor<R>::current(const Real* y) const {
+  return electric_ < 0 ? Real(0) : static_cast<Real>(field(y).current) + offset(y);
 }
 
 /// Fluxes: dpsi/dt = u - R i while the switch is closed; with it open i = 0 binds psi to the rest.
 template <class R>
-void RigidContactor<R>::electric(Real t, const Real* y, const MagneticResponse& m, Real* dy) const {
+void RigidContactor<R>::electric(const Real* y, const MagneticResponse& m, Real i, const CoilFeed<Real>& fed,
+                                 Real* dy) const {
   const bool ring = drive_.potential->has_ring();
   const Real ring_rate =
       ring ? -static_cast<Real>(drive_.ring_resistance) * static_cast<Real>(m.ring_current) : Real(0);
   if (ring) dy[electric_ + 1] = ring_rate;
-  if (supply_.conducts()) {
-    const Real i = static_cast<Real>(m.current) + offset(y);
-    const auto fed = feed(t, y, i);
-    dy[electric_] = fed.emf - (static_cast<Real>(drive_.resistance) + fed.resistance) * i;
-    if (capacitor_ >= 0) dy[capacitor_] = fed.capacitor_rate;
-  } else {
-    dy[electric_] = open_voltage(y, m, ring_rate);
-    if (capacitor_ >= 0) dy[capacitor_] = 0;
-  }
+  dy[electric_] = supply_.conducts() ? fed.linkage_rate(static_cast<Real>(drive_.resistance), i)
+                                     : open_voltage(y, m, ring_rate);
+  if (capacitor_ >= 0) dy[capacitor_] = fed.capacitor_rate;
   if (offset_ >= 0) dy[offset_] = drive_.remanence.rate(y[offset_], dy[electric_]);
 }
 
@@ -254,8 +255,7 @@ template <class R>
 R RigidContactor<R>::core_force(Real t, const Real* y) const {
   alignas(64) Real dy[dop853::padded(capacity + 2)];
   auto free = lanes_;
-  free.stuck = false;
-  free.friction = 0;
+  free.friction = {};
   rhs_kernel(free, y, pull(t, y), dy, nullptr);
   return dy[lanes_.dof] / lanes_.inverse_core;
 }
@@ -301,13 +301,8 @@ void RigidContactor<R>::plain_guards(Real t, const Real* y, const Real* dy, Guar
     regain = std::max(regain, pressing_margin(c, y, g.rate[c]));
   }
   g.value[regain_guard] = -regain;
-  Real slide = 1;
-  if (friction_ == Friction::stick) slide = friction_limit_ - std::fabs(core_force(t, y));
-  const Real way = friction_ == Friction::backward ? Real(-1) : Real(1);
-  const bool slides = friction_ == Friction::forward || friction_ == Friction::backward;
-  if (slides) slide = way * y[lanes_.dof];
-  g.value[friction_guard] = slide;
-  g.rate[friction_guard] = slides && dy != nullptr ? way * dy[lanes_.dof] : Real(0);
+  g.value[friction_guard] = lanes_.friction.guard(y[lanes_.dof], [&] { return core_force(t, y); });
+  g.rate[friction_guard] = lanes_.friction.guard_rate(dy != nullptr ? dy[lanes_.dof] : Real(0));
   Real& coil = g.value[coil_guard];
   coil = 1;
   if (electric_ >= 0 && supply_.watches_open_voltage())

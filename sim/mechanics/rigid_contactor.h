@@ -94,7 +94,6 @@ class RigidContactor {
     clock_guard,  ///< what the supply does at its time
     guards_used
   };
-  enum class Friction : std::uint8_t { none, stick, forward, backward };
 
   /// `ledger`: energies are states too. Throws std::invalid_argument for impossible parts.
   explicit RigidContactor(const RigidParts&, const CoilDrive& = {}, bool ledger = false);
@@ -167,7 +166,7 @@ class RigidContactor {
   /// To be called once at the start: what the ledger compares with.
   void mark_energy(const Real* y) { start_energy_ = energies(y).stored(); }
   /// W by which friction drives the core: 0, or its mode is wrong.
-  Real friction_gain(const Real* y) const { return std::max(lanes_.friction * y[lanes_.dof], Real(0)); }
+  Real friction_gain(const Real* y) const { return std::max(-lanes_.friction.loss(y[lanes_.dof]), Real(0)); }
   double least_energy() const { return least_energy_; }  ///< J, F_r0 times the travel
 
   std::vector<RigidEvent>& events() { return events_; }
@@ -185,7 +184,6 @@ class RigidContactor {
   void press(int contact, bool on);
   void flip_contact(Real t, const Real* y, int contact);
   void flip_detached(Real t, const Real* y, bool release);
-  void flip_friction(Real* y, Real t);
   Real pressing_margin(int contact, const Real* y, Real rate) const;
   void plain_guards(Real t, const Real* y, const Real* dy, GuardSet&) const;
   Real core_force(Real t, const Real* y) const;
@@ -197,8 +195,9 @@ class RigidContactor {
   Real open_voltage(const Real* y, const MagneticResponse&, Real ring_rate) const;
   Real open_voltage(const Real* y) const;   ///< V, at the coil without current
   double fed_current(const Real* y) const;  ///< A, zero while the coil is not fed
-  void electric(Real t, const Real* y, const MagneticResponse&, Real* dy) const;
-  void book(Real t, const Real* y, const MagneticResponse&, Real pull, const Real* losses, Real* dy) const;
+  void electric(const Real* y, const MagneticResponse&, Real current, const CoilFeed<Real>&, Real* dy) const;
+  void book(const Real* y, const MagneticResponse&, Real pull, Real current, const CoilFeed<Real>&,
+            const Real* losses, Real* dy) const;
   MagneticResponse field(const Real* y) const;
   Real gap(const Real* y) const;
 
@@ -223,8 +222,6 @@ class RigidContactor {
   std::uint64_t pressing_ = 0;
   std::uint64_t detached_ = 0;
   bool touching_ = false;  ///< pole faces overlap in the middle: the magnetic gap stays zero
-  Real friction_limit_ = 0;
-  Friction friction_ = Friction::none;
   SupplyModes supply_;
   std::shared_ptr<const MagneticPotential>
       with_source_;  ///< the coil's potential with the source's inductance

@@ -8,25 +8,21 @@
 namespace powbench::sim {
 
 template <class R>
-void RigidContactor<R>::book(Real t, const Real* y, const MagneticResponse& m, Real f, const Real* losses,
-                             Real* dy) const {
+void RigidContactor<R>::book(const Real* y, const MagneticResponse& m, Real f, Real i,
+                             const CoilFeed<Real>& fed, const Real* losses, Real* dy) const {
   const Real* v = y + lanes_.dof;
   const Real squeeze = v[2] - rigid_foot(lanes_, v);
   Real damped = losses[1] + lanes_.core_damping * v[0] * v[0] + lanes_.tilt_damping * v[1] * v[1] +
                 lanes_.buffer_damping * squeeze * squeeze;
-  for (int i = 0; i < lanes_.modes; ++i) damped += lanes_.mode_damping[i] * v[3 + i] * v[3 + i];
+  for (int k = 0; k < lanes_.modes; ++k) damped += lanes_.mode_damping[k] * v[3 + k] * v[3 + k];
   Real* e = dy + ledger_;
-  const bool coil = electric_ >= 0;
-  const Real i = static_cast<Real>(m.current) + offset(y);
   const Real ring = static_cast<Real>(m.ring_current);
-  const bool conducts = coil && supply_.conducts();
-  const auto fed = conducts ? feed(t, y, i) : CoilFeed<Real>{};
-  e[0] = coil ? fed.supplied : f * (v[0] - v[2]);
-  e[1] = conducts ? (static_cast<Real>(drive_.resistance) + fed.resistance) * i * i + fed.lost : Real(0);
+  e[0] = electric_ >= 0 ? fed.supplied : f * (v[0] - v[2]);
+  e[1] = fed.heat(static_cast<Real>(drive_.resistance), i);
   if (offset_ >= 0) e[1] += drive_.remanence.loss(y[offset_], dy[electric_]);
   e[2] = static_cast<Real>(drive_.ring_resistance) * ring * ring;
   e[3] = losses[0];
-  e[4] = -lanes_.friction * v[0];
+  e[4] = lanes_.friction.loss(v[0]);
   e[5] = damped;
 }
 

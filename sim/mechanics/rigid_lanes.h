@@ -1,5 +1,6 @@
 #pragma once
 
+#include "sim/friction.h"
 #include "sim/mechanics/lanes.h"
 #include "sim/mechanics/rigid_parts.h"
 
@@ -45,8 +46,7 @@ struct RigidLanes {
   Real inverse_core = 0, inverse_tilt = 0, inverse_static = 0;
   Real return_preload = 0, return_rate = 0, core_damping = 0, tilt_rate = 0, tilt_damping = 0;
   Real buffer_rate = 0, buffer_damping = 0;
-  Real friction = 0;  ///< N, signed force of sliding friction on the core
-  bool stuck = false;
+  CoulombFriction<Real> friction;   ///< on the core
   Real follow = 0;                  ///< of the pads with the static core
   bool buffer_on_base = false;      ///< the buffer's foot moves with the base modes
   Real foot[most_base_modes] = {};  ///< shape of a mode there
@@ -196,7 +196,7 @@ POWBENCH_INLINE void rigid_rhs(const RigidLanes<Real>& p, const Real* s, Real pu
   const V& c = f[core_group];
   const Real core = pull - p.return_preload - p.return_rate * s[0] - p.core_damping * v[0] +
                     lane_sum<Real>(on_core) - (c[0] + c[1]) + (c[2] + c[3]);
-  a[0] = p.stuck ? Real(0) : (core + p.friction) * p.inverse_core;
+  a[0] = p.friction.net(core) * p.inverse_core;
   a[1] = (lane_sum<Real>(p.at * on_core - p.to_tilt * c) - p.tilt_rate * s[1] - p.tilt_damping * v[1]) *
          p.inverse_tilt;
   const Real squeeze = p.buffer_rate * (s[2] - rigid_foot(p, s));

@@ -47,9 +47,7 @@ RigidContactor<R>::RigidContactor(const RigidParts& given, const CoilDrive& driv
     ledger_ = size_;
     size_ += 6;
   }
-  friction_limit_ = static_cast<Real>(parts.core_friction);
-  friction_ = parts.core_friction > 0 ? Friction::stick : Friction::none;
-  lanes_.stuck = parts.core_friction > 0;
+  lanes_.friction = CoulombFriction<Real>(static_cast<Real>(parts.core_friction));
   events_.reserve(4096);
 }
 
@@ -204,20 +202,6 @@ void RigidContactor<R>::flip_detached(Real t, const Real* y, bool release) {
 }
 
 template <class R>
-void RigidContactor<R>::flip_friction(Real* y, Real t) {
-  y[lanes_.dof] = 0;
-  const Real force = core_force(t, y);
-  lanes_.stuck = std::fabs(force) <= friction_limit_;
-  if (lanes_.stuck) {
-    friction_ = Friction::stick;
-    lanes_.friction = 0;
-  } else {
-    friction_ = force > 0 ? Friction::forward : Friction::backward;
-    lanes_.friction = force > 0 ? -friction_limit_ : friction_limit_;
-  }
-}
-
-template <class R>
 void RigidContactor<R>::flip(Real& t, Real* y, std::uint64_t which) {
   for (std::uint64_t bits = which & ((std::uint64_t{1} << rigid_contacts) - 1); bits != 0; bits &= bits - 1)
     flip_contact(t, y, __builtin_ctzll(bits));
@@ -225,7 +209,9 @@ void RigidContactor<R>::flip(Real& t, Real* y, std::uint64_t which) {
   if (which >> regain_guard & 1U) flip_detached(t, y, false);
   if (which >> gap_guard & 1U) touching_ = !touching_;
   if (which >> coil_guard & 3U) flip_supply(static_cast<double>(t), y, which >> coil_guard);
-  if ((which >> friction_guard & 1U) || friction_ == Friction::stick) flip_friction(y, t);
+  if ((which >> friction_guard & 1U) == 0 && !lanes_.friction.sticks()) return;
+  y[lanes_.dof] = 0;
+  lanes_.friction.choose(core_force(t, y));
 }
 
 namespace {
@@ -283,8 +269,7 @@ double RigidContactor<R>::equilibrium(Real* y) {
   for (int j = 0; j < p.bridges; ++j) y[3 + p.modes + j] = y[0] + depth(laws_[2], p.preload[j] / 2);
   auto still = *this;
   still.lanes_.automatic = true;
-  still.lanes_.stuck = false;
-  still.lanes_.friction = 0;
+  still.lanes_.friction = {};
   still.lanes_.followed = -1;
   still.ledger_ = still.electric_ = still.offset_ = still.capacitor_ = -1;
   still.given_.peak = 0;

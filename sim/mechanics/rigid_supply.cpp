@@ -25,22 +25,11 @@ void RigidContactor<R>::flip_supply(double t, Real* y, std::uint64_t which) {
 template <class R>
 void RigidContactor<R>::settle_supply(Real* y, SupplyModes::Effect effect, double energy_before) {
   if (effect == SupplyModes::Effect::none || effect == SupplyModes::Effect::opened) return;
-  const auto before = static_cast<double>(y[electric_]);
-  const auto offset_before = static_cast<double>(offset(y));
-  for (int pass = 0; pass < 100; ++pass) {
+  const double left = remove_current(drive_.remanence, y[electric_], static_cast<double>(offset(y)), [&] {
     const MagneticResponse m = field(y);
-    double miss = m.current;
-    double slope = m.current_psi;
-    if (offset_ >= 0) {
-      const double gone = static_cast<double>(y[electric_]) - before;
-      const double now = drive_.remanence.after(offset_before, gone);
-      y[offset_] = static_cast<Real>(now);
-      miss += now;
-      slope += drive_.remanence.stiffness(now, gone > 0);
-    }
-    y[electric_] -= static_cast<Real>(miss / slope);
-    if (std::fabs(miss / slope) <= 1e-15 * std::fabs(static_cast<double>(y[electric_]))) break;
-  }
+    return CoilPoint{m.current, m.current_psi, static_cast<double>(y[electric_]), 1};
+  });
+  if (offset_ >= 0) y[offset_] = static_cast<Real>(left);
   if (ledger_ >= 0) y[ledger_ + 1] += static_cast<Real>(energy_before - energies(y).magnetic);
 }
 

@@ -43,7 +43,7 @@ SolenoidModel::SolenoidModel(const SolenoidSpecimen& specimen, const MagneticPot
     stop =
         Unilateral::with_ratio(p.stop_stiffness, rebound_damping_ratio(p.stop_restitution), p.moving_mass());
   stops_[open_stop].pressed = true;
-  friction_ = p.friction > 0 ? Friction::stick : Friction::none;
+  friction_ = CoulombFriction<double>(p.friction);
   // Wb at 1 T in the plunger, m, m/s
   const double radius = specimen.design.shape.plunger_radius;
   scale_.fill(1);
@@ -84,37 +84,29 @@ double SolenoidModel::open_rate(const MagneticResponse& r, double velocity) cons
 void SolenoidModel::derivative(double t, const double* s, double* ds) const {
   const auto& p = specimen_.plunger;
   const Forces f = forces(s);
-  const bool stuck = friction_ == Friction::stick;
-  const double against = friction_ == Friction::forward    ? p.friction
-                         : friction_ == Friction::backward ? -p.friction
-                                                           : 0.0;
-  ds[x] = stuck ? 0 : s[v];
-  ds[v] = stuck ? 0 : (f.sum - against) / p.moving_mass();
+  ds[x] = friction_.sticks() ? 0 : s[v];
+  ds[v] = friction_.net(f.sum) / p.moving_mass();
   CoilFeed<double> feed;
   double i = 0;
   if (supply_.conducts()) {
     i = f.field.current / turns_ratio();
     feed = supply_.feed(t, i, capacitor_ < 0 ? 0.0 : s[capacitor_]);
-    ds[psi] = (feed.emf - (resistance() + feed.resistance) * i) / turns_ratio();
+    ds[psi] = feed.linkage_rate(resistance(), i) / turns_ratio();
   } else {
     ds[psi] = open_rate(f.field, ds[x]);
   }
   if (capacitor_ >= 0) ds[capacitor_] = feed.capacitor_rate;
   ds[ledger_] = feed.supplied;
-  ds[ledger_ + 1] = (resistance() + feed.resistance) * i * i + feed.lost;
-  ds[ledger_ + 2] = p.friction * std::fabs(ds[x]) +
+  ds[ledger_ + 1] = feed.heat(resistance(), i);
+  ds[ledger_ + 2] = friction_.loss(ds[x]) +
                     stops_[closed_stop].loss(s[x] - specimen_.travel(), s[v], f.closed) +
                     stops_[open_stop].loss(open_depth_ - s[x], -s[v], f.open);
 }
 
 void SolenoidModel::guards(double t, const double* s, double* g) const {
-  const auto& p = specimen_.plunger;
   g[closed_stop] = stops_[closed_stop].guard(s[x] - specimen_.travel(), s[v]);
   g[open_stop] = stops_[open_stop].guard(open_depth_ - s[x], -s[v]);
-  g[friction_guard] = 1;
-  if (friction_ == Friction::stick) g[friction_guard] = p.friction - std::fabs(forces(s).sum);
-  if (friction_ == Friction::forward) g[friction_guard] = s[v];
-  if (friction_ == Friction::backward) g[friction_guard] = -s[v];
+  g[friction_guard] = friction_.guard(s[v], [&] { return forces(s).sum; });
   g[current_guard] = 1;
   if (supply_.watches_open_voltage())
     g[current_guard] = supply_.guard(t, 0.0, turns_ratio() * open_rate(field(s), s[v]));
@@ -145,16 +137,9 @@ void SolenoidModel::flip(double t, double* s, std::uint64_t which) {
   }
   if (set(current_guard)) settle_supply(s, supply_.pass_guard(t, current(s)));
   if (set(clock_guard)) settle_supply(s, supply_.pass(t, current(s)));
-  if (set(friction_guard) || friction_ == Friction::stick) flip_friction(s);
-}
-
-/// Stick, or slide in the direction of the force: called where the velocity is zero.
-void SolenoidModel::flip_friction(double* s) {
+  if (!set(friction_guard) && !friction_.sticks()) return;
   s[v] = 0;
-  const double force = forces(s).sum;
-  friction_ = std::fabs(force) <= specimen_.plunger.friction ? Friction::stick
-              : force > 0                                    ? Friction::forward
-                                                             : Friction::backward;
+  friction_.choose(forces(s).sum);
 }
 
 void SolenoidModel::set_coil(double t, double* s, bool on) {

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "sim/fields/potential.h"
+#include "sim/friction.h"
 #include "sim/solenoid/solenoid_specimen.h"
 #include "sim/supply/supply_modes.h"
 #include "sim/unilateral.h"
@@ -81,7 +82,6 @@ class SolenoidModel {
   std::int64_t beyond() const { return beyond_; }  ///< of these, outside of what it was made from
 
  private:
-  enum class Friction : std::uint8_t { none, stick, forward, backward };
   struct Forces {
     MagneticResponse field;
     double closed = 0, open = 0;  ///< N, of the stops
@@ -97,7 +97,6 @@ class SolenoidModel {
   double stored_energy(const double* s) const;
   void remove_current(double* s) const;
   void settle_supply(double* s, SupplyModes::Effect);
-  void flip_friction(double* s);
   void publish(SolenoidEvent::Kind kind, double t, double velocity) {
     events_.push_back({kind, t, velocity});
   }
@@ -112,7 +111,7 @@ class SolenoidModel {
   std::array<double, capacity> scale_{};
   int capacitor_ = -1;  ///< state of the suppression, -1: none
   int ledger_ = more;
-  Friction friction_ = Friction::none;
+  CoulombFriction<double> friction_;
   bool tapped_ = false;
   std::vector<SolenoidEvent> events_;
   double start_energy_ = 0;  ///< J, at rest

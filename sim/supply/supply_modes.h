@@ -35,6 +35,10 @@ struct CoilFeed {
   Real capacitor_rate = 0;  ///< V/s, of the voltage v_c of an RC suppression
   Real supplied = 0;        ///< W, by the source
   Real lost = 0;            ///< W, beside (R + resistance) i^2
+
+  /// dpsi/dt, V, and what the circuit loses, W, at the current i with R ohm of coil and source.
+  Real linkage_rate(Real ohm, Real i) const { return emf - (ohm + resistance) * i; }
+  Real heat(Real ohm, Real i) const { return (ohm + resistance) * i * i + lost; }
 };
 
 /// Between two events the coil's current flows on a path, through the source or through the suppression, or there is
