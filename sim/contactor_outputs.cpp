@@ -27,7 +27,7 @@ double ContactorModel::stored_energy(const double* s) const {
   double rate[guard_capacity];
   penetrations(s, pen, rate);
   const double i = offset_ < 0 ? current(s) : coil_current(s) - s[offset_];  // that the potential sees
-  double e = circuit_.energy(s[phi], second_flux(s), separation(s)) + 0.5 * inductance_ * i * i +
+  double e = circuit_.field(s[phi], second_flux(s), separation(s)).energy + 0.5 * inductance_ * i * i +
              remanence_.stored(offset(s));
   if (capacitor_ >= 0) e += 0.5 * supply_.capacitance() * s[capacitor_] * s[capacitor_];
   e += 0.5 * core.mass * s[v] * s[v] + s[x] * (core.return_preload + 0.5 * core.return_rate * s[x]);

@@ -31,15 +31,4 @@ MagneticCircuit::MagneticCircuit(const Magnet& magnet, double travel)
   }
 }
 
-double MagneticCircuit::energy(double phi, double phi2, double separation) const {
-  const double g = gap(separation);
-  const double r = g / (mu0 * area_ * (1 + fringe_ * g));
-  const double b = phi / area_;
-  const double phi1 = phi - phi2;
-  const double iron =
-      steel_ ? area_ * iron_length_ * steel_->energy(b)
-             : area_ * iron_length_ * b * b * (0.5 * linear_ + saturation_ * power(b) / (exponent_ + 1));
-  return iron + 0.5 * r * (phi * phi + inverse_bare_ * phi1 * phi1 + inverse_shaded_ * phi2 * phi2);
-}
-
 }  // namespace powbench::sim

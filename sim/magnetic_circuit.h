@@ -36,6 +36,7 @@ struct Field {
   double ring_separation = 0;  ///< d ring_current / d separation = d pull / d phi2
   double pull = 0;  ///< N, on the moving core in closing direction; its derivative by phi is mmf_separation
   double pull_separation = 0;  ///< d pull / d separation, N/m
+  double energy = 0;           ///< J, stored, without the leakage
 };
 
 class MagneticCircuit {
@@ -58,11 +59,19 @@ class MagneticCircuit {
 
   Field field(double phi, double phi2, double separation) const;
 
-  /// Stored magnetic energy without the leakage, J.
-  double energy(double phi, double phi2, double separation) const;
+  /// The flux of a coil of N turns with L = N ratio in series: the root of N phi + ratio mmf = psi, by Halley's method.
+  /// `phi2` counts where there is a ring.
+  double flux(double psi, double turns, double ratio, double phi2, double separation) const;
 
  private:
+  struct Iron {
+    double mmf;          ///< A
+    double slope, bend;  ///< dH/dB, m/H, and half its derivative by B; a steel tells no bend
+    double energy;       ///< J
+  };
   double power(double b) const;  ///< |b|^(exponent - 1)
+  Iron iron(double b) const;
+  double widening(double gap) const { return 1 / (1 + fringe_ * gap); }
 
   double area_;
   double iron_length_;
@@ -91,30 +100,52 @@ inline double MagneticCircuit::power(double b) const {
   return result;
 }
 
+inline MagneticCircuit::Iron MagneticCircuit::iron(double b) const {
+  const double volume = area_ * iron_length_;
+  if (steel_) {
+    const auto point = steel_->at(std::fabs(b));
+    return {iron_length_ * std::copysign(point.h, b), point.dh_db, 0, volume * point.energy};
+  }
+  const double steep = saturation_ * power(b);
+  const double bend = std::fabs(b) < 1e-100 ? 0.0 : 0.5 * exponent_ * (exponent_ - 1) * steep * (1 / b);
+  return {iron_length_ * (linear_ + steep) * b, linear_ + exponent_ * steep, bend,
+          volume * b * b * (0.5 * linear_ + steep / (exponent_ + 1))};
+}
+
+inline double MagneticCircuit::flux(double psi, double turns, double ratio, double phi2,
+                                    double separation) const {
+  const double g = gap(separation);
+  const double r = ratio * (g * widening(g) / (mu0 * area_));
+  // without a ring phi1 = (1 - a2) phi
+  const double straight = turns + r * (has_ring_ ? 1 + inverse_bare_ : 2);
+  const double sum = has_ring_ ? psi + r * inverse_bare_ * phi2 : psi;
+  const double per_area = 1 / area_, per_slope = ratio * iron_length_ * per_area;
+  // from beyond the answer, where the curve is steep: Newton comes down from there
+  double phi = sum / (straight + (steel_ ? 0.0 : per_slope * linear_));
+  const double enough = steel_ ? 1e-9 : 1e-6;  // what is left then is the square, or ten times the cube
+  for (int pass = 0; pass < 100; ++pass) {
+    const Iron i = iron(phi * per_area);
+    const double miss = sum - straight * phi - ratio * i.mmf, slope = straight + per_slope * i.slope;
+    const double change = miss * slope / (slope * slope + miss * (per_slope * per_area) * i.bend);
+    phi += change;
+    if (!(std::fabs(change) > enough * std::fabs(phi))) break;
+  }
+  return phi;
+}
+
 inline Field MagneticCircuit::field(double phi, double phi2, double separation) const {
   const double g = gap(separation);
   const double gap_slope = separation >= 0 ? 1.0 : (g / residual_) * (g / residual_);
-  const double widening = 1 / (1 + fringe_ * g);
-  const double r = g * widening / (mu0 * area_);
-  const double r_slope = widening * widening * gap_slope / (mu0 * area_);
+  const double wide = widening(g);
+  const double r = g * wide / (mu0 * area_);
+  const double r_slope = wide * wide * gap_slope / (mu0 * area_);
   const double gap_bend = separation >= 0 ? 0.0 : 2 * g * gap_slope / (residual_ * residual_);
-  const double r_bend =
-      widening * widening / (mu0 * area_) * (gap_bend - 2 * fringe_ * widening * gap_slope * gap_slope);
-  const double b = phi / area_;
+  const double r_bend = wide * wide / (mu0 * area_) * (gap_bend - 2 * fringe_ * wide * gap_slope * gap_slope);
   const double phi1 = phi - phi2;
-  double iron, iron_slope;  // A, m/H
-  if (steel_) {
-    const auto point = steel_->at(std::fabs(b));
-    iron = iron_length_ * std::copysign(point.h, b);
-    iron_slope = point.dh_db;
-  } else {
-    const double steep = saturation_ * power(b);
-    iron = iron_length_ * (linear_ + steep) * b;
-    iron_slope = linear_ + exponent_ * steep;
-  }
+  const Iron i = iron(phi / area_);
   Field f;
-  f.mmf = iron + r * (phi + inverse_bare_ * phi1);
-  f.mmf_phi = iron_length_ / area_ * iron_slope + r * (1 + inverse_bare_);
+  f.mmf = i.mmf + r * (phi + inverse_bare_ * phi1);
+  f.mmf_phi = iron_length_ / area_ * i.slope + r * (1 + inverse_bare_);
   f.mmf_phi2 = -r * inverse_bare_;
   f.mmf_separation = r_slope * (phi + inverse_bare_ * phi1);
   const double unlike = inverse_shaded_ * phi2 - inverse_bare_ * phi1;
@@ -124,6 +155,7 @@ inline Field MagneticCircuit::field(double phi, double phi2, double separation) 
   f.ring_separation = r_slope * unlike;
   f.pull = 0.5 * r_slope * squares;
   f.pull_separation = 0.5 * r_bend * squares;
+  f.energy = i.energy + 0.5 * r * squares;
   return f;
 }
 
