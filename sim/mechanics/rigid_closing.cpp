@@ -65,20 +65,20 @@ struct Sampler {
 
   void operator()(double t, const RigidContactor<double>& c, const double* y) const {
     alignas(64) double dy[EventSolver<RigidContactor<double>>::capacity] = {};
-    c.derivative(t, y, dy);
+    const MagneticResponse m = c.derivative(t, y, dy);
     const int n = c.dof();
     PlantSample s;
     s.time = t;
     s.mains_voltage = c.mains(t);
-    s.coil_current = c.current(y);
+    s.coil_current = c.current(y, m);
     const auto& source = drive.supply.mains;
     s.coil_voltage = dy[2 * n] + (drive.resistance - source.resistance) * s.coil_current;
     s.flux_linkage = y[2 * n];
     if (source.inductance > 0) {
-      s.coil_voltage -= source.inductance * c.current_rate(y, dy);
-      s.flux_linkage = c.coil_linkage(y);
+      s.coil_voltage -= source.inductance * c.current_rate(y, dy, m);
+      s.flux_linkage = c.coil_linkage(y, m);
     }
-    s.pull = c.pull(t, y);
+    s.pull = m.pull;
     s.travel = y[0] - rest;
     s.core_velocity = y[n];
     const int base = specimen.base.core_mass > 0 ? 3 : 2;

@@ -106,7 +106,7 @@ R RigidContactor<R>::pull(Real t, const Real* y) const {
 }
 
 template <class R>
-void RigidContactor<R>::derivative(Real t, const Real* y, Real* dy) const {
+MagneticResponse RigidContactor<R>::derivative(Real t, const Real* y, Real* dy) const {
   const bool coil = electric_ >= 0;
   const MagneticResponse m = coil ? field(y) : MagneticResponse{};
   const Real f = coil ? static_cast<Real>(m.pull) : pull(t, y);
@@ -115,16 +115,12 @@ void RigidContactor<R>::derivative(Real t, const Real* y, Real* dy) const {
   Real i = 0;
   CoilFeed<Real> fed;
   if (coil && supply_.conducts()) {
-    i = static_cast<Real>(m.current) + offset(y);
+    i = current(y, m);
     fed = feed(t, y, i);
   }
   if (coil) electric(y, m, i, fed, dy);
   if (ledger_ >= 0) book(y, m, f, i, fed, losses, dy);
-}
-
-template <class R>
-R RigidContactor<R>::current(const Real* y) const {
-  return electric_ < 0 ? Real(0) : static_cast<Real>(field(y).current) + offset(y);
+  return m;
 }
 
 /// Fluxes: dpsi/dt = u - R i while the switch is closed; with it open i = 0 binds psi to the rest.

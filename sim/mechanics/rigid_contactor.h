@@ -103,7 +103,8 @@ class RigidContactor {
   int guard_count() const { return guards_used; }
   int smooth_guards() const { return gap_guard + 1; }
   Real scale(int i) const;
-  void derivative(Real t, const Real* y, Real* dy) const;
+  /// Returns what the magnet answers at y, nothing where the pull is given.
+  MagneticResponse derivative(Real t, const Real* y, Real* dy) const;
   void guards(Real t, const Real* y, const Real* dy, GuardSet&) const;
   void flip(Real& t, Real* y, std::uint64_t which);
   Real guard(int k, Real t, const Real* y, Real& rate) const;
@@ -156,9 +157,17 @@ class RigidContactor {
   void depths(const Real* y, Lanes<Real>* d) const { rigid_depths(lanes_, y, Real(1), d); }
   Real separation(const Real* y) const { return travel_ - (y[0] - y[2]); }
   Real pull(Real t, const Real* y) const;
-  Real current(const Real* y) const;
-  double coil_linkage(const Real* y) const;                  ///< Wb, without the source's inductance
-  double current_rate(const Real* y, const Real* dy) const;  ///< A/s, while the coil is fed
+  Real current(const Real* y) const { return electric_ < 0 ? Real(0) : current(y, field(y)); }
+  // of a response at y
+  Real current(const Real* y, const MagneticResponse& m) const {
+    return static_cast<Real>(m.current) + offset(y);
+  }
+  /// Wb, without the source's inductance.
+  double coil_linkage(const Real* y, const MagneticResponse& m) const {
+    return static_cast<double>(y[electric_]) - supply_.mains().inductance * m.current;
+  }
+  /// A/s, while the coil is fed.
+  double current_rate(const Real* y, const Real* dy, const MagneticResponse& m) const;
   double mains(double t) const { return supply_.voltage_at(t); }
   EnergyLedger energies(const Real* y) const;
   /// |stored + lost - supplied - stored at equilibrium| over the largest of them and of F_r0 times the travel.

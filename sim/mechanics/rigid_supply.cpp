@@ -45,18 +45,12 @@ void RigidContactor<R>::magnetise(Real* y) const {
 }
 
 template <class R>
-double RigidContactor<R>::coil_linkage(const Real* y) const {
-  return static_cast<double>(y[electric_]) - supply_.mains().inductance * field(y).current;
-}
-
-template <class R>
 double RigidContactor<R>::fed_current(const Real* y) const {
   return supply_.conducts() ? static_cast<double>(current(y)) : 0.0;
 }
 
 template <class R>
-double RigidContactor<R>::current_rate(const Real* y, const Real* dy) const {
-  const MagneticResponse m = field(y);
+double RigidContactor<R>::current_rate(const Real* y, const Real* dy, const MagneticResponse& m) const {
   const int n = lanes_.dof;
   double rate = m.current_psi * static_cast<double>(dy[electric_]) +
                 m.current_gap * static_cast<double>(y[n + 2] - y[n]);
