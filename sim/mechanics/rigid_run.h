@@ -35,7 +35,7 @@ struct RigidRun {
   std::vector<RigidEvent> events;
   std::vector<StageTime> stages;
   EnergyLedger energies;
-  double energy_residual = 0;  ///< largest seen
+  double energy_residual = 0;  ///< largest seen, looked at every eighth step
   std::int64_t evaluations = 0;
   std::int64_t steps = 0;
   std::int64_t stiff_steps = 0;  ///< of them by the fall-back
