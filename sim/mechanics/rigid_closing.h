@@ -17,7 +17,7 @@ RigidParts rigid_parts(const Specimen&);
 std::vector<RigidEvent> contact_events(std::span<const PlantEvent>);
 
 /// Like `simulate`, by the rigid rung. `ledger`: with the energies as states, held to the tolerance and to their
-/// balance (a quarter more time); else the residual is 0. Throws
+/// balance (a tenth more time); else the residual is 0. Throws
 /// std::invalid_argument for a bad specimen or bad conditions.
 Trajectory simulate_rigid(const Specimen&, const Conditions&, double duration, double sample_dt,
                           double relative_tolerance = 1e-8, bool ledger = true, const Supply& bench = {});

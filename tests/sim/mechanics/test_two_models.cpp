@@ -1,5 +1,6 @@
-// The same specimen by two programs: the first plant and the rigid rung share neither equations in code, nor states,
-// nor integrator. Where both are right they agree to their tolerances.
+// The same specimen by two programs: the first plant and the rigid rung share neither equations of motion in code, nor
+// states, nor integrator; what they share is the lumped circuit, the supply and the law of friction. Where both are
+// right they agree to their tolerances.
 
 #include <catch2/catch.hpp>
 #include <cmath>
