@@ -55,6 +55,7 @@ EdgeRows edge_rows(const Signal& s, const EdgeQuestion& q, double span) {
 
 struct Posterior {
   double mean = 0, sigma = 0, chi2 = 0;
+  std::array<EdgeLaw, edge_laws> law;  ///< by law, relative to `mean`
 };
 
 /// Mean and deviation of t0 over [from, to], the grid drawn together around what counts.
@@ -72,6 +73,7 @@ Posterior posterior_of(const EdgeRows& r, double from, double to, double span, b
       if (at[k].log > at[best].log) best = k;
     }
     double weight = 0, sum = 0, squares = 0;
+    std::array<std::array<double, 3>, edge_laws> moment{};  // 1, t, t^2, by law
     std::size_t first = nodes, last = 0;
     for (std::size_t k = 0; k <= nodes; ++k) {
       const double below = at[best].log - at[k].log;
@@ -79,9 +81,19 @@ Posterior posterior_of(const EdgeRows& r, double from, double to, double span, b
       first = std::min(first, k), last = std::max(last, k);
       const double w = std::exp(-below), t = static_cast<double>(k) * step;
       weight += w, sum += w * t, squares += w * t * t;
+      for (std::size_t l = 0; l < edge_laws; ++l) {
+        const double share = w * at[k].share[l];
+        moment[l][0] += share, moment[l][1] += share * t, moment[l][2] += share * t * t;
+      }
     }
     const double mean = sum / weight;
-    p = {from + mean, std::sqrt(std::max(squares / weight - mean * mean, step * step / 12)), 0};
+    p = {from + mean, std::sqrt(std::max(squares / weight - mean * mean, step * step / 12)), 0, {}};
+    for (std::size_t l = 0; l < edge_laws; ++l) {
+      const auto& [of_law, first_moment, second] = moment[l];
+      if (!(of_law > 0)) continue;
+      const double m = first_moment / of_law;
+      p.law[l] = {of_law / weight, m - mean, std::sqrt(std::max(second / of_law - m * m, step * step / 12))};
+    }
     at_best = from + static_cast<double>(best) * step;
     to = from + step * static_cast<double>(std::min(last + 1, nodes));
     from += step * (first > 0 ? static_cast<double>(first - 1) : 0.0);
@@ -106,8 +118,11 @@ EdgeAnswer within(const Signal& s, const EdgeQuestion& q, double span) {
   out.known = true;
   out.reduced_chi2 = p.chi2 / dof;
   out.followed = out.reduced_chi2 < 1 + 3 * std::sqrt(2 / dof);
-  out.time = {q.near + q.side * p.mean,
-              std::hypot(p.sigma, std::hypot(s.dt / 12, amplifier_share * q.delay))};
+  // behind a slower amplifier the force between the samples is in the laws
+  const double between = q.delay > s.dt ? 0 : s.dt / 12;
+  out.time = {q.near + q.side * p.mean, std::hypot(p.sigma, std::hypot(between, amplifier_share * q.delay))};
+  for (std::size_t l = 0; l < edge_laws; ++l)
+    out.law[l] = {p.law[l].weight, q.side * p.law[l].mean, p.law[l].sigma};
   return out;
 }
 

@@ -1,6 +1,9 @@
 #pragma once
 
+#include <array>
+
 #include "core/events.h"
+#include "dsp/edge_laws.h"
 #include "dsp/signal.h"
 
 /// When a contact force leaves zero or comes back to it, without a shape for the whole contact.
@@ -24,12 +27,19 @@ struct EdgeQuestion {
       0;  ///< s: group delay of the amplifier's low-pass, already taken out of the time axis; 0 = none
 };
 
+/// What one law makes of an edge.
+struct EdgeLaw {
+  double weight = 0;           ///< of its posterior, over all times; the sum over the laws is 1
+  double mean = 0, sigma = 0;  ///< s: of t0, counted from EdgeAnswer::time
+};
+
 struct EdgeAnswer {
   bool known = false;     ///< enough samples
   bool followed = false;  ///< the laws leave no more than noise over the span used
   Measured time;          ///< s, mean and standard deviation
   double span = 0;        ///< s of closed time used: as much as the laws can follow
   double reduced_chi2 = 0;
+  std::array<EdgeLaw, edge_laws> law;  ///< what the time is made of; from locate_edge
 };
 
 /// The span begins with all of `closed` and shrinks until a shorter one agrees, so that what the laws

@@ -11,7 +11,7 @@ namespace powbench::dsp {
 
 namespace {
 
-constexpr std::size_t law_count = 7, terms = edge_terms;
+constexpr std::size_t law_count = edge_laws, terms = edge_terms;
 /// Four times the exponents 0, 0.75, 1, 1.25, 1.5, 1.75, 2: the place of a law's first power in a table of quarter
 /// powers. The lane behind the last law repeats it and weighs nothing.
 constexpr std::array<std::size_t, wide_lanes> first_power{0, 3, 4, 5, 6, 7, 8, 8};
@@ -130,6 +130,10 @@ POWBENCH_WITHIN_WIDE void smooth(Sums& s, const EdgeRows& r, double t0, double s
 
 }  // namespace
 
+double law_prior(std::size_t law) {
+  return before[law];
+}
+
 EdgeTotals totals_of(const EdgeRows& r) {
   EdgeTotals t{static_cast<double>(r.t.size()), 0, 0};
   for (const double v : r.y) t.y += v, t.yy += v * v;
@@ -174,16 +178,18 @@ POWBENCH_WIDE EdgeEvidence evidence_at(const EdgeRows& r, const EdgeTotals& all,
   }
   double most = gain[0];
   for (std::size_t l = 1; l < law_count; ++l) most = std::max(most, gain[l]);
+  std::array<double, edge_laws> share{};
   double sum = 0, best = -1;
   std::size_t at = 0;
   for (std::size_t l = 0; l < law_count; ++l) {
     const bool pulling = z[n - 1][l] < 0 && !(breaks && first_power[l] == 0);
     const double v =
         before[l] * (pulling ? pulls : 1.0) * std::exp(0.5 * (gain[l] - most)) / std::sqrt(determinant[l]);
-    sum += v;
+    sum += v, share[l] = v;
     if (v > best) best = v, at = l;
   }
-  EdgeEvidence e{0.5 * most + std::log(sum), 0};
+  for (std::size_t l = 0; l < law_count; ++l) share[l] /= sum;
+  EdgeEvidence e{0.5 * most + std::log(sum), share, 0};
   if (!with_chi2) return e;
   double x[n];
   for (std::size_t j = n; j-- > 0;) {

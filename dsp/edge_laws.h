@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <vector>
 
@@ -8,6 +9,7 @@
 namespace powbench::dsp {
 
 inline constexpr int edge_terms = 3;                  ///< a0 .. a2
+inline constexpr std::size_t edge_laws = 7;           ///< exponents q
 inline constexpr int edge_unknowns = edge_terms + 1;  ///< and b
 
 /// Means of neighbouring samples; time runs into the contact from the guess on.
@@ -26,7 +28,8 @@ struct EdgeTotals {
 EdgeTotals totals_of(const EdgeRows&);
 
 struct EdgeEvidence {
-  double log;   ///< of the evidence summed over the laws, up to a constant of the data
+  double log;  ///< of the evidence summed over the laws, up to a constant of the data
+  std::array<double, edge_laws> share;  ///< of the evidence, by law: their sum is 1
   double chi2;  ///< what the best law leaves, |y - X x|^2; only where it was asked for
 };
 
@@ -34,5 +37,8 @@ struct EdgeEvidence {
 /// `breaks`: a jump may begin by pulling (a release).
 EdgeEvidence evidence_at(const EdgeRows&, const EdgeTotals&, double t0, double span, bool breaks,
                          bool with_chi2);
+
+/// Weight of a law before anything is seen, not normalised.
+double law_prior(std::size_t law);
 
 }  // namespace powbench::dsp

@@ -6,6 +6,7 @@
 #include "dsp/dip.h"
 #include "dsp/edge.h"
 #include "dsp/extreme.h"
+#include "dsp/one_law.h"
 #include "dsp/shows.h"
 #include "dsp/statistics.h"
 
@@ -16,9 +17,10 @@ namespace {
 constexpr double worth_a_flag = 20e-6;  // s that vibration may move an edge; less stands in u alone
 constexpr double far_from_law =
     9;  // reduced sum of squares: a misfit of more than three times the noise; less stands in u
-/// Of the closed time: by so much the losses of a pad date its release otherwise than the laws of an edge. Where no
-/// noise hides it (1 MS/s), 5.7 % of the releases of the tuning seeds lay beyond 3 u without it.
-constexpr double of_a_loss = 1e-3;
+/// Of the closed time, or of four times the last fall (`rise_of`; a half sine's duration) where a contact rests first:
+/// by so much the losses of a pad date its release otherwise than the laws of an edge. Where no noise hides it
+/// (1 MS/s), 5.7 % of the releases of the tuning seeds lay beyond 3 u without it.
+constexpr double of_a_loss = 1e-3, falls = 4;
 constexpr double sticking = 150e-6;   // s that a pad may pull while it breaks
 constexpr double still_there = 1e-3;  // s that vibration lasts at least
 constexpr double longest_rise =
@@ -182,6 +184,7 @@ bool near_law(const EdgeAnswer& e) {
 struct Beside {
   EdgeAnswer touch, release;
   Measured peak;
+  double fall = 0;  ///< s, of the force before the release
 };
 
 /// Do the shapes that describe whole contacts agree with what stands beside the edges? The sum over all edges of the
@@ -249,13 +252,21 @@ std::vector<Grazing> refine_contacts(std::vector<Contact>& contacts, const EdgeF
     b.touch = ask(touch, +1, touch - before);
     if (c.release.known()) {
       b.release = ask(release, -1, after - release);
+      b.fall = rise_of(calm, force, release, -1, std::min(longest_rise, stop - touch));
       if (!(c.flags & flag_clipped)) b.peak = locate_extreme(force, touch, release, +1, noise);
     }
     if (c.flags & flag_poor_fit) continue;
     if (!c.release.known()) continue;
-    agreement.add(c.touch, b.touch);
+    agreement.add(c.touch, b.touch);  // each edge by itself: what they say about the law follows
     agreement.add(c.release, b.release);
   }
+  std::vector<EdgeAnswer*> touches, releases;
+  for (Beside& b : beside) {
+    if (b.touch.known) touches.push_back(&b.touch);
+    if (b.release.known) releases.push_back(&b.release);
+  }
+  agree_on_law(touches);
+  agree_on_law(releases);
   for (std::size_t i = 0; i < contacts.size(); ++i) {
     Contact& c = contacts[i];
     const Contact was = c;
@@ -272,7 +283,8 @@ std::vector<Grazing> refine_contacts(std::vector<Contact>& contacts, const EdgeF
     };
     if (c.release.known())
       take(c.touch, b.touch, 0),
-          take(c.release, b.release, of_a_loss * (was.release.value - was.touch.value));
+          take(c.release, b.release,
+               of_a_loss * std::min(was.release.value - was.touch.value, falls * b.fall));
     else if (film.delay > 0)
       take(c.touch, b.touch, 0);
     else
