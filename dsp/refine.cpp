@@ -257,16 +257,13 @@ std::vector<Grazing> refine_contacts(std::vector<Contact>& contacts, const EdgeF
     }
     if (c.flags & flag_poor_fit) continue;
     if (!c.release.known()) continue;
-    agreement.add(c.touch, b.touch);  // each edge by itself: what they say about the law follows
+    agreement.add(c.touch, b.touch);  // each edge by itself: what the touches say about the law follows
     agreement.add(c.release, b.release);
   }
-  std::vector<EdgeAnswer*> touches, releases;
-  for (Beside& b : beside) {
+  std::vector<EdgeAnswer*> touches;
+  for (Beside& b : beside)
     if (b.touch.known) touches.push_back(&b.touch);
-    if (b.release.known) releases.push_back(&b.release);
-  }
   agree_on_law(touches);
-  agree_on_law(releases);
   for (std::size_t i = 0; i < contacts.size(); ++i) {
     Contact& c = contacts[i];
     const Contact was = c;
