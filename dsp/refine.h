@@ -35,8 +35,8 @@ struct EdgeForce {
 };
 
 /// Touch, release and peak of each contact from the force next to them (`locate_edge`, `locate_peak`). The shape that
-/// found a contact says roughly where to look; what it cannot follow no longer moves the times. All touches have one law
-/// (`agree_on_law`). A contact whose edges run into each other keeps what it had and carries flag_poor_fit.
+/// found a contact says roughly where to look; what it cannot follow no longer moves the times. All touches have one
+/// law (`agree_on_law`). A contact whose edges run into each other keeps what it had and carries flag_poor_fit.
 /// Vibration that is left is no white noise: what of it swings below zero goes into u as the time the force needs to
 /// rise so far. Dips of which nobody can say whether they are openings are returned, and their contacts carry
 /// flag_grazing.

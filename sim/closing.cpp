@@ -73,14 +73,21 @@ bool chatters(const ClosingTruth& t, double end) {
   return end - *t.settled < longer * longest;
 }
 
-Trajectory simulate(const Specimen& specimen, const Conditions& conditions, double duration, double sample_dt,
-                    double relative_tolerance, const Supply& bench) {
-  if (!(duration > 0 && duration <= 100)) throw std::invalid_argument("duration: allowed 0 .. 100 s");
-  if (!(sample_dt >= 0)) throw std::invalid_argument("sample_dt: allowed >= 0 s");
+Plant closing_plant(const Specimen& specimen, const Conditions& conditions, double relative_tolerance,
+                    const Supply& bench) {
   PlantOptions options = closing_options(conditions, relative_tolerance);
   options.coil_switch = bench.coil_switch;
   options.suppression = bench.suppression;
   Plant plant(specimen, closing_mains(conditions, bench.mains), options);
+  plant.gate(true);
+  return plant;
+}
+
+Trajectory simulate(const Specimen& specimen, const Conditions& conditions, double duration, double sample_dt,
+                    double relative_tolerance, const Supply& bench) {
+  if (!(duration > 0 && duration <= 100)) throw std::invalid_argument("duration: allowed 0 .. 100 s");
+  if (!(sample_dt >= 0)) throw std::invalid_argument("sample_dt: allowed >= 0 s");
+  Plant plant = closing_plant(specimen, conditions, relative_tolerance, bench);
   Trajectory result;
   std::vector<double> times;
   if (sample_dt > 0)
@@ -93,7 +100,6 @@ Trajectory simulate(const Specimen& specimen, const Conditions& conditions, doub
       static_cast<std::size_t>(std::upper_bound(times.begin(), times.end(), off) - times.begin());
   const std::span<const double> all(times);
   const std::span<PlantSample> out(result.samples);
-  plant.gate(true);
   plant.advance(off, all.first(held), out.first(held));
   if (duration > off) {
     plant.gate(false);

@@ -57,6 +57,9 @@ Mains closing_mains(const Conditions&, const Mains& bench = {});
 PlantOptions closing_options(const Conditions&,
                              double relative_tolerance = PlantOptions{}.relative_tolerance);
 
+/// The plant that `simulate` advances, its coil commanded on at t = 0. Throws as `simulate` does.
+Plant closing_plant(const Specimen&, const Conditions&, double relative_tolerance, const Supply& bench);
+
 /// Simulates `duration` s from the command at t = 0, with which an ideal switch closes; the command goes off at
 /// conditions.hold_time. Samples at k * sample_dt, k = 1, 2, ...; sample_dt = 0: none. `bench`: source impedance,
 /// harmonics, dips and switch. Throws std::invalid_argument for a bad specimen, bad conditions or a bad supply.

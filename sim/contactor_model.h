@@ -31,6 +31,9 @@
 
 namespace powbench::sim {
 
+struct LaneBlock;
+struct LaneLayout;
+
 class ContactorModel {
  public:
   static constexpr int max_poles = 8;
@@ -48,6 +51,7 @@ class ContactorModel {
   double scale(int i) const { return scale_[static_cast<std::size_t>(i)]; }
   void derivative(double t, const double* s, double* ds) const;
   void guards(double t, const double* s, double* g) const;
+  double guard(int k, double t, const double* s) const;  ///< one of them
   void flip(double t, double* s, std::uint64_t which);
 
   /// Static equilibrium at the start: all displacements are zero, the flux is what the iron remembers.
@@ -70,6 +74,13 @@ class ContactorModel {
   void book_loss(double* s, double joule) const { s[ledger_ + 3] += joule; }
 
   void sample(double t, const double* s, PlantSample& out) const;
+
+  // For models that are integrated side by side (contactor_lanes.cpp).
+
+  /// What must be alike in all lanes; false: nothing of lanes knows this model, in the modes it is in.
+  bool lane_layout(LaneLayout&) const;
+  void put_numbers(LaneBlock&, int lane) const;  ///< what stays
+  void put_modes(LaneBlock&, int lane) const;    ///< what `flip` changes
   std::vector<PlantEvent>& events() { return events_; }
 
  private:
@@ -110,6 +121,7 @@ class ContactorModel {
   CoilFeed<double> feed(double t, const double* s, double current) const;
   double open_voltage(const double* s) const;  ///< V, at the coil without current
   double losses(const double* s, const Forces&) const;
+  double coil_guard(double t, const double* s) const;
   void flip_contact(double t, int k, double rate);
   void flip_friction(double t, double* s);
   void settle_supply(double t, double* s, SupplyModes::Effect, double energy_before);

@@ -22,14 +22,22 @@ void ContactorModel::guards(double t, const double* s, double* g) const {
   penetrations(s, pen, rate);
   for (int k = 0; k < contact_count_; ++k)
     g[k] = contacts_[static_cast<std::size_t>(k)].guard(pen[k], rate[k]);
-  g[contact_count_] = friction_.guard(s[v], [&] { return core_force(s); });
-  double& coil = g[contact_count_ + 1];
-  coil = 1;
-  if (supply_.watches_open_voltage())
-    coil = supply_.guard(t, 0.0, open_voltage(s));
-  else if (supply_.watches())
-    coil = supply_.guard(t, coil_current(s), 0.0);
-  g[contact_count_ + 2] = supply_.next_change() - t;
+  for (int k = contact_count_; k < guard_count(); ++k) g[k] = guard(k, t, s);
+}
+
+double ContactorModel::guard(int k, double t, const double* s) const {
+  if (k == contact_count_) return friction_.guard(s[v], [&] { return core_force(s); });
+  if (k == contact_count_ + 1) return coil_guard(t, s);
+  if (k == contact_count_ + 2) return supply_.next_change() - t;
+  double pen[guard_capacity];
+  double rate[guard_capacity];
+  penetrations(s, pen, rate);
+  return contacts_[static_cast<std::size_t>(k)].guard(pen[k], rate[k]);
+}
+
+double ContactorModel::coil_guard(double t, const double* s) const {
+  if (supply_.watches_open_voltage()) return supply_.guard(t, 0.0, open_voltage(s));
+  return supply_.watches() ? supply_.guard(t, coil_current(s), 0.0) : 1.0;
 }
 
 void ContactorModel::flip(double t, double* s, std::uint64_t which) {

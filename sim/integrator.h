@@ -64,15 +64,61 @@ class EventIntegrator {
   /// Passes end(): switches what ended the step, then takes the next one. Returns false when the step cannot
   /// be made small enough (the system is not finite).
   bool extend() {
-    if (pending_ != 0) {
+    open_step();
+    if (!step()) return false;
+    Samples g;
+    if (system_->guard_count() > 0)
+      for (int p = 0; p <= parts; ++p) guards_at(p / double{parts}, g[static_cast<std::size_t>(p)]);
+    close_step(locate(g));
+    return true;
+  }
+
+  // For integrators whose steps are taken side by side (sim/lanes): `extend` is open_step, tries until judge agrees,
+  // then close_step.
+
+  /// Switches what ended the last step; true: something did, so that state and modes are others.
+  bool open_step() {
+    const bool switched = pending_ != 0;
+    if (switched) {
       system_->flip(end_, y_.data(), pending_);
       lock_.note(end_, pending_);
       pending_ = 0;
       first_slope_known_ = false;
     }
     begin_ = end_;
-    if (!step()) return false;
-    const double share = locate();
+    return switched;
+  }
+  double tolerance() const { return tolerance_; }
+  void first_slope(State& out) {
+    system_->derivative(begin_, y_.data(), out.data());
+    ++evaluations_;
+  }
+  /// Of a try of length h: taken, or next_step() is the length of the next try. `rejected`: one failed before it.
+  bool judge(double h, double error, bool rejected) {
+    evaluations_ += 6;
+    ++steps_;
+    const double factor = 0.9 * std::pow(std::max(error, 1e-10), -0.2);
+    if (error <= 1) {
+      step_ = h;
+      next_step_ =
+          std::clamp(h * std::clamp(factor, 0.2, rejected ? 1.0 : 5.0), smallest_step, largest_step_);
+      return true;
+    }
+    next_step_ = std::max(h * std::clamp(std::isfinite(error) ? factor : 0.1, 0.1, 0.9), smallest_step);
+    return false;
+  }
+  /// What a step taken elsewhere led to: its dense output and the state at its end.
+  void take(const DenseOutput<System::capacity>& dense, const State& y) {
+    dense_ = dense;
+    y_ = y;
+    first_slope_known_ = false;
+  }
+  static constexpr int parts = 4;  ///< of a step, between which guards are looked at
+  using Samples = std::array<Guards, parts + 1>;
+  /// Share of the step before the first guard turns negative; 1 = none. Its dense output is there, and `g` holds the
+  /// guards at its parts.
+  double locate_zero(const Samples& g) { return locate(g); }
+  void close_step(double share) {
     if (share < 1) {
       State landed;
       dense_.evaluate(share, system_->size(), landed.data());
@@ -83,7 +129,6 @@ class EventIntegrator {
     } else {
       end_ = begin_ + step_;
     }
-    return true;
   }
 
  private:
@@ -93,24 +138,17 @@ class EventIntegrator {
       system_->derivative(begin_, y_.data(), tableau_.slope(0));
       ++evaluations_;
     }
-    double h = next_step_;
     for (bool rejected = false;; rejected = true) {
+      const double h = next_step_;
       const double error = tableau_.attempt(*system_, begin_, h, n, y_.data(), tolerance_);
-      evaluations_ += 6;
-      ++steps_;
-      const double factor = 0.9 * std::pow(std::max(error, 1e-10), -0.2);
-      if (error <= 1) {
+      if (judge(h, error, rejected)) {
         tableau_.dense(h, n, y_.data(), dense_);
         std::copy_n(tableau_.result(), n, y_.data());
         std::swap_ranges(tableau_.slope(0), tableau_.slope(0) + n, tableau_.slope(6));
         first_slope_known_ = true;
-        step_ = h;
-        next_step_ =
-            std::clamp(h * std::clamp(factor, 0.2, rejected ? 1.0 : 5.0), smallest_step, largest_step_);
         return true;
       }
       if (h <= smallest_step) return false;
-      h = std::max(h * std::clamp(std::isfinite(error) ? factor : 0.1, 0.1, 0.9), smallest_step);
     }
   }
 
@@ -120,16 +158,26 @@ class EventIntegrator {
     system_->guards(begin_ + share * step_, y.data(), g.data());
   }
 
+  /// One guard alone, where the system can tell it.
+  double guard_at(int k, double share) const {
+    State y;
+    dense_.evaluate(share, system_->size(), y.data());
+    if constexpr (requires { system_->guard(k, 0.0, y.data()); }) {
+      return system_->guard(k, begin_ + share * step_, y.data());
+    } else {
+      Guards g;
+      system_->guards(begin_ + share * step_, y.data(), g.data());
+      return g[static_cast<std::size_t>(k)];
+    }
+  }
+
   bool locked(int k) const { return lock_.holds(k, begin_); }
 
   /// Share of the step before the first guard turns negative; 1 = none. Sets `pending_`.
-  double locate() {
-    constexpr int parts = 4;
+  double locate(const Samples& g) {
     constexpr double none = 2;
     const int n = system_->guard_count();
     if (n == 0) return 1;
-    std::array<Guards, parts + 1> g;
-    for (int p = 0; p <= parts; ++p) guards_at(p / double{parts}, g[static_cast<std::size_t>(p)]);
     double first = none;
     for (int k = 0; k < n; ++k) {
       if (locked(k)) continue;
@@ -147,9 +195,7 @@ class EventIntegrator {
           const double curvature = value(p - 1) - 2 * value(p) + value(p + 1);
           const double shift = 0.5 * (value(p - 1) - value(p + 1)) / curvature;
           const double vertex = (p + std::clamp(shift, -0.5, 0.5)) / parts;
-          Guards at;
-          guards_at(vertex, at);
-          if (at[static_cast<std::size_t>(k)] < 0) {
+          if (guard_at(k, vertex) < 0) {
             low = (p - 1) / double{parts};
             high = vertex;
           }
@@ -167,19 +213,15 @@ class EventIntegrator {
   /// Smallest share found at which guard k is negative: false position with halving, kept on the negative
   /// side.
   double root(int k, double low, double high) const {
-    Guards at;
-    guards_at(low, at);
-    double g_low = std::max(at[static_cast<std::size_t>(k)], 0.0);
-    guards_at(high, at);
-    double g_high = at[static_cast<std::size_t>(k)];
+    double g_low = std::max(guard_at(k, low), 0.0);
+    double g_high = guard_at(k, high);
     int side = 0;
     for (int i = 0; i < 100 && high - low > 4e-16 * std::max(high, 1e-3); ++i) {
       double middle =
           (i % 8 == 7 || g_low <= 0) ? 0.5 * (low + high) : low + (high - low) * g_low / (g_low - g_high);
       if (middle <= low || middle >= high) middle = 0.5 * (low + high);
       if (middle <= low || middle >= high) break;
-      guards_at(middle, at);
-      const double g = at[static_cast<std::size_t>(k)];
+      const double g = guard_at(k, middle);
       if (g < 0) {
         high = middle;
         g_high = g;

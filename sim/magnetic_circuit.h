@@ -51,6 +51,16 @@ class MagneticCircuit {
   double shaded_share() const { return share_; }
   double area() const { return area_; }
 
+  /// The numbers of `field`; even_power < 0: the iron's law is no even power, or a steel stands in its place.
+  struct Law {
+    double area, iron_length, residual, fringe, inverse_bare, inverse_shaded, linear, saturation, exponent;
+    int even_power;
+  };
+  Law law() const {
+    return {area_,           iron_length_, residual_,   fringe_,   inverse_bare_,
+            inverse_shaded_, linear_,      saturation_, exponent_, steel_ ? -1 : even_power_};
+  }
+
   /// Air gap per pole at a separation s = travel - (x - z), m. Where the faces are pressed together (s < 0)
   /// the residual gap d shrinks as d^2 / (d - s): never to zero, with the slope continuous at s = 0.
   double gap(double separation) const {

@@ -86,6 +86,7 @@ class Plant {
   double energy_residual() const;
 
  private:
+  friend class PlantLanes;  // sim/lanes
   struct Impl;
   explicit Plant(std::unique_ptr<Impl>);
   std::unique_ptr<Impl> impl_;

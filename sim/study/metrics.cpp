@@ -12,10 +12,7 @@ const MetricInfo* find_metric(std::string_view name) {
   return nullptr;
 }
 
-ClosingMetrics closing_metrics(const Case& c, const MetricOptions& options) {
-  const Trajectory run =
-      simulate(c.specimen, c.conditions, options.duration, options.sample_dt, options.tolerance, c.bench);
-  const ClosingTruth& t = run.truth;
+ClosingMetrics closing_metrics(const ClosingTruth& t) {
   ClosingMetrics m;
   if (!t.touch || !t.core_seat || t.calm == 0) return m;
   m.closed = 1;
@@ -28,7 +25,15 @@ ClosingMetrics closing_metrics(const Case& c, const MetricOptions& options) {
   for (const auto& o : t.openings) m.open_time += o.touch - o.release;
   m.touch_velocity = t.touch_velocity;
   m.seat_velocity = t.seat_velocity;
-  if (run.samples.empty()) return m;
+  return m;
+}
+
+ClosingMetrics closing_metrics(const Case& c, const MetricOptions& options) {
+  const Trajectory run =
+      simulate(c.specimen, c.conditions, options.duration, options.sample_dt, options.tolerance, c.bench);
+  const ClosingTruth& t = run.truth;
+  ClosingMetrics m = closing_metrics(t);
+  if (m.closed == 0 || run.samples.empty()) return m;
   const double first_end = t.openings.empty() ? options.duration : t.openings.front().release;
   m.first_peak = m.impulse = 0;
   for (const auto& s : run.samples) {

@@ -5,6 +5,7 @@
 #include <limits>
 #include <string_view>
 
+#include "sim/closing.h"
 #include "sim/study/axis.h"
 
 /// One closing in a few numbers.
@@ -55,6 +56,8 @@ struct MetricOptions {
   double sample_dt = 0;     ///< s; 0: no forces, first_peak and impulse stay NaN
 };
 
+/// Those that need no samples.
+ClosingMetrics closing_metrics(const ClosingTruth&);
 /// Simulates the case. A specimen that is not valid throws std::invalid_argument.
 ClosingMetrics closing_metrics(const Case&, const MetricOptions&);
 

@@ -1,10 +1,14 @@
 #include "sim/study/sweep.h"
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
+#include <memory>
+#include <optional>
 
 #include "core/random.h"
 #include "core/units.h"
+#include "sim/lanes/plant_lanes.h"
 #include "sim/study/modes.h"
 
 namespace powbench::sim {
@@ -70,15 +74,65 @@ void bootstrap(const Sample& s, const BestAngleOptions& options, BestAngle& b) {
   b.confidence = static_cast<double>(near) / options.bootstraps;
 }
 
+struct LaneCase {
+  std::size_t index = 0;
+  Case c;
+};
+
+/// Closings without samples, several at a time: the metrics of `closing_metrics`, to the bit.
+void run_in_lanes(const std::function<std::optional<LaneCase>()>& next, const MetricOptions& options,
+                  std::vector<ClosingMetrics>& results) {
+  struct Running {
+    std::size_t index;
+    double off;
+    Plant plant;
+  };
+  std::vector<std::unique_ptr<Running>> all;
+  advance_in_lanes(
+      [&]() -> LaneRun {
+        const auto one = next();
+        if (!one) return {};
+        const double off = std::min(one->c.conditions.hold_time, options.duration);
+        all.push_back(std::make_unique<Running>(
+            Running{one->index, off,
+                    closing_plant(one->c.specimen, one->c.conditions, options.tolerance, one->c.bench)}));
+        return {&all.back()->plant, off};
+      },
+      [&](Plant& plant) {
+        const auto at =
+            std::find_if(all.begin(), all.end(), [&](const auto& r) { return &r->plant == &plant; });
+        const double off = (*at)->off;
+        if (options.duration > off) {
+          plant.gate(false);
+          plant.advance(options.duration, {}, {});
+        }
+        results[(*at)->index] = closing_metrics(closing_truth(plant.events(), off));
+        all.erase(at);
+      });
+}
+
 }  // namespace
 
 std::vector<ClosingMetrics> run_points(const Design& design, const Case& base,
                                        std::span<const std::int64_t> points, const MetricOptions& options,
                                        Team& team) {
   std::vector<ClosingMetrics> results(points.size());
-  for_each_index(team, static_cast<int>(points.size()), [&](int k) {
-    const auto i = static_cast<std::size_t>(k);
-    results[i] = closing_metrics(design.apply(base, design.point(points[i])), options);
+  if (options.sample_dt > 0) {
+    for_each_index(team, static_cast<int>(points.size()), [&](int k) {
+      const auto i = static_cast<std::size_t>(k);
+      results[i] = closing_metrics(design.apply(base, design.point(points[i])), options);
+    });
+    return results;
+  }
+  std::atomic<std::size_t> next{0};
+  team.run([&](int) {
+    run_in_lanes(
+        [&]() -> std::optional<LaneCase> {
+          const std::size_t i = next.fetch_add(1);
+          if (i >= points.size()) return std::nullopt;
+          return LaneCase{i, design.apply(base, design.point(points[i]))};
+        },
+        options, results);
   });
   return results;
 }

@@ -5,6 +5,8 @@
 #include <cstdint>
 #include <limits>
 
+#include "sim/supply/sine.h"
+
 /// The mains at the coil switch, analytic in time: harmonics, dips and interruptions behind a source impedance.
 ///
 ///   u(t) = sqrt(2) U d [ sin a + sum over k of h_k sin(k a + phase_k) ],   a = 2 pi f t + phase + jump
@@ -58,18 +60,29 @@ struct MainsPiece {
 /// The piece that `t` lies in, for dips that count from `origin`; a piece contains its beginning. Both in s.
 MainsPiece mains_piece(const Mains&, double t, double origin);
 
+/// Of the fundamental, rad.
+template <class Real>
+Real mains_angle(const Mains& m, const MainsPiece& piece, Real t) {
+  constexpr Real two_pi = static_cast<Real>(2 * 3.14159265358979323846264338327950288L);
+  return two_pi * static_cast<Real>(m.hertz) * t + static_cast<Real>(m.phase + piece.jump);
+}
+/// V.
+template <class Real>
+Real mains_amplitude(const Mains& m, const MainsPiece& piece) {
+  return std::sqrt(Real(2)) * static_cast<Real>(m.volts * piece.share);
+}
+
 /// u(t), V.
 template <class Real>
 Real mains_voltage(const Mains& m, const MainsPiece& piece, Real t) {
   if (m.kind == Mains::Kind::dc) return static_cast<Real>(m.volts * piece.share);
-  constexpr Real two_pi = static_cast<Real>(2 * 3.14159265358979323846264338327950288L);
-  const Real angle = two_pi * static_cast<Real>(m.hertz) * t + static_cast<Real>(m.phase + piece.jump);
-  Real wave = std::sin(angle);
+  const Real angle = mains_angle(m, piece, t);
+  Real wave = sine(angle);
   for (const auto& h : m.harmonics)
     if (h.share != 0)
-      wave += static_cast<Real>(h.share) *
-              std::sin(static_cast<Real>(h.order) * angle + static_cast<Real>(h.phase));
-  return std::sqrt(Real(2)) * static_cast<Real>(m.volts * piece.share) * wave;
+      wave +=
+          static_cast<Real>(h.share) * sine(static_cast<Real>(h.order) * angle + static_cast<Real>(h.phase));
+  return mains_amplitude<Real>(m, piece) * wave;
 }
 
 /// An alternating sine without source impedance, harmonics and dips.

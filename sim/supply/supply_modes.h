@@ -85,6 +85,13 @@ class SupplyModes {
   Real voltage(Real t) const {
     return mains_voltage(supply_.mains, piece_, t);
   }
+  /// Of a piece that is one sine in every bit: its angle at `t`, rad, and its amplitude, V.
+  bool one_sine() const {
+    return std::all_of(supply_.mains.harmonics.begin(), supply_.mains.harmonics.end(),
+                       [](const Harmonic& h) { return h.share == 0; });
+  }
+  double angle(double t) const { return mains_angle(supply_.mains, piece_, t); }
+  double amplitude() const { return mains_amplitude<double>(supply_.mains, piece_); }
   /// At any time, V.
   double voltage_at(double t) const {
     return mains_voltage(supply_.mains, mains_piece(supply_.mains, t, origin_), t);

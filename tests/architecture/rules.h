@@ -163,7 +163,6 @@ inline const std::vector<std::string_view>& unreached_functions() {
                                                    "line_errors",
                                                    "linear_medium",
                                                    "map_nodes",
-                                                   "next_step",
                                                    "node_pressure",
                                                    "parse_calibration",
                                                    "random_scenes",
@@ -178,7 +177,6 @@ inline const std::vector<std::string_view>& unreached_functions() {
                                                    "solve_linear",
                                                    "steady_current",
                                                    "store_events",
-                                                   "switched",
                                                    "twin_condition",
                                                    "without_losses",
                                                    "zero_phase_frames"};

@@ -1,0 +1,9 @@
+#include "sim/lanes/lane_kernel_body.h"
+
+namespace powbench::sim {
+
+void avx512_lane_kernel(const LaneLayout& layout, LaneBlock& block) {
+  lane_step(layout, block);
+}
+
+}  // namespace powbench::sim

@@ -1,0 +1,187 @@
+#include "sim/lanes/plant_lanes.h"
+
+#include <array>
+#include <cmath>
+#include <memory>
+
+#include "sim/lanes/lane_block.h"
+#include "sim/plant_impl.h"
+
+namespace powbench::sim {
+namespace {
+
+constexpr std::array<double, 6> stage_times{0,       1.0 / 5, 3.0 / 10,
+                                            4.0 / 5, 8.0 / 9, 1.0};  // of 0 .. 5; 6 is 5
+
+}  // namespace
+
+class PlantLanes {
+ public:
+  PlantLanes(const std::function<LaneRun()>& next, const std::function<void(Plant&)>& done)
+      : next_(next), done_(done) {}
+
+  void run() {
+    while (true) {
+      for (int k = 0; k < lane_width; ++k) prepare(k);
+      if (taken_ == 0) return;
+      kernel_(layout_, *block_);
+      for (int k = 0; k < lane_width; ++k)
+        if (seat(k).plant != nullptr) judge(k);
+    }
+  }
+
+ private:
+  struct Seat {
+    Plant* plant = nullptr;
+    double t_end = 0, step = 0;
+    bool loaded = false;    ///< state and modes of the plant are in the lane
+    bool rejected = false;  ///< a try of this step failed
+  };
+  Seat& seat(int k) { return seats_[static_cast<std::size_t>(k)]; }
+  static Plant::Impl& inside(Plant& p) { return *p.impl_; }
+
+  /// Until its lane has something to step, or nothing is left.
+  void prepare(int k) {
+    while (seat(k).plant != nullptr || take(k)) {
+      if (begin(k)) return;
+      leave(k);
+    }
+  }
+
+  bool take(int k) {
+    while (true) {
+      const LaneRun r = next_();
+      if (r.plant == nullptr) return false;
+      Plant::Impl& p = inside(*r.plant);
+      LaneLayout l;
+      const bool fits = !p.at_rest && p.integrator.end() < r.t_end && p.model.lane_layout(l) &&
+                        (taken_ == 0 || l == layout_);
+      if (!fits) {
+        r.plant->advance(r.t_end, {}, {});
+        done_(*r.plant);
+        continue;
+      }
+      layout_ = l;
+      ++taken_;
+      seat(k) = {r.plant, r.t_end};
+      p.model.put_numbers(*block_, k);
+      for (int i = 0; i < l.size; ++i)
+        block_->tolerance[static_cast<std::size_t>(i)][static_cast<std::size_t>(k)] =
+            p.integrator.tolerance() * p.model.scale(i);
+      return true;
+    }
+  }
+
+  /// The next try of its step; false: the lanes do not know the modes it is in now.
+  bool begin(int k) {
+    Seat& s = seat(k);
+    const auto lane = static_cast<std::size_t>(k);
+    Plant::Impl& p = inside(*s.plant);
+    if (!s.rejected && (p.integrator.open_step() || !s.loaded)) {
+      LaneLayout l;
+      if (!p.model.lane_layout(l) || l != layout_) return false;
+      load(k);
+    }
+    s.step = block_->step[lane] = p.integrator.next_step();
+    const SupplyModes& supply = p.model.supply();
+    const double last = p.integrator.begin() + s.step;
+    const bool one_sine = supply.one_sine() && std::fabs(supply.angle(last)) < sine_bound - 1;
+    block_->one_sine[lane] = one_sine ? -1 : 0;
+    block_->amplitude[lane] = supply.amplitude();
+    for (std::size_t stage = 1; stage < stage_times.size(); ++stage) {
+      const double t = p.integrator.begin() + stage_times[stage] * s.step;
+      block_->source[stage][lane] = one_sine ? supply.angle(t) : supply.voltage(t);
+    }
+    return true;
+  }
+
+  void load(int k) {
+    Seat& s = seat(k);
+    const auto lane = static_cast<std::size_t>(k);
+    Plant::Impl& p = inside(*s.plant);
+    const ContactorModel::State& y = p.integrator.end_state();
+    ContactorModel::State slope;
+    p.integrator.first_slope(slope);
+    for (std::size_t i = 0; i < static_cast<std::size_t>(layout_.size); ++i)
+      block_->y[i][lane] = y[i], block_->slope[0][i][lane] = slope[i];
+    p.model.put_modes(*block_, k);
+    block_->accepted[lane] = 0;
+    s.loaded = true;
+  }
+
+  void judge(int k) {
+    Seat& s = seat(k);
+    const auto lane = static_cast<std::size_t>(k);
+    Plant::Impl& p = inside(*s.plant);
+    block_->accepted[lane] = 0;
+    if (!p.integrator.judge(s.step, block_->error[lane], s.rejected)) {
+      if (s.step <= p.integrator.smallest_step) p.refuse_step();
+      s.rejected = true;
+      return;
+    }
+    s.rejected = false;
+    const bool change_due = p.model.supply().next_change() - (p.integrator.begin() + s.step) < 0;
+    const bool looked = block_->interesting[lane] != 0 || change_due;
+    double share = 1;
+    if (looked) {
+      unload(k);
+      share = p.integrator.locate_zero(samples(k));
+    }
+    p.integrator.close_step(share);
+    const bool over = p.integrator.end() >= s.t_end, weighed = ++p.steps % 32 == 0;
+    if (!looked && (over || weighed)) unload(k);
+    if (weighed) p.judge_energy();
+    if (share == 1) block_->accepted[lane] = -1;
+    if (over) leave(k);
+  }
+
+  /// The step taken, out of the lane.
+  void unload(int k) {
+    const auto lane = static_cast<std::size_t>(k);
+    ContactorModel::State y{};
+    for (std::size_t i = 0; i < static_cast<std::size_t>(layout_.size); ++i) {
+      y[i] = block_->result[i][lane];
+      for (std::size_t c = 0; c < dense_.c.size(); ++c) dense_.c[c][i] = block_->dense[c][i][lane];
+    }
+    inside(*seat(k).plant).integrator.take(dense_, y);
+  }
+
+  /// The guards of its step as the kernel found them, and those that it does not know.
+  const EventIntegrator<ContactorModel>::Samples& samples(int k) {
+    const auto lane = static_cast<std::size_t>(k), contacts = static_cast<std::size_t>(layout_.contacts);
+    const Plant::Impl& p = inside(*seat(k).plant);
+    for (std::size_t part = 0; part < samples_.size(); ++part) {
+      auto& g = samples_[part];
+      for (std::size_t i = 0; i <= contacts; ++i) g[i] = block_->guard[part][i][lane];
+      g[contacts + 1] = 1;  // nothing of the coil is watched
+      const double share = static_cast<double>(part) / EventIntegrator<ContactorModel>::parts;
+      g[contacts + 2] = p.model.supply().next_change() - (p.integrator.begin() + share * seat(k).step);
+    }
+    return samples_;
+  }
+
+  /// Alone to its end, where it is not there yet.
+  void leave(int k) {
+    Plant& plant = *seat(k).plant;
+    plant.advance(seat(k).t_end, {}, {});
+    seat(k) = {};
+    --taken_;
+    done_(plant);
+  }
+
+  const std::function<LaneRun()>& next_;
+  const std::function<void(Plant&)>& done_;
+  const LaneKernel kernel_ = best_lane_kernel();
+  std::unique_ptr<LaneBlock> block_ = std::make_unique<LaneBlock>();
+  std::array<Seat, lane_width> seats_{};
+  LaneLayout layout_;
+  DenseOutput<ContactorModel::capacity> dense_{};
+  EventIntegrator<ContactorModel>::Samples samples_{};
+  int taken_ = 0;
+};
+
+void advance_in_lanes(const std::function<LaneRun()>& next, const std::function<void(Plant&)>& done) {
+  PlantLanes(next, done).run();
+}
+
+}  // namespace powbench::sim
