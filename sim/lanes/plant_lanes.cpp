@@ -1,8 +1,10 @@
 #include "sim/lanes/plant_lanes.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <memory>
+#include <vector>
 
 #include "sim/lanes/lane_block.h"
 #include "sim/plant_impl.h"
@@ -37,6 +39,10 @@ class PlantLanes {
     bool loaded = false;    ///< state and modes of the plant are in the lane
     bool rejected = false;  ///< a try of this step failed
   };
+  struct Waiting {
+    LaneRun run;
+    LaneLayout layout;
+  };
   Seat& seat(int k) { return seats_[static_cast<std::size_t>(k)]; }
   static Plant::Impl& inside(Plant& p) { return *p.impl_; }
 
@@ -48,28 +54,43 @@ class PlantLanes {
     }
   }
 
+  /// A plant for lane k: one that waits, or the next that has the number of states of its neighbours. Others wait until
+  /// the lanes are empty; where many do, the lanes run empty for them.
   bool take(int k) {
-    while (true) {
-      const LaneRun r = next_();
-      if (r.plant == nullptr) return false;
-      Plant::Impl& p = inside(*r.plant);
-      LaneLayout l;
-      const bool fits = !p.at_rest && p.integrator.end() < r.t_end && p.model.lane_layout(l) &&
-                        (taken_ == 0 || l == layout_);
-      if (!fits) {
-        r.plant->advance(r.t_end, {}, {});
-        done_(*r.plant);
-        continue;
-      }
-      layout_ = l;
-      ++taken_;
-      seat(k) = {r.plant, r.t_end};
-      p.model.put_numbers(*block_, k);
-      for (int i = 0; i < l.size; ++i)
-        block_->tolerance[static_cast<std::size_t>(i)][static_cast<std::size_t>(k)] =
-            p.integrator.tolerance() * p.model.scale(i);
+    constexpr std::size_t most_waiting = 64;
+    const auto fits = [&](const Waiting& w) { return taken_ == 0 || w.layout == layout_; };
+    if (const auto it = std::find_if(waiting_.begin(), waiting_.end(), fits); it != waiting_.end()) {
+      const Waiting w = *it;
+      waiting_.erase(it);
+      seat_at(k, w);
       return true;
     }
+    while (waiting_.size() < most_waiting) {
+      Waiting w{next_(), {}};
+      if (w.run.plant == nullptr) return false;
+      const Plant::Impl& p = inside(*w.run.plant);
+      if (p.at_rest || p.integrator.end() >= w.run.t_end || !p.model.lane_layout(w.layout)) {
+        w.run.plant->advance(w.run.t_end, {}, {});
+        done_(*w.run.plant);
+      } else if (fits(w)) {
+        seat_at(k, w);
+        return true;
+      } else {
+        waiting_.push_back(w);
+      }
+    }
+    return false;
+  }
+
+  void seat_at(int k, const Waiting& w) {
+    layout_ = w.layout;
+    ++taken_;
+    seat(k) = {w.run.plant, w.run.t_end};
+    const Plant::Impl& p = inside(*w.run.plant);
+    p.model.put_numbers(*block_, k);
+    for (int i = 0; i < layout_.size; ++i)
+      block_->tolerance[static_cast<std::size_t>(i)][static_cast<std::size_t>(k)] =
+          p.integrator.tolerance() * p.model.scale(i);
   }
 
   /// The next try of its step; false: the lanes do not know the modes it is in now.
@@ -174,6 +195,7 @@ class PlantLanes {
   const LaneKernel kernel_ = best_lane_kernel();
   std::unique_ptr<LaneBlock> block_ = std::make_unique<LaneBlock>();
   std::array<Seat, lane_width> seats_{};
+  std::vector<Waiting> waiting_;
   LaneLayout layout_;
   DenseOutput<ContactorModel::capacity> dense_{};
   EventIntegrator<ContactorModel>::Samples samples_{};

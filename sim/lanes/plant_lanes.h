@@ -8,8 +8,8 @@ namespace powbench::sim {
 
 /// Plants advanced side by side in the lanes of vector instructions, each with steps and events of its own: a lane that
 /// has come to its end takes the next plant. Equations and steps are in the lanes, events are located one by one. A
-/// plant that the lanes do not know (another coil than one on the AC source, remanence, an odd law of the iron, another
-/// number of states than its neighbours) is advanced alone.
+/// plant that the lanes do not know (another coil than one on the AC source, remanence, an odd law of the iron) is
+/// advanced alone; up to 64 with another number of states wait for each other.
 ///
 /// The result of each is that of Plant::advance, to the bit where the compiler fuses no products and sums, as on
 /// x86-64. Lanes with steps of their own, and what they cost: L. Nagy, L. Plavecz, F. Hegedus, arXiv 2011.01740.
