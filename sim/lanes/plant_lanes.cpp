@@ -65,9 +65,10 @@ class PlantLanes {
       seat_at(k, w);
       return true;
     }
-    while (waiting_.size() < most_waiting) {
+    while (!all_taken_ && waiting_.size() < most_waiting) {
       Waiting w{next_(), {}};
-      if (w.run.plant == nullptr) return false;
+      all_taken_ = w.run.plant == nullptr;
+      if (all_taken_) return false;
       const Plant::Impl& p = inside(*w.run.plant);
       if (p.at_rest || p.integrator.end() >= w.run.t_end || !p.model.lane_layout(w.layout)) {
         w.run.plant->advance(w.run.t_end, {}, {});
@@ -200,6 +201,7 @@ class PlantLanes {
   DenseOutput<ContactorModel::capacity> dense_{};
   EventIntegrator<ContactorModel>::Samples samples_{};
   int taken_ = 0;
+  bool all_taken_ = false;
 };
 
 void advance_in_lanes(const std::function<LaneRun()>& next, const std::function<void(Plant&)>& done) {

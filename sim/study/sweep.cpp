@@ -4,7 +4,6 @@
 #include <atomic>
 #include <cmath>
 #include <memory>
-#include <optional>
 
 #include "core/random.h"
 #include "core/units.h"
@@ -74,13 +73,10 @@ void bootstrap(const Sample& s, const BestAngleOptions& options, BestAngle& b) {
   b.confidence = static_cast<double>(near) / options.bootstraps;
 }
 
-struct LaneCase {
-  std::size_t index = 0;
-  Case c;
-};
-
-/// Closings without samples, several at a time: the metrics of `closing_metrics`, to the bit.
-void run_in_lanes(const std::function<std::optional<LaneCase>()>& next, const MetricOptions& options,
+/// Closings without samples, those of `next` until it is at `count`, several at a time: to the bit what
+/// `closing_metrics` gives.
+void run_in_lanes(std::atomic<std::size_t>& next, std::size_t count,
+                  const std::function<Case(std::size_t)>& make, const MetricOptions& options,
                   std::vector<ClosingMetrics>& results) {
   struct Running {
     std::size_t index;
@@ -90,12 +86,12 @@ void run_in_lanes(const std::function<std::optional<LaneCase>()>& next, const Me
   std::vector<std::unique_ptr<Running>> all;
   advance_in_lanes(
       [&]() -> LaneRun {
-        const auto one = next();
-        if (!one) return {};
-        const double off = std::min(one->c.conditions.hold_time, options.duration);
+        const std::size_t i = next.fetch_add(1);
+        if (i >= count) return {};
+        const Case c = make(i);
+        const double off = std::min(c.conditions.hold_time, options.duration);
         all.push_back(std::make_unique<Running>(
-            Running{one->index, off,
-                    closing_plant(one->c.specimen, one->c.conditions, options.tolerance, one->c.bench)}));
+            Running{i, off, closing_plant(c.specimen, c.conditions, options.tolerance, c.bench)}));
         return {&all.back()->plant, off};
       },
       [&](Plant& plant) {
@@ -111,30 +107,30 @@ void run_in_lanes(const std::function<std::optional<LaneCase>()>& next, const Me
       });
 }
 
+/// One result for each case that `make` gives.
+std::vector<ClosingMetrics> run_cases(std::size_t count, const std::function<Case(std::size_t)>& make,
+                                      const MetricOptions& options, Team& team) {
+  std::vector<ClosingMetrics> results(count);
+  if (options.sample_dt > 0) {
+    for_each_index(team, static_cast<int>(count), [&](int k) {
+      const auto i = static_cast<std::size_t>(k);
+      results[i] = closing_metrics(make(i), options);
+    });
+    return results;
+  }
+  std::atomic<std::size_t> next{0};
+  team.run([&](int) { run_in_lanes(next, count, make, options, results); });
+  return results;
+}
+
 }  // namespace
 
 std::vector<ClosingMetrics> run_points(const Design& design, const Case& base,
                                        std::span<const std::int64_t> points, const MetricOptions& options,
                                        Team& team) {
-  std::vector<ClosingMetrics> results(points.size());
-  if (options.sample_dt > 0) {
-    for_each_index(team, static_cast<int>(points.size()), [&](int k) {
-      const auto i = static_cast<std::size_t>(k);
-      results[i] = closing_metrics(design.apply(base, design.point(points[i])), options);
-    });
-    return results;
-  }
-  std::atomic<std::size_t> next{0};
-  team.run([&](int) {
-    run_in_lanes(
-        [&]() -> std::optional<LaneCase> {
-          const std::size_t i = next.fetch_add(1);
-          if (i >= points.size()) return std::nullopt;
-          return LaneCase{i, design.apply(base, design.point(points[i]))};
-        },
-        options, results);
-  });
-  return results;
+  return run_cases(
+      points.size(), [&](std::size_t i) { return design.apply(base, design.point(points[i])); }, options,
+      team);
 }
 
 std::vector<SensitivityStep> usual_steps() {
@@ -154,15 +150,20 @@ std::vector<Sensitivity> sensitivities(const Case& base, std::span<const double>
       row.step = s.relative ? s.step * std::fabs(variable(s.name).get(base)) : s.step;
       rows.push_back(row);
     }
-  for_each_index(team, static_cast<int>(3 * rows.size()), [&](int k) {
-    Sensitivity& row = rows[static_cast<std::size_t>(k / 3)];
+  const auto moved = [&](std::size_t k) {
+    const Sensitivity& row = rows[k / 3];
     Case c = base;
     c.conditions.closing_angle = row.angle;
     const Variable v = variable(row.name);
-    v.set(c, v.get(c) + (k % 3 - 1) * row.step);
-    const double value = closing_metrics(c, options).*metric.member;
-    (k % 3 == 0 ? row.low : k % 3 == 1 ? row.centre : row.high) = value;
-  });
+    v.set(c, v.get(c) + (static_cast<int>(k % 3) - 1) * row.step);
+    return c;
+  };
+  const auto all = run_cases(3 * rows.size(), moved, options, team);
+  for (std::size_t r = 0; r < rows.size(); ++r) {
+    rows[r].low = all[3 * r].*metric.member;
+    rows[r].centre = all[3 * r + 1].*metric.member;
+    rows[r].high = all[3 * r + 2].*metric.member;
+  }
   return rows;
 }
 
@@ -177,16 +178,21 @@ BestAngle best_angle(const Case& base, const std::vector<Axis>& tolerances, cons
     b.angles.push_back(pi * static_cast<double>(a) / static_cast<double>(angles));
   Sample s{draws, angles, std::vector<double>(draws * angles)};
   const Design design(tolerances, Sampling::latin, options.draws, options.seed);
-  for (std::size_t d = 0; d < draws; ++d) {
-    const Case device = design.apply(base, design.point(static_cast<std::int64_t>(d)));
-    for_each_index(team, options.angles, [&](int a) {
-      Case c = device;
-      c.conditions.closing_angle += b.angles[static_cast<std::size_t>(a)] - base.conditions.closing_angle;
-      const double value = closing_metrics(c, metric_options).*metric.member;
-      s.values[d * angles + static_cast<std::size_t>(a)] = std::isfinite(value) ? value : options.penalty;
-    });
+  constexpr std::size_t together = 32;  // draws between two looks at `go_on`
+  for (std::size_t first = 0; first < draws; first += together) {
+    const std::size_t count = std::min(together, draws - first) * angles;
+    const auto closing = [&](std::size_t k) {
+      Case c = design.apply(base, design.point(static_cast<std::int64_t>(first + k / angles)));
+      c.conditions.closing_angle += b.angles[k % angles] - base.conditions.closing_angle;
+      return c;
+    };
+    const auto results = run_cases(count, closing, metric_options, team);
+    for (std::size_t k = 0; k < count; ++k) {
+      const double value = results[k].*metric.member;
+      s.values[first * angles + k] = std::isfinite(value) ? value : options.penalty;
+    }
     if (go_on &&
-        !go_on(static_cast<std::int64_t>((d + 1) * angles), static_cast<std::int64_t>(draws * angles)))
+        !go_on(static_cast<std::int64_t>(first * angles + count), static_cast<std::int64_t>(draws * angles)))
       return {};
   }
   std::vector<std::size_t> all(draws);
