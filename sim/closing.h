@@ -42,7 +42,7 @@ struct Trajectory {
   std::vector<StageTime> stages;  ///< those reached; by the rigid rung only
   std::int64_t evaluations = 0;   ///< of the right-hand side
   std::int64_t field_states =
-      0;  ///< states of the magnet that the integrator looked at, where fields of their own were given
+      0;  ///< states of the magnet in the steps taken, where fields of their own were given
   std::int64_t field_beyond = 0;  ///< of these, extrapolated: outside of what the fields were made from
   double energy_residual = 0;
   double supplied = 0;  ///< J, by the mains; 0 without a ledger

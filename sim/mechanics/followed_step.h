@@ -172,6 +172,7 @@ class FollowedStep {
       for (int row = 1; row < dop853::stages; ++row) stage(row, h);
       const Real error = dop853::error(rows_, n_ + (followed() ? 2 : 0), h, k_, capacity, inverse_);
       ++m_.steps;
+      if constexpr (requires { system_->tried(true); }) system_->tried(error <= 1);
       if (error <= 1) {
         accept(h, error, again, cut);
         return true;

@@ -115,6 +115,9 @@ class RigidContactor {
   int choose_root(const GuardSet&, const Real* y, Real step, Real& root) const;
   void follow_root(int guard) { lanes_.followed = guard; }
   void set_root(Real root) { lanes_.root = root; }
+  void tried(bool taken) const {
+    if (drive_.potential != nullptr) drive_.potential->tried(taken);
+  }
   Real depth_rate(const Real* y) const {
     return lanes_.followed < 0 ? Real(0) : lane_rate(lanes_.followed, y);
   }

@@ -31,6 +31,7 @@ class StiffSolver {
     jacobian(t, y, n);
     for (h = std::min(h, largest); h >= std::min(least, largest);) {
       const Real error = attempt(t, y, h, n);
+      if constexpr (requires { system_->tried(true); }) system_->tried(error <= 1);
       const Real factor =
           std::isfinite(error)
               ? std::clamp(Real(0.9L) / std::cbrt(std::max(error, Real(1e-6L))), Real(0.2L), Real(5))

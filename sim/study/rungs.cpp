@@ -39,7 +39,8 @@ class LivePotential final : public MagneticPotential {
   mutable std::vector<double> last_;
 };
 
-/// Counts the states that its potential had to extrapolate. For one run.
+/// Counts the states of the steps taken, and of these the ones that its potential had to extrapolate: a step that was
+/// tried in vain may have looked anywhere. For one run.
 class CountingPotential final : public MagneticPotential {
  public:
   explicit CountingPotential(std::shared_ptr<const MagneticPotential> inner) : inner_(std::move(inner)) {}
@@ -47,10 +48,15 @@ class CountingPotential final : public MagneticPotential {
   bool has_ring() const override { return inner_->has_ring(); }
   MagneticResponse at(const MagneticState& s) const override {
     const MagneticResponse r = inner_->at(s);
-    ++states_, beyond_ += r.beyond ? 1 : 0;
+    ++tried_.states, tried_.beyond += r.beyond ? 1 : 0;
     return r;
   }
+  void tried(bool taken) const override {
+    if (taken) states_ += tried_.states, beyond_ += tried_.beyond;
+    tried_ = {};
+  }
   Trajectory told(Trajectory t) const {
+    tried(true);  // by an engine that tells nothing, or after its last step
     t.field_states = states_, t.field_beyond = beyond_;
     return t;
   }
@@ -58,6 +64,10 @@ class CountingPotential final : public MagneticPotential {
  private:
   std::shared_ptr<const MagneticPotential> inner_;
   mutable std::int64_t states_ = 0, beyond_ = 0;
+  struct Tried {
+    std::int64_t states = 0, beyond = 0;
+  };
+  mutable Tried tried_;  ///< since the last step
 };
 
 void refuse_unknown(std::string_view mechanics, const Case& c) {

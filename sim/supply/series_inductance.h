@@ -16,6 +16,7 @@ class SeriesInductance final : public MagneticPotential {
   bool has_ring() const override { return coil_.has_ring(); }
   /// `psi` of the state is lambda.
   MagneticResponse at(const MagneticState&) const override;
+  void tried(bool taken) const override { coil_.tried(taken); }
 
  private:
   const MagneticPotential& coil_;
