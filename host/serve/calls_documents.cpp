@@ -135,7 +135,7 @@ constexpr Route of_documents[] = {
     {"GET", "/api/campaigns", Right::read, "All campaigns of the store, the newest first.", "",
      R"([{"id": 1, "name": "", "created": "", "origin": "", "rig": "", "specimen": "", "test": "",
            "angles_deg": [0], "shots": 1,
-          "outcomes": {}, "outside_limits": 0, "finished": true, "resumable": true}])",
+          "planned_shots": 0, "outcomes": {}, "outside_limits": 0, "finished": true, "resumable": true}])",
      get_campaigns},
     {"GET",
      "/api/campaigns/{id}/shots",

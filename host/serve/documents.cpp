@@ -19,6 +19,7 @@
 #include "host/gather/pair_json.h"
 #include "host/gather/pdf.h"
 #include "host/gather/unlike.h"
+#include "host/plan/expand.h"
 #include "host/report/closing_json.h"
 #include "host/serve/frame.h"
 #include "host/store/json.h"
@@ -97,7 +98,8 @@ CampaignFacts::Facts CampaignFacts::of(const CampaignInfo& c) {
   const auto known = known_.find(key);
   if (known != known_.end() && !key.empty()) return known->second;
   const Plan plan = stored_plan(c);
-  Facts facts{stored_specimen(c).name, plan.angles, plan.order != Order::by_hand, plan.test};
+  const bool planned = plan.order != Order::by_hand;
+  Facts facts{stored_specimen(c).name, plan.angles, planned, plan.test, planned ? expand(plan).size() : 0};
   return known_[key] = facts;
 }
 
@@ -137,6 +139,7 @@ std::string campaigns_document(const Store& store, CampaignFacts& facts) {
                                    {"test", test_words(store, c, known.test)},
                                    {"angles_deg", angles},
                                    {"shots", measured_shots},
+                                   {"planned_shots", known.shots},
                                    {"outcomes", outcomes},
                                    {"outside_limits", outside},
                                    {"finished", c.finished},

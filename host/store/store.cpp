@@ -118,6 +118,11 @@ std::vector<StoredShot> Store::close_begun() {
     row.shot.attempt = impl_->next_attempt(row.shot);
     row.shot.id = insert_shot(db, row.shot);
     remove_begun(db, row.shot.campaign, row.shot.number);
+    // the shot may be fired again, and an attempt before the last is in no list
+    insert_annotation(db, row.shot.campaign,
+                      {utc_now(), course_key,
+                       "the program ended while shot " + std::to_string(row.shot.number + 1) +
+                           " of the plan was fired: its coil may have been on"});
     closed.push_back(std::move(row.shot));
   }
   t.commit();

@@ -44,8 +44,8 @@ class MagneticPotential {
   /// W and its derivatives; finite for every finite state with gap >= 0, also far beyond saturation.
   virtual MagneticResponse at(const MagneticState&) const = 0;
 
-  /// Told by an integrator: the step for which states were asked since it was last told was taken, or tried in vain. For
-  /// those that count.
+  /// Told by an integrator: the step for which states were asked since it was last told was taken, or tried in vain.
+  /// For those that count.
   virtual void tried(bool /*taken*/) const {}
 };
 

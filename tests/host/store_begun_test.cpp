@@ -60,7 +60,10 @@ TEST_CASE("a shot whose program ended while it was fired is an ERROR of its camp
   CHECK_THAT(left.reason, Catch::Contains("the program ended while this shot was fired"));
   CHECK(left.conditions.closing_angle == sample_shot(1, 1).conditions.closing_angle);
   CHECK(left.angle_deg == sample_shot(1, 1).angle_deg);
-  CHECK(store.close_begun().empty());  // said once
+  CHECK(store.close_begun().empty());         // said once
+  REQUIRE(store.annotations(1).size() == 1);  // and kept where the shot is fired again
+  CHECK(store.annotations(1)[0].key == course_key);
+  CHECK_THAT(store.annotations(1)[0].text, Catch::Contains("the program ended while shot 2 of the plan"));
   const Record record = sample_record(1);
   store.store_shot(sample_shot(1, 1), &record, nullptr, nothing_extracted);  // fired again: the next attempt
   CHECK(store.shots(1)[1].attempt == 2);

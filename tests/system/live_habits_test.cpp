@@ -216,11 +216,13 @@ TEST_CASE("live page: what is typed and not saved outlives a reload, and says so
   tab.until(repeats("2"));
   // an angle of the touch must not become one of the coil
   const std::string at = "document.getElementById('at')";
-  tab.value("(()=>{" + at + ".value='touch';" + at + ".dispatchEvent(new Event('input'))})()");
+  tab.value("(()=>{" + at + ".value='touch';" + at + ".dispatchEvent(new Event('input'));" +
+            "const a=document.getElementById('angle');a.value='45';a.dispatchEvent(new Event('input'))})()");
   tab.value("window.old = true");
   tab.value("location.reload()");
   tab.until("window.old === undefined && document.readyState === 'complete'");
-  tab.until(at + ".value === 'touch' && " + at + ".parentElement.innerText.includes('Contacts touch at')");
+  tab.until("document.getElementById('angle').value === '45' && " + at + ".value === 'touch' && " + at +
+            ".parentElement.innerText.includes('Contacts touch at')");
   CHECK(tab.errors() == std::vector<std::string>());
 }
 

@@ -177,6 +177,8 @@ for (const box of document.querySelectorAll('.wide')) {
 const states = { idle: 'ready', armed: 'armed', firing: 'firing', captured: 'ready', fault: 'FAULT' };
 /** What a state of the rig means to a person; its record is stored before the next closing. @param {string} state */
 export const stateWord = (state) => states[state] || state;
+/** The phase is not valid only because the rig has just begun to look; it passes by itself. @param {Status} s */
+export const warmsUp = (s) => s.phase_faults === '1 warming_up';
 /** A phase that is not valid yet hinders nobody: a shot waits for it. @param {Status} s */
 export const lacksPhase = (s) => s.phase_faults !== '' && !/^0\b/.test(s.phase_faults);
 

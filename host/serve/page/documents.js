@@ -5,7 +5,7 @@ import { $, anchor, button, call, cells, clear, field, known, list, measured, ne
 /** @typedef {import('./base.js').State} State */
 /** @typedef {import('./base.js').ListedShot} ListedShot */
 /** @typedef {{id: number, name: string, created: string, origin: string, rig: string, specimen: string, test: string, angles_deg: number[], shots: number,
- *   outcomes: {[outcome: string]: number}, outside_limits: number, finished: boolean, resumable: boolean}} Campaign */
+ *   outcomes: {[outcome: string]: number}, outside_limits: number, planned_shots: number, finished: boolean, resumable: boolean}} Campaign */
 /** @typedef {{value: number|null, u: number|null, U: number|null}} Mean */
 /** @typedef {{quantity: string, unit: string, closing_angle_deg: number|null, n: number[], first: Mean, second: Mean,
  *   difference: number|null, U: number|null, over_U: number|null, agreement: string}} PairRow */
@@ -50,7 +50,7 @@ function showCampaigns() {
       ' ', anchor('/api/campaigns/' + c.id + '/shots.csv', 'CSV'), ' ', anchor('/api/campaigns/' + c.id + '/junit.xml', 'JUnit'));
     const count = document.createElement('span');
     const without = ['NOT OBSERVED', 'ERROR', 'TIMEOUT', 'ABORTED'].filter((o) => c.outcomes[o]).map((o) => ', ' + c.outcomes[o] + ' ' + o);
-    count.append(c.shots + without.join('') + (c.resumable ? ', unfinished' : ''));
+    count.append(c.shots + (c.resumable ? ' of ' + c.planned_shots : '') + without.join('') + (c.resumable ? ', unfinished' : ''));
     if (c.resumable && c.id !== running) count.append(' ', restButton(c));
     cells(newRow('campaigns'), [button(String(c.id), () => { opening(c.id); open(c.id); }), c.name, c.created.slice(0, 16).replace('T', ' '), c.specimen, c.origin,
       [count, 'n'], [c.outside_limits, c.outside_limits ? 'n bad' : 'n'], links]);
@@ -132,7 +132,7 @@ function showShots() {
       s.outcome + (s.reason ? ': ' + s.reason : s.kind === 'simulated' ? ': at the conditions asked for' : ''), files]);
   }
   const fired = some.filter((s) => s.kind === 'measured').length;
-  $('found-shots').textContent = some.length + ' of ' + shots.length + (shots.length === 1 ? ' shot' : ' shots') + (fired < some.length ? ', ' + (some.length - fired) + ' of them simulated' : '') + (some.length > mostShots ? ', the first ' + mostShots + ' are shown; CSV has all' : '');
+  $('found-shots').textContent = (some.length < shots.length ? some.length + ' of ' : '') + shots.length + (shots.length === 1 ? ' shot' : ' shots') + (fired < some.length ? ', ' + (some.length - fired) + ' of them simulated' : '') + (some.length > mostShots ? ', the first ' + mostShots + ' are shown; CSV has all' : '');
 }
 async function notes() {
   const all = await call('GET', '/api/campaigns/' + shownCampaign + '/annotations');

@@ -1,6 +1,6 @@
 // @ts-check
 // The live bench. State arrives over one WebSocket; everything a person does is an HTTP call.
-import { $, access, call, duration, field, known, lacksPhase, learnAccess, sentences, stateWord, stream, whenTokenGiven } from './base.js';
+import { $, access, call, duration, field, known, lacksPhase, learnAccess, sentences, stateWord, stream, warmsUp, whenTokenGiven } from './base.js';
 import './choice.js';
 import * as documents from './documents.js';
 import * as parameters from './parameters.js';
@@ -165,7 +165,7 @@ function showJob(s) {
   // the rig tells what it would refuse; a phase that is not there yet is waited for
   const ready = !status || status.ready === '' || status.ready === 'yes' || (status.state !== 'idle' && status.state !== 'captured');
   const word = status ? stateWord(status.state) : '', lacks = word === 'ready' && !!status && lacksPhase(status),
-    bad = lacks && status.phase_faults !== '1 warming_up';  // this passes by itself
+    bad = lacks && !warmsUp(status) && !s.rig.programmable_source;  // warming up passes by itself; a source is set by each shot
   $('state').textContent = !status ? 'no answer' : on ? 'COIL ON' : busy ? 'busy' : job && job.paused && !status.live ? 'paused' : !ready ? 'not ready' : bad ? 'phase not valid' : word;
   $('state').title = !status ? '' : !ready ? status.ready : lacks ? 'the phase is ' + status.phase + '; a shot waits until it is' : '';
   $('state').className = 'state' + (status ? (on || status.live || (busy && job && job.doing === 'firing') ? ' live' : !busy && status.state === 'fault' ? ' fault' : '') : ' gone');
@@ -205,7 +205,7 @@ function seenAgain(s) {
   seen = true;
   if (!lostLive || !s.status || s.status.live || s.status.gate) return;
   alarm('The bench answers again, which it did not since ' + lostLive + ': the rig is ' + (s.job ? 'at work' : stateWord(s.status.state)) + ', its coil is off.' +
-    (s.job ? '' : ' A closing that was on then may be in no list; a plan can be gone on with on the page Documents.'), true);
+    (s.job ? '' : ' A closing that was on when the program ended stands in its campaign as ERROR; a plan can be gone on with on the page Documents.'), true);
   lostLive = '';
 }
 

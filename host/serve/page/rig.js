@@ -1,6 +1,6 @@
 // @ts-check
 // Rig: who it is, how it is, its attributes, and a scope on the raw channels of the last records.
-import { $, bytes, call, cells, clear, field, known, lacksPhase, list, newRow, sentences, stream, unitOf } from './base.js';
+import { $, bytes, call, cells, clear, field, known, lacksPhase, list, newRow, sentences, stream, unitOf, warmsUp } from './base.js';
 
 /** @typedef {import('./base.js').State} State */
 /** @typedef {{name: string, unit: string, scale: number, offset: number, clip_low: number, clip_high: number, counts: Int16Array}} Trace */
@@ -213,10 +213,11 @@ function tracker(s) {
     ['what is wrong with the mains', s.phase_faults || 'not known'], ['in words', s.phase]]);
 }
 
-/** Everything that stands between a press and the coil. @param {import('./base.js').Status} s */
-function wouldFire(s) {
+/** Everything that stands between a press and the coil. @param {import('./base.js').Status} s @param {boolean} sets a shot sets its source first */
+function wouldFire(s, sets) {
   if (s.state === 'fault') return 'no: fault ' + s.fault;
   if (s.ready && s.ready !== 'yes') return 'no: ' + s.ready;
+  if (lacksPhase(s) && sets && !warmsUp(s)) return 'yes, if the voltage and frequency of the shot are those of the rig: it sets them first; with those of the last one the phase is ' + s.phase;
   if (lacksPhase(s)) return 'not yet: the phase is ' + s.phase + '; a shot waits until it is';
   if (!known(s.phase_u_ahead_deg) || !known(s.angle_tolerance_deg)) return 'not known';
   const three = 3 * s.phase_u_ahead_deg;
@@ -227,11 +228,11 @@ const either = (flag, yes, no) => (flag === null ? 'not known: the rig does not 
 /** @typedef {{number: number, name: string, watched: string, reaction: string, limit: string, when: string, cleared: string, advice: string}} Interlock */
 /** @type {Interlock[]} */
 let interlocks = [];
-/** @param {import('./base.js').Status} s */
-function guards(s) {
+/** @param {import('./base.js').Status} s @param {boolean} sets */
+function guards(s, sets) {
   const latched = parseInt(s.fault, 10) || 0;
   const row = interlocks.find((i) => i.number === latched);
-  facts('guards', [['would it fire now', wouldFire(s)], ['gate of the coil', either(s.gate, 'ON: the coil is energised', 'off')],
+  facts('guards', [['would it fire now', wouldFire(s, sets)], ['gate of the coil', either(s.gate, 'ON: the coil is energised', 'off')],
     ['safety relay', either(s.relay, 'told to close', 'told to open')],
     ['fault', latched ? s.fault + (row ? ': ' + row.advice : '') : 'none is latched'], ['last refusal', s.last_error]]);
   clear('interlocks');
@@ -274,7 +275,7 @@ export function show(state) {
     ['owner', status ? status.owner : 'not known']]);
   if (status) {
     tracker(status);
-    guards(status);
+    guards(status, rig.programmable_source);
   } else for (const id of ['tracker', 'guards']) facts(id, [['not known', 'the rig does not answer']]);
   facts('link', [['answers', line.answers ? 'yes' : 'NO: ' + line.error], ['time of one answer', line.answer_ms.toFixed(1) + ' ms; median of 100 ' +
     line.median_ms.toFixed(1) + ' ms, worst ' + line.worst_ms.toFixed(1) + ' ms'], ['times asked', String(line.looks)],

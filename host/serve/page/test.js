@@ -18,7 +18,7 @@ let shown = 0, drawn = 0, newest = 0, stale = false, whole = true, chosen = fals
 let drawing = null;
 
 for (const degrees of [0, 30, 60, 90, 120, 150])
-  $('quick').append(button(degrees + '°', () => { field('angle').value = String(degrees); $('angle').focus(); prepare(null); }), ' ');
+  $('quick').append(button(degrees + '°', () => { field('angle').value = String(degrees); keep(); $('angle').focus(); prepare(null); }), ' ');
 document.querySelectorAll('#closer button').forEach((b) => b.addEventListener('click', () => panels && panels.actions[/** @type {HTMLElement} */ (b).dataset.do || '']()));
 $('stripped').addEventListener('change', () => closing && panels && panels.draw(closing, panels.range(), field('stripped').checked));
 $('fire-form').addEventListener('submit', async (e) => {
@@ -64,7 +64,12 @@ function prepare(state) {
 for (const id of ['angle', 'at']) $(id).addEventListener('input', () => { clear('refused'); prepare(null); });
 // what is chosen stands after a reload too: an angle of the touch must not become one of the coil
 field('at').value = sessionStorage.getItem('powbench-at') || field('at').value;
-$('at').addEventListener('input', () => sessionStorage.setItem('powbench-at', field('at').value));
+field('angle').value = sessionStorage.getItem('powbench-angle') || field('angle').value;
+function keep() {
+  sessionStorage.setItem('powbench-at', field('at').value);
+  sessionStorage.setItem('powbench-angle', field('angle').value);
+}
+for (const id of ['angle', 'at']) $(id).addEventListener('input', keep);
 
 /** The touch asked for of the newest closings. @type {Map<number, string>} */
 const aims = new Map();
