@@ -279,9 +279,9 @@ std::string IioRig::last_error() {
 
 Failed IioRig::trip() {
   std::string why = last_error();
-  constexpr std::string_view done_here = ", then write 1 to abort";
-  if (const auto at = why.find(done_here); at != std::string::npos) why.erase(at, done_here.size());
-  if (why.starts_with("mains phase")) why += "; now " + link_->phase();
+  why = why.substr(0, why.find(", then write 1 to abort"));  // done here
+  if (why.starts_with("mains phase"))                        // its edge is withheld
+    why = why.substr(0, why.find(": see")) + ", so the coil was not switched on; now " + link_->phase();
   const bool again = may_try_again(std::atoi(link_->read(Device::control, "fault").c_str()));
   if (again) abort();
   return {Outcome::error, "the rig tripped: " + why, true, !again};

@@ -72,6 +72,6 @@ export function showQuantities(shot) {
   const own = shot.quantities.some((q) => q.simulated_own);
   $('simulated-of').textContent = !shot.simulated_basis ? '' : (own ? 'Simulated: for this closing, at the ' +
     measured(shot.reached_rad, 180 / Math.PI) + '°, ' + measured(shot.reached_volts, 1) + ' V and ' + measured(shot.reached_hertz, 1) + ' Hz that it had. "angle": ' :
-    'Simulated: ') + 'for the angle, one simulation ' + shot.simulated_basis + '; the dashed curves, Documents and the report show that one.';
+    'Simulated: ') + 'for the angle, one simulation ' + shot.simulated_basis + '; the simulated curves, Documents and the report show that one.';
   showOpenings(shot);
 }
