@@ -145,6 +145,7 @@ TEST_CASE("live page: what differs from the simulation by more than U is marked"
   LiveBench bench(folder, "sim:" + rig);
   Browser browser(folder);
   Tab tab = browser.open(bench.url);
+  tab.until("document.getElementById('fire').disabled === false");
   press(tab, "fire");
   const std::string touch =
       "[...document.querySelectorAll('#quantities tr')].find(r=>r.cells[0].textContent==='t_ct1')";
@@ -206,7 +207,7 @@ TEST_CASE("live page: what is typed and not saved outlives a reload, and says so
       "(()=>{const t=document.getElementById('text');t.value=t.value.replace('repeats = 2','repeats = 3');"
       "t.dispatchEvent(new Event('input'))})()");
   tab.value("window.old = true");
-  tab.value("location.reload()");
+  tab.value("void setTimeout(() => location.reload())");
   tab.until("window.old === undefined && document.readyState === 'complete'");
   press(tab, "tab-parameters");
   tab.until(says("not saved is back"));
@@ -219,7 +220,7 @@ TEST_CASE("live page: what is typed and not saved outlives a reload, and says so
   tab.value("(()=>{" + at + ".value='touch';" + at + ".dispatchEvent(new Event('input'));" +
             "const a=document.getElementById('angle');a.value='45';a.dispatchEvent(new Event('input'))})()");
   tab.value("window.old = true");
-  tab.value("location.reload()");
+  tab.value("void setTimeout(() => location.reload())");
   tab.until("window.old === undefined && document.readyState === 'complete'");
   tab.until("document.getElementById('angle').value === '45' && " + at + ".value === 'touch' && " + at +
             ".parentElement.innerText.includes('Contacts touch at')");

@@ -279,13 +279,13 @@ TEST_CASE("live page: Back goes to what was open before, and filters come back e
   tab.until("location.hash === '#documents/1' && document.querySelectorAll('#shots tr').length >= 1");
   press(tab, "tab-rig");
   tab.until("location.hash === '#rig'");
-  tab.value("history.back()");
+  tab.value("void setTimeout(() => history.back())");
   tab.until("location.hash === '#documents/1' && !document.getElementById('campaign').hidden");
-  tab.value("history.back()");
+  tab.value("void setTimeout(() => history.back())");
   tab.until(
       "location.hash === '#documents' && document.getElementById('campaign').hidden && "
       "!document.getElementById('documents').hidden");
-  tab.value("history.back()");
+  tab.value("void setTimeout(() => history.back())");
   tab.until("location.hash === '#test' && !document.getElementById('test').hidden");
   tab.value("history.go(2)");
   tab.until("location.hash === '#documents/1' && !document.getElementById('campaign').hidden");
@@ -295,7 +295,7 @@ TEST_CASE("live page: Back goes to what was open before, and filters come back e
   tab.until("document.getElementById('found').textContent === 'no campaign matches, of 1'");
   // away and back: the campaign is there again, the filter is not
   tab.go("data:text/html,elsewhere");
-  tab.value("history.back()");
+  tab.value("void setTimeout(() => history.back())");
   tab.until(
       "document.getElementById('campaign') && !document.getElementById('campaign').hidden && "
       "document.querySelectorAll('#shots tr').length >= 1");
@@ -310,9 +310,9 @@ TEST_CASE("live page: Back goes to what was open before, and filters come back e
                             "document.querySelector('header').getBoundingClientRect().bottom";
   tab.value(first + ".click()");
   tab.until(there);
-  tab.value("location.reload()");
+  tab.value("void setTimeout(() => location.reload())");
   tab.until(there);
-  tab.value("history.back()");
+  tab.value("void setTimeout(() => history.back())");
   tab.until("location.hash === '#documents/1' && !document.getElementById('campaign').hidden");
   CHECK(tab.errors() == std::vector<std::string>());
 }
