@@ -241,7 +241,6 @@ POWBENCH_LANES void combine(LaneBlock& b, int n, A... a) {
     const auto j = static_cast<std::size_t>(i);
     int s = 0;
     const V k[] = {(static_cast<void>(a), at(b.slope[static_cast<std::size_t>(s++)][j]))...};
-    s = 0;
     const double weight[] = {a...};
     V sum = weight[sizeof...(a) - 1] * k[sizeof...(a) - 1];  // from the last one on, as DormandPrince does
     for (int m = static_cast<int>(sizeof...(a)) - 2; m >= 0; --m) sum = weight[m] * k[m] + sum;
