@@ -23,9 +23,8 @@ void insert_begun(sqlite::Database&, const StoredShot&, const Firer& = this_prog
 void remove_begun(sqlite::Database&, std::int64_t campaign, int number);
 
 struct BegunRow {
-  StoredShot shot;  ///< outcome, reason, id and attempt are not of a row
-  bool running =
-      false;  ///< another program fires it, as far as can be known: one of another machine for a day
+  StoredShot shot;       ///< outcome, reason, id and attempt are not of a row
+  bool running = false;  ///< another program fires it, as far as can be known, and for a day at most
 };
 std::vector<BegunRow> select_begun(const sqlite::Database&);
 

@@ -80,7 +80,8 @@ TEST_CASE("what another program fires is not closed, what an earlier shot of thi
   CHECK(store.close_begun().size() == 1);
 }
 
-TEST_CASE("what another machine fires is closed after a day", "[store]") {
+TEST_CASE("a mark is closed after a day, whatever has its process id then, here or on another machine",
+          "[store]") {
   const Folder folder;
   Store store(folder.file());
   store.create_campaign(sample_campaign());
@@ -94,6 +95,9 @@ TEST_CASE("what another machine fires is closed after a day", "[store]") {
   const auto closed = store.close_begun();
   REQUIRE(closed.size() == 1);
   CHECK(closed[0].number == 0);
+  auto db = open_store(folder.file(), Store::Mode::read_write);
+  insert_begun(db, old, {this_program().machine, getppid()});  // a process that runs
+  CHECK(store.close_begun().size() == 1);
 }
 
 TEST_CASE("a damaged mark of a begun shot is damage", "[store]") {
