@@ -16,11 +16,11 @@ std::string words(firmware::Reaction r) {
     case Reaction::open_relay:
       return "coil off, relay open";
     case Reaction::withhold:
-      return "edge withheld";
+      return "not switched on yet";
     case Reaction::refuse:
-      return "refused";
+      return "command refused";
     case Reaction::next_crossing:
-      return "next crossing";
+      return "switched on at the next crossing";
     case Reaction::mark_record:
       return "coil stays off; once on: record marked";
   }
@@ -31,8 +31,8 @@ std::string words(firmware::Watch w) {
   using firmware::Watch;
   return w == Watch::shot      ? "in a shot"
          : w == Watch::always  ? "always"
-         : w == Watch::command ? "command"
-                               : "start";
+         : w == Watch::command ? "at a command"
+                               : "at start";
 }
 
 std::string words(firmware::Clears c) {

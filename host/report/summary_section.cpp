@@ -174,8 +174,11 @@ Markup record_section(const ReportInput& input) {
   for (const RecordField& f : record_fields) told = told || !(test.*f.place).empty();
   out.open("section", {{"id", "record"}}).element("h3", "Test record");
   if (!told) {
-    out.element("p", "None: the plan has no section [test], and nothing was added by `powbench annotate`.",
-                {{"class", "fine"}});
+    out.element(
+        "p",
+        "None: the plan has no section [test], and nothing was added later (`powbench annotate`, or 'Add to "
+        "the report' of the live bench).",
+        {{"class", "fine"}});
     return out.close();
   }
   for (const Instrument& i : expired_then(input))

@@ -34,7 +34,8 @@ Bench::Impl::Impl(const std::string& rig_uri, const Scene& first, const std::str
                               sensors.specimen.empty() ? first.specimen : load_specimen(sensors))),
       scene(first) {
   // there and sound, or the sentence that says what is wrong
-  for (const StoredShot& left : Store(database, Store::Mode::read_write).close_begun())
+  interrupted = Store(database, Store::Mode::read_write).close_begun();
+  for (const StoredShot& left : interrupted)
     log_line(fmt::format("shot {}, coil on at {:.2f} deg: ERROR: {}", left.id, left.angle_deg, left.reason));
   rig = std::make_unique<StoppableRig>(rigs::connect_iio(endpoint.uri), stop_flag, inside);
   info = rig->info();

@@ -96,6 +96,7 @@ struct Bench::Impl final : RunWatcher {
   std::int64_t newest_prediction = 0;       ///< simulated shot whose uncertainty was told last
   int singles = 0;                          ///< single closings of this plan, so far
   std::optional<StopAnswer> last_stop;
+  std::vector<StoredShot> interrupted;  ///< on when the program ended before; set by the constructor alone
   std::deque<std::string> log;
   std::shared_ptr<const std::string> frame;  ///< of the newest record
 

@@ -7,6 +7,7 @@
 #include "core/origin.h"
 #include "core/version.h"
 #include "host/serve/bench_impl.h"
+#include "host/store/json.h"
 
 namespace powbench::host {
 namespace {
@@ -136,6 +137,7 @@ std::string Bench::Impl::state() const {
               {"newest_aim_deg", newest_aim ? Json(degrees(newest_aim->wanted)) : Json(nullptr)},
               {"newest_prediction", newest_prediction ? Json(newest_prediction) : Json(nullptr)},
               {"newest_campaign", newest_campaign ? Json(newest_campaign) : Json(nullptr)},
+              {"interrupted", Json::array()},
               {"stop", nullptr},
               {"log", log}};
   if (job) {
@@ -165,6 +167,9 @@ std::string Bench::Impl::state() const {
                     {"done", ended->done},
                     {"shots", ended->shots},
                     {"why", ended->why}};
+  for (const StoredShot& s : interrupted)
+    out["interrupted"].push_back(
+        {{"shot", s.id}, {"campaign", s.campaign}, {"angle_deg", json_of<Json>(s.angle_deg)}});
   if (last_stop) out["stop"] = {{"off", last_stop->off}, {"text", last_stop->text}, {"ms", last_stop->ms}};
   return out.dump(-1, ' ', false, Json::error_handler_t::replace);
 }

@@ -96,7 +96,9 @@ Reply want_websocket(const Call&) {
 constexpr const char* state_example =
     R"({"version": "", "rig": {}, "link": {}, "status": {}, "plan": {}, "job": {}, "aiming": false,
           "ended": {}, "newest_shot": 1, "newest_aim_deg": 90, "newest_prediction": 1,
-         "newest_campaign": 1, "stop": {"off": true, "text": "", "ms": 1}, "log": [""]})";
+         "newest_campaign": 1,
+          "interrupted": [{"shot": 1, "campaign": 1, "angle_deg": 90}],
+          "stop": {"off": true, "text": "", "ms": 1}, "log": [""]})";
 
 constexpr Route of_bench[] = {
     {"GET", "/api/access", Right::read,

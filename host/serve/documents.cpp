@@ -99,7 +99,10 @@ CampaignFacts::Facts CampaignFacts::of(const CampaignInfo& c) {
   if (known != known_.end() && !key.empty()) return known->second;
   const Plan plan = stored_plan(c);
   const bool planned = plan.order != Order::by_hand;
-  Facts facts{stored_specimen(c).name, plan.angles, planned, plan.test, planned ? expand(plan).size() : 0};
+  Facts facts{stored_specimen(c).name, plan.angles, planned, plan.test, {}};
+  if (planned)
+    for (const PlannedShot& shot : expand(plan))
+      facts.shots.push_back(stored_degrees(effective_angle(shot.conditions)));
   return known_[key] = facts;
 }
 
@@ -110,6 +113,19 @@ std::string test_words(const Store& store, const CampaignInfo& c, const TestReco
   for (const std::string& instrument : planned.instruments) words += instrument + " ";
   for (const Annotation& a : store.annotations(c.id)) words += a.text + " ";
   return words;
+}
+
+/// Closing angles of a plan's shots that have no record yet, and how many of each.
+Json missing_json(const Store& store, const CampaignInfo& c, const CampaignFacts::Facts& facts) {
+  std::map<double, int> missing;
+  for (const double angle : facts.shots) ++missing[angle];
+  for (const StoredShot& s : recorded_shots(store, c.id))
+    if (s.number >= 0 && static_cast<std::size_t>(s.number) < facts.shots.size())
+      --missing[facts.shots[static_cast<std::size_t>(s.number)]];
+  Json list = Json::array();
+  for (const auto& [angle, n] : missing)
+    if (n > 0) list.push_back({{"angle_deg", angle}, {"shots", n}});
+  return list;
 }
 
 std::string campaigns_document(const Store& store, CampaignFacts& facts) {
@@ -130,6 +146,7 @@ std::string campaigns_document(const Store& store, CampaignFacts& facts) {
       outcomes[std::string(name(outcome))] = count;
       if (outcome == Outcome::fail) outside = count;
     }
+    const bool resumable = known.planned && !c.finished;
     list.insert(list.begin(), Json{{"id", c.id},
                                    {"name", c.name},
                                    {"created", c.created},
@@ -139,11 +156,12 @@ std::string campaigns_document(const Store& store, CampaignFacts& facts) {
                                    {"test", test_words(store, c, known.test)},
                                    {"angles_deg", angles},
                                    {"shots", measured_shots},
-                                   {"planned_shots", known.shots},
+                                   {"planned_shots", known.shots.size()},
                                    {"outcomes", outcomes},
                                    {"outside_limits", outside},
                                    {"finished", c.finished},
-                                   {"resumable", known.planned && !c.finished}});
+                                   {"resumable", resumable},
+                                   {"missing", resumable ? missing_json(store, c, known) : Json::array()}});
   }
   return text(list);
 }
@@ -171,8 +189,10 @@ std::string shots_document(const Store& store, const CampaignInfo& campaign, std
 std::string shots_table(const Store& store, const CampaignInfo& campaign) {
   std::string out = fmt::format(
       "# {}, campaign {}; SI units, times in s after switch-on; u_: standard uncertainty (k = 1), in the "
-      "unit of its quantity\nshot,kind,angle_deg,started,outcome",
+      "unit of its quantity\n",
       name(campaign.origin), campaign.id);
+  for (const Quantity& q : quantity_table) out += fmt::format("# {}: {}\n", q.symbol, q.meaning);
+  out += "shot,kind,angle_deg,started,outcome";
   for (const Quantity& q : quantity_table) out += fmt::format(",{}_{},u_{}", q.symbol, q.unit, q.symbol);
   out += "\n";
   const auto cell = [](double x) { return std::isfinite(x) ? fmt::format("{:.9g}", x) : std::string(); };
@@ -295,8 +315,11 @@ std::string origin_of(const Store& store, const StoredShot& shot) {
 std::string waveforms_document(const Store& store, const StoredShot& shot) {
   Record record = store.load_record(shot.id);
   record.conditions = shot.conditions;
-  return fmt::format("# {}, campaign {}, {} shot {}\n{}", origin_of(store, shot), shot.campaign,
-                     name(shot.kind), shot.id, to_csv(record));
+  std::string head = fmt::format("# {}, campaign {}, {} shot {}\n", origin_of(store, shot), shot.campaign,
+                                 name(shot.kind), shot.id);
+  for (const ChannelRecord& c : record.channels)
+    head += fmt::format("# {}: {}\n", info(c.channel).name, info(c.channel).meaning);
+  return head + to_csv(record);
 }
 
 std::string events_document(const Store& store, const StoredShot& shot) {

@@ -21,7 +21,7 @@ class CampaignFacts {
     std::vector<double> angles;  ///< rad
     bool planned = false;        ///< not single closings, and no import
     TestRecord test;             ///< as planned, without annotations
-    std::size_t shots = 0;       ///< of the plan; 0: nothing was planned
+    std::vector<double> shots;   ///< closing angle of each planned shot, deg; empty: nothing was planned
   };
   /// From any thread.
   Facts of(const CampaignInfo&);

@@ -1,39 +1,21 @@
-#include <sys/wait.h>
-#include <unistd.h>
-
 #include <catch2/catch.hpp>
-#include <functional>
 
 #include "host/store/begun_rows.h"
 #include "host/store/maintain.h"
 #include "host/store/open.h"
 #include "host/store/rows.h"
 #include "tests/host/store_samples.h"
+#include "tests/other_process.h"
 
 /// What becomes of a shot whose program ends while it is fired.
 
 using namespace powbench;
 using namespace powbench::host;
+using powbench::test::in_another_process;
 
 namespace {
 
 const ExtractionInfo nothing_extracted{"", "0.1.0"};
-
-/// Runs `act` in a process of its own, which ends without a word; returns its exit code.
-int in_another_process(const std::function<void()>& act) {
-  const pid_t child = fork();
-  if (child == 0) {
-    try {
-      act();
-    } catch (...) {
-      _exit(1);
-    }
-    _exit(0);
-  }
-  int status = 0;
-  REQUIRE(waitpid(child, &status, 0) == child);
-  return status;
-}
 
 }  // namespace
 

@@ -118,12 +118,17 @@ TEST_CASE("live bench: a plan that was ended is gone on with, where its rig and 
   CHECK_THAT(log, Catch::Contains("the button 'Fire the rest' on the page Documents"));
   CHECK_THAT(log, !Catch::Contains("--resume"));
   CHECK(s.get("/api/campaigns").at(0).at("resumable") == true);
+  std::size_t missing = 0;
+  const json unfinished = s.get("/api/campaigns").at(0);
+  for (const json& m : unfinished.at("missing")) missing += m.at("shots").get<std::size_t>();
+  CHECK(missing == 6 - before);
   REQUIRE(s.ask("POST", "/api/campaigns/1/resume", "{}").status == 202);
   CHECK(s.state().at("job").at("done").get<std::size_t>() >= before);
   s.until_ended();
   CHECK(s.get("/api/campaigns").size() == 1);
   CHECK(s.shots() == 6);
   CHECK(s.get("/api/campaigns").at(0).at("resumable") == false);
+  CHECK(s.get("/api/campaigns").at(0).at("missing").empty());
   const auto refused = [&](const char* path, int status, const char* why) {
     const host::Reply r = s.ask("POST", path, "{}");
     CHECK(r.status == status);

@@ -46,7 +46,7 @@ TEST_CASE("live page: a fault says why and how it ends, and its button ends it",
   CHECK(tab.value(says("The coil is off.") + " && " +
                   says("not the usual 230 V: the rig takes so low a mains")) == true);
   tab.until(says("Shot 1 at 90\xC2\xB0: ERROR, nothing was recorded"));
-  CHECK(tab.value("document.getElementById('state').className") == "state fault");
+  tab.until("document.getElementById('state').className === 'state fault'");  // once the job is over
   CHECK(tab.value("document.getElementById('fire').disabled") == true);
   picture(tab, "live-fault.png");
   volts("230");
@@ -174,6 +174,8 @@ TEST_CASE("live page: an unfinished plan is gone on with from the list of campai
       "[...document.querySelectorAll('#campaigns button')].find(b=>b.textContent.startsWith('Fire the "
       "rest'))";
   tab.until(go_on);
+  CHECK(tab.value("/unfinished: .*(0|90)°.* missing/.test(document.getElementById('campaigns').innerText)") ==
+        true);
   // it asks first, names the campaign, and stays asked where the list is made anew; in one go, for it forgets after 6 s
   CHECK(tab.value("(async()=>{const button=()=>" + go_on +
                   ";button().click();"

@@ -80,6 +80,7 @@ TEST_CASE("live page: what was asked once before a STOP is not fired by a second
   CHECK(tab.value(rest + ".textContent") == "Fire the rest");
   tab.value(rest + ".click()");
   CHECK(tab.value(no_job) == true);
+  tab.until(says("Nothing was fired: the button must be pressed twice within 6 s."));
   CHECK(tab.errors() == std::vector<std::string>());
 }
 

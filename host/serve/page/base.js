@@ -22,7 +22,7 @@
  *   outside_limits: number, shots: number, hold_time_ms: number, seconds_left: number|null,
  *   aim: {touch_deg: number, closing_angle_deg: number, touch_s: number, gain: number}|null}} Job */
 /** @typedef {{version: string, rig: Rig, link: Link, status: Status|null, job: Job|null, aiming: boolean, newest_shot: number|null, newest_aim_deg: number|null, newest_prediction: number|null,
- *   newest_campaign: number|null, stop: {off: boolean, text: string, ms: number}|null, log: string[],
+ *   newest_campaign: number|null, interrupted: {shot: number, campaign: number, angle_deg: number|null}[], stop: {off: boolean, text: string, ms: number}|null, log: string[],
  *   ended: {name: string, campaign: number, done: number, shots: number, why: string}|null,
  *   plan: {name: string, specimen: string, supply_volts: number, mains_hertz: number, hold_time_ms: number, shots: number,
  *   usual: {supply_volts: number, hold_time_ms: number}}}} State */

@@ -5,7 +5,8 @@ import { $, anchor, button, call, cells, clear, field, known, list, measured, ne
 /** @typedef {import('./base.js').State} State */
 /** @typedef {import('./base.js').ListedShot} ListedShot */
 /** @typedef {{id: number, name: string, created: string, origin: string, rig: string, specimen: string, test: string, angles_deg: number[], shots: number,
- *   outcomes: {[outcome: string]: number}, outside_limits: number, planned_shots: number, finished: boolean, resumable: boolean}} Campaign */
+ *   outcomes: {[outcome: string]: number}, outside_limits: number, planned_shots: number, finished: boolean, resumable: boolean,
+ *   missing: {angle_deg: number, shots: number}[]}} Campaign */
 /** @typedef {{value: number|null, u: number|null, U: number|null}} Mean */
 /** @typedef {{quantity: string, unit: string, closing_angle_deg: number|null, n: number[], first: Mean, second: Mean,
  *   difference: number|null, U: number|null, over_U: number|null, agreement: string}} PairRow */
@@ -36,6 +37,13 @@ async function load() {
   }
   showCampaigns();
 }
+const anglesNamed = 6;
+/** What a plan still lacks: how many closings of which angle. @param {Campaign} c */
+function missing(c) {
+  if (!c.missing.length) return '';
+  const some = c.missing.slice(0, anglesNamed).map((m) => (m.shots > 1 ? m.shots + ' × ' : '') + Number(m.angle_deg.toFixed(2)) + '°');
+  return ': ' + some.join(', ') + (c.missing.length > anglesNamed ? ' and ' + (c.missing.length - anglesNamed) + ' more angles' : '') + ' missing';
+}
 function showCampaigns() {
   const words = field('search').value.toLowerCase().split(/\s+/), outcome = field('find-outcome').value, angle = wantedAngle();
   clear('campaigns');
@@ -50,7 +58,7 @@ function showCampaigns() {
       ' ', anchor('/api/campaigns/' + c.id + '/shots.csv', 'CSV'), ' ', anchor('/api/campaigns/' + c.id + '/junit.xml', 'JUnit'));
     const count = document.createElement('span');
     const without = ['NOT OBSERVED', 'ERROR', 'TIMEOUT', 'ABORTED'].filter((o) => c.outcomes[o]).map((o) => ', ' + c.outcomes[o] + ' ' + o);
-    count.append(c.shots + (c.resumable ? ' of ' + c.planned_shots : '') + without.join('') + (c.resumable ? ', unfinished' : ''));
+    count.append(c.shots + (c.resumable ? ' of ' + c.planned_shots : '') + without.join('') + (c.resumable ? ', unfinished' + missing(c) : ''));
     if (c.resumable && c.id !== running) count.append(' ', restButton(c));
     cells(newRow('campaigns'), [button(String(c.id), () => { opening(c.id); open(c.id); }), c.name, c.created.slice(0, 16).replace('T', ' '), c.specimen, c.origin,
       [count, 'n'], [c.outside_limits, c.outside_limits ? 'n bad' : 'n'], links]);
@@ -65,6 +73,7 @@ export const whenRun = (act) => { ran = act; };
 /** The campaign whose button was pressed once; the list may be made anew between two presses. @type {number|null} */
 let asked = null;
 let forget = 0;
+const askedFor = 6;
 const restWords = 'Fire the rest';
 /** Asks in its own words before it fires; no dialog, which would take Esc from STOP. @param {Campaign} c */
 function restButton(c) {
@@ -78,7 +87,11 @@ function restButton(c) {
     }
     asked = c.id;
     rest.textContent = question;
-    forget = window.setTimeout(noLongerAsked, 6000);
+    clear('not-resumed');
+    forget = window.setTimeout(() => {
+      noLongerAsked();
+      $('not-resumed').textContent = 'Nothing was fired: the button must be pressed twice within ' + askedFor + ' s.';
+    }, 1000 * askedFor);
   });
   return rest;
 }
@@ -132,7 +145,8 @@ function showShots() {
       s.outcome + (s.reason ? ': ' + s.reason : s.kind === 'simulated' ? ': at the conditions asked for' : ''), files]);
   }
   const fired = some.filter((s) => s.kind === 'measured').length;
-  $('found-shots').textContent = (some.length < shots.length ? some.length + ' of ' : '') + shots.length + (shots.length === 1 ? ' shot' : ' shots') + (fired < some.length ? ', ' + (some.length - fired) + ' of them simulated' : '') + (some.length > mostShots ? ', the first ' + mostShots + ' are shown; CSV has all' : '');
+  $('found-shots').textContent = (some.length < shots.length ? some.length + ' of ' : '') + shots.length + (shots.length === 1 ? ' shot' : ' shots') + (fired < some.length ? ', ' + (some.length - fired) + ' of them simulated' : '') + (some.length > mostShots ? ', the first ' + mostShots + ' are shown; CSV has all' : '') +
+    (some.length ? '; numbers are those of the store, which counts simulated closings too' : '');
 }
 async function notes() {
   const all = await call('GET', '/api/campaigns/' + shownCampaign + '/annotations');

@@ -200,12 +200,16 @@ function unseen() {
   $('state').className = 'state gone';
   $('job').textContent = 'the bench program does not answer; trying again';
 }
+/** What the program found of its last end. @param {State} s */
+const interruptedText = (s) => s.interrupted.map((i) => ' Shot ' + i.shot + ' of campaign ' + i.campaign +
+  (known(i.angle_deg) ? ', coil on at ' + Number(i.angle_deg.toFixed(2)) + '°,' : '') + ' was on when the program ended: it stands there as ERROR.').join('') +
+  (s.newest_campaign ? '' : ' A plan that was not fired to its end can be gone on with on the page Documents.');
 /** @param {State} s */
 function seenAgain(s) {
   seen = true;
   if (!lostLive || !s.status || s.status.live || s.status.gate) return;
   alarm('The bench answers again, which it did not since ' + lostLive + ': the rig is ' + (s.job ? 'at work' : stateWord(s.status.state)) + ', its coil is off.' +
-    (s.job ? '' : ' A closing that was on when the program ended stands in its campaign as ERROR; a plan can be gone on with on the page Documents.'), true);
+    (s.job ? '' : interruptedText(s)), true);
   lostLive = '';
 }
 
@@ -226,6 +230,7 @@ function show(next) {
   if (!next.stop && before && before.stop) alarm('');
   if (!next.status) confirmationEnds();
   if (next.job && before && !before.job) confirmationEnds();
+  if (!before && next.interrupted.length && !next.newest_campaign && !next.stop) alarm(interruptedText(next).trim(), true);
   stopAgain(next);
   seenAgain(next);
   // stays until the next job begins: a stop or a pause takes nothing back

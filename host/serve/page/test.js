@@ -14,6 +14,8 @@ let closing = null;
 // what arrives while another page is looked at is drawn when this one is opened: a hidden element has no size
 let visible = false, undrawn = false;
 let shown = 0, drawn = 0, newest = 0, stale = false, whole = true, chosen = false;
+/** The campaign of the plan that is on: its simulations are made after its last closing. */
+let firing = 0;
 /** @type {Promise<void>|null} */
 let drawing = null;
 
@@ -89,6 +91,7 @@ export async function showShot(id) {
   };
   $('shot').hidden = false;
   $('no-shot').hidden = true;
+  whole = !shot.has_record || shot.quantities.some((q) => known(q.simulated));
   const asked = aims.get(id);
   const touched = known((shot.quantities.find((q) => q.symbol === 't_ct1') || { value: null }).value);
   const found = !touched ? 'no touch was observed' : 'touch ' + value('t_ct1', 1e3) + ' ms, bounce ' + value('t_ct_bon', 1e3) + ' ms' + (shot.bounce ? ', ' + openings(shot.bounce.openings.length) : '');
@@ -96,13 +99,12 @@ export async function showShot(id) {
     (shot.has_record ? found : shot.outcome + ', nothing was recorded');
   $('shot-reason').textContent = shot.origin + ', ' + shot.outcome + (shot.reason ? ': ' + shot.reason : shot.outcome === 'NOT JUDGED' ? ' (no limit is set)' : '') + '; ' + (shot.has_record ? 'coil on at ' +
     measured(shot.reached_rad, 180 / Math.PI) + '°' + (asked ? ' to touch at ' + asked + '°' : '') + ', touched at ' + measured(shot.touch_rad, 180 / Math.PI) + '° of the mains; ' : '') +
-    askedOf(shot) + shot.started.replace('T', ' ').replace('Z', ' UTC');
+    askedOf(shot) + (!whole && shot.campaign === firing ? 'simulated after the last closing of the plan; ' : '') + shot.started.replace('T', ' ').replace('Z', ' UTC');
   $('shot-title').classList.toggle('bad', shot.outcome === 'FAIL');
   showQuantities(shot);
   const again = id === drawn, zoomed = again && panels ? panels.range() : null;
   closing = waveforms[0] || null;
   drawn = id;
-  whole = !shot.has_record || shot.quantities.some((q) => known(q.simulated));
   undrawn = !visible;
   if (panels && closing) {
     if (visible) panels.draw(closing, zoomed || closing.bounce, field('stripped').checked);
@@ -146,6 +148,7 @@ export function show(state, before) {
   if (before && before.newest_prediction !== state.newest_prediction) stale = true;  // the simulation's U has come
   if (before && before.job && !state.job) stale = stale || !whole || !!drawing;  // the simulation is there now; what is being drawn may have been asked for before
   newest = state.newest_shot || 0;
+  firing = state.job && state.job.kind === 'plan' ? state.job.campaign || 0 : 0;
   if (known(state.newest_aim_deg)) aims.set(newest, state.newest_aim_deg.toFixed(1));
   if (!before || before.job || !before.status || before.plan.name !== state.plan.name || before.plan.specimen !== state.plan.specimen ||
     before.plan.supply_volts !== state.plan.supply_volts || before.plan.hold_time_ms !== state.plan.hold_time_ms) prepare(state);
