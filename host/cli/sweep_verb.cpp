@@ -108,7 +108,7 @@ constexpr std::int64_t block = 500;  ///< points
 
 /// Blocks are simulated and stored in groups: at the end of each the threads wait for each other and for the disk.
 /// What a stop or a kill loses is one group.
-constexpr std::chrono::milliseconds longest_group{2000};
+constexpr double longest_group = 2;  ///< s
 
 Exit run_sweep(const SweepArgs& args, const Study& s, sim::Team& team) {
   const std::map<std::string, sim::Sampling> samplings{{"grid", sim::Sampling::grid},
@@ -134,12 +134,14 @@ Exit run_sweep(const SweepArgs& args, const Study& s, sim::Team& team) {
   const std::int64_t id = store.open_sweep(info);
 
   const std::size_t width = sim::metric_table.size();
-  std::vector<std::vector<double>> rows(static_cast<std::size_t>(design.size()));
-  std::vector<bool> known(rows.size(), false);
+  const bool whole = shard.of == 1;  // a shard prints nothing: it keeps no rows
+  std::vector<std::vector<double>> rows(whole ? static_cast<std::size_t>(design.size()) : 0);
+  std::vector<bool> known(static_cast<std::size_t>(design.size()), false);
   for (const auto& b : store.blocks(id))
     for (std::int64_t k = 0; k < b.count; ++k) {
       const auto from = b.numbers.begin() + static_cast<std::ptrdiff_t>(static_cast<std::size_t>(k) * width);
-      rows[static_cast<std::size_t>(b.first + k)].assign(from, from + static_cast<std::ptrdiff_t>(width));
+      if (whole)
+        rows[static_cast<std::size_t>(b.first + k)].assign(from, from + static_cast<std::ptrdiff_t>(width));
       known[static_cast<std::size_t>(b.first + k)] = true;
     }
   const auto count_of = [&](std::int64_t first) { return std::min(block, design.size() - first); };
@@ -172,15 +174,18 @@ Exit run_sweep(const SweepArgs& args, const Study& s, sim::Team& team) {
     for (const std::int64_t first : group) {
       SweepBlock& b = stored.emplace_back(SweepBlock{first, count_of(first), {}});
       for (std::int64_t k = 0; k < b.count; ++k, ++at) {
-        auto& row = rows[static_cast<std::size_t>(first + k)] = metric_values(results[at]);
+        std::vector<double> row = metric_values(results[at]);
         b.numbers.insert(b.numbers.end(), row.begin(), row.end());
+        if (whole) rows[static_cast<std::size_t>(first + k)] = std::move(row);
       }
     }
     store.put(id, stored);
     next += group.size();
     done += static_cast<std::int64_t>(results.size());
     progress.update(static_cast<std::size_t>(done));
-    if (std::chrono::steady_clock::now() - begun < longest_group / 2) together *= 2;
+    const double took = std::chrono::duration<double>(std::chrono::steady_clock::now() - begun).count();
+    const double fits = static_cast<double>(group.size()) * longest_group / (2 * std::max(took, 1e-3));
+    while (static_cast<double>(2 * together) <= fits) together *= 2;
   }
   progress.finish();
   fmt::print(stderr, "sweep {} in {}\n", id, args.database);
