@@ -18,8 +18,8 @@ using sqlite::Statement;
 
 namespace {
 
-/// A program that asks has itself nothing in flight: a row with its process id is of one before, or of another
-/// container.
+/// Whether another program may fire it. A row with this program's process id is its own, that of one before it, or that
+/// of another container: what is its own, InFlight knows.
 bool may_run(const Firer& firer, const std::string& started) {
   const auto day = std::chrono::system_clock::now() - std::chrono::hours(24);
   if (started < utc_text(day)) return false;  // no shot lasts so long, and process ids come again

@@ -1,9 +1,11 @@
-#include "host/store/store.h"
+#include "host/store/in_flight.h"
 
+#include <filesystem>
 #include <set>
 
 #include "core/quantities.h"
 #include "host/store/begun_rows.h"
+#include "host/store/in_flight.h"
 #include "host/store/json.h"
 #include "host/store/open.h"
 #include "host/store/record_rows.h"
@@ -21,6 +23,7 @@ std::string_view name(ShotKind kind) {
 
 struct Store::Impl {
   Database db;
+  InFlight in_flight{std::filesystem::weakly_canonical(db.path()).string()};
 
   std::optional<std::int64_t> record_of(std::int64_t shot) const {
     Statement s(db, "SELECT id FROM record WHERE shot_id = ?");
@@ -104,6 +107,7 @@ void Store::begin_shot(const StoredShot& given) {
   StoredShot shot = given;
   if (shot.started.empty()) shot.started = utc_now();
   insert_begun(impl_->db, shot);
+  impl_->in_flight.begin(shot.campaign, shot.number);
 }
 
 std::vector<StoredShot> Store::close_begun() {
@@ -111,7 +115,7 @@ std::vector<StoredShot> Store::close_begun() {
   std::vector<StoredShot> closed;
   Transaction t(db);
   for (BegunRow& row : select_begun(db)) {
-    if (row.running) continue;
+    if (row.running || impl_->in_flight.elsewhere(row.shot.campaign, row.shot.number)) continue;
     row.shot.outcome = Outcome::error;
     row.shot.reason =
         "the program ended while this shot was fired: the coil may have been on, nothing was recorded";
@@ -143,6 +147,7 @@ std::int64_t Store::store_shot(const StoredShot& given, const Record* record, co
     if (events) impl_->insert(id, record_id, *events, extraction);
   }
   t.commit();
+  if (shot.kind == ShotKind::measured) impl_->in_flight.end(shot.campaign, shot.number);
   return id;
 }
 

@@ -117,8 +117,9 @@ class Store {
   /// Marks a measured shot as being fired, before its coil is switched on; store_shot takes the mark away. id, outcome,
   /// reason and attempt of `shot` are ignored.
   void begin_shot(const StoredShot& shot);
-  /// Stores what a program that no longer runs has begun as ERROR, with the reason; what another one fires stays. The
-  /// caller itself has nothing in flight. Returns what it stored, of all campaigns.
+  /// Stores what a program that no longer runs has begun as ERROR, with the reason; what another program or another
+  /// open Store of this one fires stays. This Store itself has nothing in flight. Returns what it stored, of all
+  /// campaigns.
   std::vector<StoredShot> close_begun();
 
   /// Shot, record and events in one transaction. id, record_hash and attempt of `shot` are ignored. Returns the

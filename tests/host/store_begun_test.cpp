@@ -1,4 +1,5 @@
 #include <catch2/catch.hpp>
+#include <future>
 
 #include "host/store/begun_rows.h"
 #include "host/store/maintain.h"
@@ -60,6 +61,25 @@ TEST_CASE("what another program fires is not closed, what an earlier shot of thi
           if (!Store(folder.file()).close_begun().empty()) _exit(2);
         }) == 0);
   CHECK(store.close_begun().size() == 1);
+}
+
+TEST_CASE("what another thread of this program fires is not closed, what it left is", "[store]") {
+  const Folder folder;
+  Store store(folder.file());
+  store.create_campaign(sample_campaign());
+  {
+    Store other(folder.file());
+    other.begin_shot(sample_shot(1, 0));
+    std::async(std::launch::async, [&] { CHECK(store.close_begun().empty()); }).get();
+    const Record record = sample_record(1);
+    other.store_shot(sample_shot(1, 0), &record, nullptr, nothing_extracted);
+    other.begin_shot(sample_shot(1, 1));
+    CHECK(store.close_begun().empty());
+  }  // closed with a shot that came to no end
+  const auto closed = store.close_begun();
+  REQUIRE(closed.size() == 1);
+  CHECK(closed[0].number == 1);
+  CHECK(store.shots(1).size() == 2);
 }
 
 TEST_CASE("a mark is closed after a day, whatever has its process id then, here or on another machine",
