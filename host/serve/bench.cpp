@@ -151,9 +151,12 @@ std::string Bench::Impl::run_job(const Job& now) {
     job->why = how;
   }
   if (!now.single)
-    say(fmt::format("plan {}: {} of {} shots recorded, {} outside limits{}{}", now.scene.plan.name,
-                    summary.done(), summary.planned, summary.count(Outcome::fail), how.empty() ? "" : "; ",
-                    how));
+    say(fmt::format("plan {}: {} of {} shots recorded{}{}{}", now.scene.plan.name, summary.done(),
+                    summary.planned,
+                    options.limits.empty() && summary.count(Outcome::fail) == 0
+                        ? ", no limit is set"
+                        : fmt::format(", {} outside limits", summary.count(Outcome::fail)),
+                    how.empty() ? "" : "; ", how));
   return {};
 }
 

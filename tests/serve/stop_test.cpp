@@ -133,13 +133,13 @@ TEST_CASE("STOP: one that comes when all is fired says so", "[serve]") {
   const std::string log = s.state().at("log").dump();
   CHECK_THAT(
       log,
-      Contains("12 of 12 shots recorded, 0 outside limits; STOP came when all closings were already fired"));
+      Contains("12 of 12 shots recorded, no limit is set; STOP came when all closings were already fired"));
   // and one in between is set apart in the log too
   s.bench.run(scene_of("angles_deg = [0, 90]\nrepeats = 200\n"));
   wait_until("a shot", [&] { return s.shots() > 12; });
   s.bench.stop();
   s.until_ended();
-  CHECK_THAT(s.state().at("log").dump(), Contains("outside limits; stopped"));
+  CHECK_THAT(s.state().at("log").dump(), Contains("no limit is set; stopped"));
 }
 
 TEST_CASE("STOP: a closing that it cut is not counted as done, and shows no curves", "[serve]") {

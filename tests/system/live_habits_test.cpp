@@ -166,9 +166,13 @@ TEST_CASE("live page: an unfinished plan is gone on with from the list of campai
   tab.until(says("8 shots in about"));
   press(tab, "run");
   tab.until("document.getElementById('end').hidden === false");
+  tab.until(
+      "document.getElementById('shot-reason').textContent.includes('simulated after the last closing of the "
+      "plan')");
   press(tab, "end");
   const std::string no_job = "fetch('/api/bench').then(r=>r.json()).then(b=>b.job===null)";
   tab.until(no_job);
+  tab.until("document.getElementById('shot-reason').textContent.includes('; not simulated: a plan')");
   press(tab, "tab-documents");
   const std::string go_on =
       "[...document.querySelectorAll('#campaigns button')].find(b=>b.textContent.startsWith('Fire the "

@@ -37,11 +37,13 @@ async function load() {
   }
   showCampaigns();
 }
+/** Without limits none is outside of them. @param {Campaign} c */
+const judged = (c) => !!(c.outcomes.PASS || c.outcomes.FAIL);
 const anglesNamed = 6;
 /** What a plan still lacks: how many closings of which angle. @param {Campaign} c */
 function missing(c) {
   if (!c.missing.length) return '';
-  const some = c.missing.slice(0, anglesNamed).map((m) => (m.shots > 1 ? m.shots + ' × ' : '') + Number(m.angle_deg.toFixed(2)) + '°');
+  const some = c.missing.slice(0, anglesNamed).map((m) => m.shots + ' × ' + Number(m.angle_deg.toFixed(2)) + '°');
   return ': ' + some.join(', ') + (c.missing.length > anglesNamed ? ' and ' + (c.missing.length - anglesNamed) + ' more angles' : '') + ' missing';
 }
 function showCampaigns() {
@@ -61,7 +63,7 @@ function showCampaigns() {
     count.append(c.shots + (c.resumable ? ' of ' + c.planned_shots : '') + without.join('') + (c.resumable ? ', unfinished' + missing(c) : ''));
     if (c.resumable && c.id !== running) count.append(' ', restButton(c));
     cells(newRow('campaigns'), [button(String(c.id), () => { opening(c.id); open(c.id); }), c.name, c.created.slice(0, 16).replace('T', ' '), c.specimen, c.origin,
-      [count, 'n'], [c.outside_limits, c.outside_limits ? 'n bad' : 'n'], links]);
+      [count, 'n'], [judged(c) ? c.outside_limits : '–', c.outside_limits ? 'n bad' : 'n'], links]);
   }
   $('found').textContent = Number.isNaN(angle) ? '"' + field('find-angle').value + '" is no angle, such as 90.5' : campaigns.length === 0 ? 'No campaign yet: fire one closing on the page Test.' : n ? n + ' of ' + campaigns.length + ' campaigns' : 'no campaign matches, of ' + campaigns.length;
 }
@@ -87,7 +89,7 @@ function restButton(c) {
     }
     asked = c.id;
     rest.textContent = question;
-    clear('not-resumed');
+    $('not-resumed').textContent = 'Press once more within ' + askedFor + ' s to fire.';
     forget = window.setTimeout(() => {
       noLongerAsked();
       $('not-resumed').textContent = 'Nothing was fired: the button must be pressed twice within ' + askedFor + ' s.';
@@ -97,6 +99,7 @@ function restButton(c) {
 }
 /** Also at a STOP: a second press must not fire what was asked before it. */
 export function noLongerAsked() {
+  if (asked !== null) clear('not-resumed');
   window.clearTimeout(forget);
   asked = null;
   for (const b of document.querySelectorAll('#campaigns button')) if (b.textContent?.startsWith(restWords)) b.textContent = restWords;

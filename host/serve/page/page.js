@@ -15,6 +15,8 @@ let socket = null;
 
 // ---- stop: from every page, with one key ----
 
+/** As everywhere in the bench. */
+const clock = () => new Date().toISOString().slice(11, 19) + ' UTC';
 /** When a stop was asked for that nothing has confirmed yet; unheard: the bench program has not even got it. */
 let unconfirmed = '', unheard = false;
 
@@ -22,7 +24,7 @@ let unconfirmed = '', unheard = false;
 const stopWords = (answer) => 'STOP: ' + answer.text + ' (' + (answer.ms < 1 ? 'in less than 1' : 'in ' + Math.round(answer.ms)) + ' ms)';
 
 async function stop() {
-  unconfirmed = new Date().toLocaleTimeString();
+  unconfirmed = clock();
   documents.noLongerAsked();
   alarm('stopping …');
   try {
@@ -188,7 +190,7 @@ let lostLive = '';
 function unseen() {
   const status = state && state.status;
   if (seen && state && (state.job || (status && (status.gate || status.live)))) {
-    lostLive = new Date().toLocaleTimeString();
+    lostLive = clock();
     alarm('The bench program does not answer since ' + lostLive + ', in the middle of a job: ' +
       (status && status.gate ? 'THE COIL WAS ON' : 'the coil may be on') + ', and whether it is off by now is not known. Use the emergency switch of the rig.');
   } else if (seen) confirmationEnds();
@@ -224,7 +226,7 @@ function show(next) {
   showFault(next);
   if (next.stop && next.stop.text !== before?.stop?.text) {
     documents.noLongerAsked();
-    if (!next.stop.off && !unconfirmed) unconfirmed = new Date().toLocaleTimeString();
+    if (!next.stop.off && !unconfirmed) unconfirmed = clock();
     alarm(stopWords(next.stop), next.stop.off);
   }
   if (!next.stop && before && before.stop) alarm('');

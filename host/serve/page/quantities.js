@@ -72,6 +72,7 @@ export function showQuantities(shot) {
   const own = shot.quantities.some((q) => q.simulated_own);
   $('simulated-of').textContent = !shot.simulated_basis ? '' : (own ? 'Simulated: for this closing, at the ' +
     measured(shot.reached_rad, 180 / Math.PI) + '°, ' + measured(shot.reached_volts, 1) + ' V and ' + measured(shot.reached_hertz, 1) + ' Hz that it had. "angle": ' :
-    'Simulated: ') + 'for the angle, one simulation ' + shot.simulated_basis + '; the simulated curves, Documents and the report show that one.';
+    'Simulated: ') + 'for the angle, one simulation ' + shot.simulated_basis + '; the simulated curves, Documents and the report show that one.' +
+    (shot.origin === 'SIMULATED RIG' ? ' The simulated rig is made of the same model: here agreement says nothing of a real contactor.' : '');
   showOpenings(shot);
 }

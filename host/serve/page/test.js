@@ -15,7 +15,7 @@ let closing = null;
 let visible = false, undrawn = false;
 let shown = 0, drawn = 0, newest = 0, stale = false, whole = true, chosen = false;
 /** The campaign of the plan that is on: its simulations are made after its last closing. */
-let firing = 0;
+let firing = 0, idle = false;
 /** @type {Promise<void>|null} */
 let drawing = null;
 
@@ -99,7 +99,8 @@ export async function showShot(id) {
     (shot.has_record ? found : shot.outcome + ', nothing was recorded');
   $('shot-reason').textContent = shot.origin + ', ' + shot.outcome + (shot.reason ? ': ' + shot.reason : shot.outcome === 'NOT JUDGED' ? ' (no limit is set)' : '') + '; ' + (shot.has_record ? 'coil on at ' +
     measured(shot.reached_rad, 180 / Math.PI) + '°' + (asked ? ' to touch at ' + asked + '°' : '') + ', touched at ' + measured(shot.touch_rad, 180 / Math.PI) + '° of the mains; ' : '') +
-    askedOf(shot) + (!whole && shot.campaign === firing ? 'simulated after the last closing of the plan; ' : '') + shot.started.replace('T', ' ').replace('Z', ' UTC');
+    askedOf(shot) + (whole || shot.kind !== 'measured' ? '' : shot.campaign === firing ? 'simulated after the last closing of the plan; ' :
+      idle ? 'not simulated: a plan is simulated after its last closing; ' : '') + shot.started.replace('T', ' ').replace('Z', ' UTC');
   $('shot-title').classList.toggle('bad', shot.outcome === 'FAIL');
   showQuantities(shot);
   const again = id === drawn, zoomed = again && panels ? panels.range() : null;
@@ -148,6 +149,7 @@ export function show(state, before) {
   if (before && before.newest_prediction !== state.newest_prediction) stale = true;  // the simulation's U has come
   if (before && before.job && !state.job) stale = stale || !whole || !!drawing;  // the simulation is there now; what is being drawn may have been asked for before
   newest = state.newest_shot || 0;
+  idle = !state.job;
   firing = state.job && state.job.kind === 'plan' ? state.job.campaign || 0 : 0;
   if (known(state.newest_aim_deg)) aims.set(newest, state.newest_aim_deg.toFixed(1));
   if (!before || before.job || !before.status || before.plan.name !== state.plan.name || before.plan.specimen !== state.plan.specimen ||
