@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <memory>
+#include <stdexcept>
 #include <vector>
 
 #include "sim/lanes/lane_block.h"
@@ -19,8 +20,9 @@ constexpr std::array<double, 6> stage_times{0,       1.0 / 5, 3.0 / 10,
 
 class PlantLanes {
  public:
-  PlantLanes(const std::function<LaneRun()>& next, const std::function<void(Plant&)>& done)
-      : next_(next), done_(done) {}
+  PlantLanes(const std::function<LaneRun()>& next, const std::function<void(Plant&)>& done,
+             const LaneFailure& failed)
+      : next_(next), done_(done), failed_(failed) {}
 
   void run() {
     while (true) {
@@ -71,8 +73,7 @@ class PlantLanes {
       if (all_taken_) return false;
       const Plant::Impl& p = inside(*w.run.plant);
       if (p.at_rest || p.integrator.end() >= w.run.t_end || !p.model.lane_layout(w.layout)) {
-        w.run.plant->advance(w.run.t_end, {}, {});
-        done_(*w.run.plant);
+        finish(*w.run.plant, w.run.t_end);
       } else if (fits(w)) {
         seat_at(k, w);
         return true;
@@ -132,6 +133,21 @@ class PlantLanes {
   }
 
   void judge(int k) {
+    bool over = false;
+    try {
+      over = stepped(k);
+    } catch (const std::runtime_error&) {
+      if (!failed_) throw;
+      Plant& plant = *seat(k).plant;
+      free(k);
+      failed_(plant);
+      return;
+    }
+    if (over) leave(k);
+  }
+
+  /// What came of the try of its step; true: it is at its end.
+  bool stepped(int k) {
     Seat& s = seat(k);
     const auto lane = static_cast<std::size_t>(k);
     Plant::Impl& p = inside(*s.plant);
@@ -139,7 +155,7 @@ class PlantLanes {
     if (!p.integrator.judge(s.step, block_->error[lane], s.rejected)) {
       if (s.step <= p.integrator.smallest_step) p.refuse_step();
       s.rejected = true;
-      return;
+      return false;
     }
     s.rejected = false;
     const bool change_due = p.model.supply().next_change() - (p.integrator.begin() + s.step) < 0;
@@ -154,7 +170,7 @@ class PlantLanes {
     if (!looked && (over || weighed)) unload(k);
     if (weighed) p.judge_energy();
     if (share == 1) block_->accepted[lane] = -1;
-    if (over) leave(k);
+    return over;
   }
 
   /// The step taken, out of the lane.
@@ -185,14 +201,32 @@ class PlantLanes {
   /// Alone to its end, where it is not there yet.
   void leave(int k) {
     Plant& plant = *seat(k).plant;
-    plant.advance(seat(k).t_end, {}, {});
+    const double t_end = seat(k).t_end;
+    free(k);
+    finish(plant, t_end);
+  }
+
+  void free(int k) {
     seat(k) = {};
     --taken_;
+    all_taken_ = false;
+  }
+
+  void finish(Plant& plant, double t_end) {
+    all_taken_ = false;
+    try {
+      plant.advance(t_end, {}, {});
+    } catch (const std::runtime_error&) {
+      if (!failed_) throw;
+      failed_(plant);
+      return;
+    }
     done_(plant);
   }
 
   const std::function<LaneRun()>& next_;
   const std::function<void(Plant&)>& done_;
+  const LaneFailure& failed_;
   const LaneKernel kernel_ = best_lane_kernel();
   std::unique_ptr<LaneBlock> block_ = std::make_unique<LaneBlock>();
   std::array<Seat, lane_width> seats_{};
@@ -201,11 +235,12 @@ class PlantLanes {
   DenseOutput<ContactorModel::capacity> dense_{};
   EventIntegrator<ContactorModel>::Samples samples_{};
   int taken_ = 0;
-  bool all_taken_ = false;
+  bool all_taken_ = false;  ///< there is none until one more has ended
 };
 
-void advance_in_lanes(const std::function<LaneRun()>& next, const std::function<void(Plant&)>& done) {
-  PlantLanes(next, done).run();
+void advance_in_lanes(const std::function<LaneRun()>& next, const std::function<void(Plant&)>& done,
+                      const LaneFailure& failed) {
+  PlantLanes(next, done, failed).run();
 }
 
 }  // namespace powbench::sim

@@ -14,10 +14,14 @@ namespace powbench::sim {
 /// The result of each is that of Plant::advance, to the bit where the compiler fuses no products and sums, as on
 /// x86-64. Lanes with steps of their own, and what they cost: L. Nagy, L. Plavecz, F. Hegedus, arXiv 2011.01740.
 struct LaneRun {
-  Plant* plant = nullptr;  ///< null: there is none left
+  Plant* plant = nullptr;  ///< null: there is none
   double t_end = 0;        ///< s, to advance it to
 };
-/// `done` is called when its plant is there. Throws what Plant::advance throws.
-void advance_in_lanes(const std::function<LaneRun()>& next, const std::function<void(Plant&)>& done);
+/// A plant that could not be advanced.
+using LaneFailure = std::function<void(Plant&)>;
+/// `done` is called when its plant is there; where nothing was left, `next` is asked again after it. A plant that
+/// Plant::advance would end with a std::runtime_error goes to `failed`; without `failed` that is thrown.
+void advance_in_lanes(const std::function<LaneRun()>& next, const std::function<void(Plant&)>& done,
+                      const LaneFailure& failed = {});
 
 }  // namespace powbench::sim

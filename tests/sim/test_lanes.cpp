@@ -54,6 +54,16 @@ Scene drawn(Random& random, int shape) {
 }
 constexpr int shapes = 11;
 
+/// Contacts so stiff that rounding alone is more than the tolerance: steps become too small.
+Scene refused() {
+  Scene s;
+  s.tolerance = 1e-14;
+  s.conditions.supply_volts = 1e4;
+  s.specimen.core.stop_stiffness = 1e12;
+  s.specimen.bridges.contact_stiffness = s.specimen.bridges.seat_stiffness = 1e12;
+  return s;
+}
+
 Plant plant_of(const Scene& s) {
   return closing_plant(s.specimen, s.conditions, s.tolerance, s.bench);
 }
@@ -126,8 +136,7 @@ TEST_CASE("plants of every shape share the lanes, in any number", "[lanes]") {
 TEST_CASE("what refuses to be integrated refuses in lanes too", "[lanes]") {
   Random random(5);
   std::vector<Scene> scenes{drawn(random, 0), drawn(random, 0)};
-  scenes[1].tolerance = 1e-2;  // steps so coarse that the energies do not balance
-  scenes[1].specimen.core.stop_stiffness = 1e12;
+  scenes[1] = refused();
   const auto alone = [&] { plant_of(scenes[1]).advance(scenes[1].off, {}, {}); };
   const auto beside = [&] { others(scenes); };
   std::string first, second;
@@ -141,7 +150,40 @@ TEST_CASE("what refuses to be integrated refuses in lanes too", "[lanes]") {
   } catch (const std::runtime_error& e) {
     second = e.what();
   }
+  CHECK_THAT(first, Catch::Contains("the step became too small"));
   CHECK(first == second);
+}
+
+TEST_CASE("a plant that fails leaves its lane to the next, which is asked for again", "[lanes]") {
+  Random random(6);
+  std::vector<Scene> scenes;
+  for (int i = 0; i < 12; ++i) scenes.push_back(drawn(random, 0));
+  for (const std::size_t i : {2U, 9U}) scenes[i] = refused();
+  std::vector<std::unique_ptr<Plant>> lanes;
+  for (const Scene& s : scenes) lanes.push_back(std::make_unique<Plant>(plant_of(s)));
+  // one alone until it has ended, then two, then the rest
+  std::size_t next = 0, ended = 0;
+  int failed = 0;
+  advance_in_lanes(
+      [&]() -> LaneRun {
+        if (next == scenes.size() || next > 2 * ended) return {};
+        const std::size_t i = next++;
+        return {lanes[i].get(), scenes[i].off};
+      },
+      [&](Plant&) { ++ended; },
+      [&](Plant& p) {
+        ++ended;
+        CHECK((&p == lanes[2].get() || &p == lanes[9].get()));
+        ++failed;
+      });
+  CHECK(ended == scenes.size());
+  CHECK(failed == 2);
+  for (std::size_t i = 0; i < scenes.size(); ++i) {
+    if (i == 2 || i == 9) continue;
+    Plant alone = plant_of(scenes[i]);
+    alone.advance(scenes[i].off, {}, {});
+    CHECK(same(alone, *lanes[i]));
+  }
 }
 
 TEST_CASE("the mains' sine is that of the library to 2.5e-16", "[lanes]") {
