@@ -117,7 +117,10 @@ std::vector<std::vector<double>> channel_samples(const ChannelMisfit& misfit, st
   std::vector<std::vector<double>> list;
   for (int k = 0; k < samples; ++k) {
     const ChannelMisfit moved = misfit.shifted(random);
-    list.push_back(sim::refine_near(residuals_of(moved), best.point, at_best, near).point);
+    const auto of_one = [&](std::span<const sim::PointOf> points) {
+      return std::vector<std::vector<double>>{moved.residuals(points.front().point)};
+    };
+    list.push_back(sim::refine_near(of_one, 1, best.point, at_best, near).front().point);
   }
   return list;
 }

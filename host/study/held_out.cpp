@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "sim/closing.h"
+#include "sim/study/closings_in_lanes.h"
 
 namespace powbench::host {
 namespace {
@@ -33,8 +33,12 @@ Band sum(const Band& a, const Band& b) {
 Prediction predict(std::span<const sim::Specimen> list, const Conditions& conditions,
                    const std::optional<sim::BounceCalibration>& calibration) {
   std::vector<double> touch, bounce, settled, seat;
+  std::vector<sim::Attempt> attempts;
+  for (const auto& s : list) attempts.push_back({&s, &conditions, duration});
+  sim::Team alone(1);
+  const auto truths = sim::tried_closings(attempts, sim::PlantOptions{}.relative_tolerance, alone);
   for (std::size_t k = 0; k < list.size(); ++k) {
-    const auto t = sim::tried_closing(list[k], conditions, duration);
+    const sim::ClosingTruth& t = truths[k];
     if (!t.touch || !t.core_seat) continue;
     touch.push_back(*t.touch);
     bounce.push_back((*t.settled - *t.touch) * (calibration ? calibration->factors[k] : 1));

@@ -32,10 +32,26 @@ double kept(double value, double parent) {
   return value;
 }
 
+/// Each by itself.
+Evolution::Costs costs_one_by_one(Evolution::Cost cost) {
+  return [cost = std::move(cost)](std::span<const std::vector<double>> points,
+                                  std::span<const double> give_up, Team& team) {
+    std::vector<double> values(points.size());
+    for_each_index(team, static_cast<int>(points.size()), [&](int i) {
+      const auto k = static_cast<std::size_t>(i);
+      values[k] = cost(points[k], give_up[k]);
+    });
+    return values;
+  };
+}
+
 }  // namespace
 
 Evolution::Evolution(Settings settings, Cost cost, std::vector<std::vector<double>> start)
-    : settings_(settings), cost_(std::move(cost)), start_(std::move(start)) {
+    : Evolution(settings, costs_one_by_one(std::move(cost)), std::move(start)) {}
+
+Evolution::Evolution(Settings settings, Costs costs, std::vector<std::vector<double>> start)
+    : settings_(settings), costs_(std::move(costs)), start_(std::move(start)) {
   if (settings_.population == 0) settings_.population = std::max<std::size_t>(20, 5 * settings_.dimension);
   state_.memory_scale.assign(memory_length, 0.5);
   state_.memory_crossing.assign(memory_length, 0.5);
@@ -49,10 +65,11 @@ void Evolution::begin(Team& team) {
     for (auto& u : all[k].point) u = random.uniform();
     if (k < start_.size()) all[k].point = start_[k];
   }
-  for_each_index(team, static_cast<int>(all.size()), [&](int i) {
-    auto& c = all[static_cast<std::size_t>(i)];
-    c.value = cost_(c.point, std::numeric_limits<double>::infinity());
-  });
+  std::vector<std::vector<double>> points;
+  for (const auto& c : all) points.push_back(c.point);
+  const std::vector<double> never(all.size(), std::numeric_limits<double>::infinity());
+  const auto values = costs_(points, never, team);
+  for (std::size_t k = 0; k < all.size(); ++k) all[k].value = values[k];
   std::stable_sort(all.begin(), all.end(), less);
   state_.used += static_cast<long>(all.size());
 }
@@ -123,11 +140,15 @@ bool Evolution::step(Team& team) {
   ++state_.generation;
   auto& all = state_.population;
   std::vector<Trial> trials(all.size());
-  for_each_index(team, static_cast<int>(all.size()), [&](int i) {
-    const auto k = static_cast<std::size_t>(i);
+  std::vector<std::vector<double>> points;
+  std::vector<double> give_up;
+  for (std::size_t k = 0; k < all.size(); ++k) {
     trials[k] = trial_for(k);
-    trials[k].candidate.value = cost_(trials[k].candidate.point, all[k].value);
-  });
+    points.push_back(trials[k].candidate.point);
+    give_up.push_back(all[k].value);
+  }
+  const auto values = costs_(points, give_up, team);
+  for (std::size_t k = 0; k < all.size(); ++k) trials[k].candidate.value = values[k];
   std::vector<Trial> better;
   std::vector<double> gain;
   for (std::size_t k = 0; k < all.size(); ++k) {

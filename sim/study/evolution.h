@@ -25,6 +25,10 @@ class Evolution {
   /// Cost of a point; may stop early and return any value above `give_up` as soon as it is sure to exceed that.
   using Cost = std::function<double(std::span<const double> point, double give_up)>;
 
+  /// The cost of many points, each with its own limit: for costs that share their work.
+  using Costs = std::function<std::vector<double>(std::span<const std::vector<double>> points,
+                                                  std::span<const double> give_up, Team&)>;
+
   struct Settings {
     std::size_t dimension = 0;
     long evaluations = 10'000;   ///< in all
@@ -44,6 +48,7 @@ class Evolution {
   };
 
   /// `start` points take the first places of the population; the rest is spread over the cube.
+  Evolution(Settings, Costs, std::vector<std::vector<double>> start = {});
   Evolution(Settings, Cost, std::vector<std::vector<double>> start = {});
 
   /// One generation. False when the evaluations are used up.
@@ -64,7 +69,7 @@ class Evolution {
   void shrink();
 
   Settings settings_;
-  Cost cost_;
+  Costs costs_;
   std::vector<std::vector<double>> start_;
   State state_;
 };

@@ -15,12 +15,17 @@ FitMember member(const Misfit& misfit, std::vector<double> point, double value) 
   return m;
 }
 
+ManyResiduals residuals_of(const Misfit& misfit, double tolerance) {
+  return [&misfit, tolerance](std::span<const std::vector<double>> points, Team& team) {
+    return misfit.residuals(points, tolerance, team);
+  };
+}
+
 /// Least squares from a point; kept only if the whole misfit, jumps included, has become smaller.
 FitMember polished(const Misfit& misfit, const Candidate& start, const FitOptions& options, Team& team) {
   RefineOptions refine_options;
   refine_options.iterations = 6;
-  const auto residuals = [&](std::span<const double> p) { return misfit.residuals(p, options.tolerance); };
-  Refined r = refine(residuals, start.point, refine_options, team);
+  Refined r = refine(residuals_of(misfit, options.tolerance), start.point, refine_options, team);
   const double value = misfit.value(r.point);
   if (value < start.value) return member(misfit, std::move(r.point), value);
   return member(misfit, start.point, start.value);
@@ -40,8 +45,7 @@ FitMember shifted_fit(const Misfit& misfit, const std::vector<Candidate>& popula
   }
   RefineOptions refine_options;
   refine_options.iterations = 2;
-  const auto residuals = [&](std::span<const double> p) { return shifted.residuals(p, options.tolerance); };
-  Refined r = refine(residuals, start.point, refine_options, team);
+  Refined r = refine(residuals_of(shifted, options.tolerance), start.point, refine_options, team);
   const double moved = shifted.value(r.point);
   const auto& point = moved < start.value ? r.point : start.point;
   return member(misfit, point, misfit.value(point));
@@ -58,7 +62,10 @@ FitResult fit(const Misfit& misfit, const FitOptions& options, Team& team, const
   settings.smallest = 24;
   settings.population = options.population;
   Evolution search(
-      settings, [&](std::span<const double> p, double give_up) { return misfit.value(p, give_up); },
+      settings,
+      [&](std::span<const std::vector<double>> points, std::span<const double> give_up, Team& of) {
+        return misfit.values(points, give_up, of);
+      },
       std::move(start));
   if (resume != nullptr) search.resume(*resume);
   FitResult result;
@@ -80,12 +87,12 @@ FitResult fit(const Misfit& misfit, const FitOptions& options, Team& team, const
   for (int k = 0; k < options.ensemble; ++k)
     result.ensemble.push_back(shifted_fit(misfit, population, k, options, team));
 
-  const auto data = [&](std::span<const double> p) {
-    auto r = misfit.residuals(p, options.tolerance);
-    r.resize(Misfit::per_closing * misfit.problem().closings.size());
-    return r;
+  const auto data = [&](std::span<const std::vector<double>> points, Team& of) {
+    auto all = misfit.residuals(points, options.tolerance, of);
+    for (auto& r : all) r.resize(Misfit::per_closing * misfit.problem().closings.size());
+    return all;
   };
-  const auto at_best = data(result.best.point);
+  const auto at_best = data(std::span(&result.best.point, 1), team).front();
   result.sensitivity = jacobian(data, result.best.point, at_best, 1e-4, team);
   const double uniform = misfit.problem().prior_deviation;
   result.identifiability = identifiability(result.sensitivity, uniform);

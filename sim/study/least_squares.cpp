@@ -34,25 +34,110 @@ std::vector<double> stepped(const std::vector<double>& point, Eigen::MatrixXd no
   return to;
 }
 
+/// Each by itself.
+ManyResiduals one_by_one(const Residuals& f) {
+  return [&f](std::span<const std::vector<double>> points, Team& team) {
+    std::vector<std::vector<double>> all(points.size());
+    for_each_index(team, static_cast<int>(points.size()), [&](int i) {
+      const auto k = static_cast<std::size_t>(i);
+      all[k] = f(points[k]);
+    });
+    return all;
+  };
+}
+
+/// `refine_near`, which waits wherever it wants residuals.
+class NearSearch {
+ public:
+  NearSearch(std::vector<double> start, const Jacobian& at_start, int evaluations)
+      : best_{{}, {}, 0, 0}, trial_(std::move(start)), j_(view(at_start)), evaluations_(evaluations) {}
+
+  bool wants() const { return wants_; }
+  const std::vector<double>& wanted() const { return trial_; }
+  const Refined& best() const { return best_; }
+
+  void take(std::vector<double> residuals) {
+    if (best_.iterations++ == 0) {
+      keep(std::move(residuals));
+    } else if (judge(std::move(residuals))) {
+      wants_ = false;
+      return;
+    }
+    wants_ = propose();
+  }
+
+ private:
+  static constexpr double smallest = 1e-4;  // of a step
+  static constexpr double enough = 1e-3;    // relative decrease of the sum below which it ends
+  static constexpr int failures_allowed = 6;
+
+  void keep(std::vector<double> residuals) {
+    best_.point = trial_;
+    best_.residuals = std::move(residuals);
+    best_.sum = sum_of_squares(best_.residuals);
+  }
+
+  bool propose() {
+    if (best_.iterations >= evaluations_ || failures_ >= failures_allowed) return false;
+    trial_ = stepped(best_.point, j_.transpose() * j_, j_.transpose() * view(best_.residuals), damping_);
+    step_ = view(trial_) - view(best_.point);
+    return !(step_.norm() < smallest);
+  }
+
+  /// True: it ends.
+  bool judge(std::vector<double> residuals) {
+    const Eigen::VectorXd surprise = view(residuals) - view(best_.residuals) - j_ * step_;
+    j_ += surprise * step_.transpose() / step_.squaredNorm();  // a step that fails teaches as much
+    const double sum = sum_of_squares(residuals);
+    if (!(sum < best_.sum)) {
+      damping_ *= 4;
+      ++failures_;
+      return false;
+    }
+    const bool done = sum > best_.sum * (1 - enough);
+    keep(std::move(residuals));
+    damping_ = std::max(damping_ / 4, 1e-9);
+    failures_ = 0;
+    return done;
+  }
+
+  Refined best_;
+  std::vector<double> trial_;
+  Eigen::MatrixXd j_;
+  Eigen::VectorXd step_;
+  double damping_ = 1e-3;
+  int evaluations_, failures_ = 0;
+  bool wants_ = true;
+};
+
 }  // namespace
 
-Jacobian jacobian(const Residuals& f, std::span<const double> point, std::span<const double> residuals,
+Jacobian jacobian(const ManyResiduals& f, std::span<const double> point, std::span<const double> residuals,
                   double step, Team& team) {
   Jacobian j{residuals.size(), point.size(), std::vector<double>(residuals.size() * point.size())};
-  for_each_index(team, static_cast<int>(point.size()), [&](int i) {
-    const auto c = static_cast<std::size_t>(i);
-    std::vector<double> moved(point.begin(), point.end());
-    const double h = moved[c] < 0.5 ? step : -step;
-    moved[c] += h;
-    const auto r = f(moved);
-    for (std::size_t k = 0; k < j.rows; ++k) j.values[k * j.columns + c] = (r[k] - residuals[k]) / h;
-  });
+  std::vector<std::vector<double>> moved(j.columns, {point.begin(), point.end()});
+  const auto change = [&](std::size_t c) { return point[c] < 0.5 ? step : -step; };
+  for (std::size_t c = 0; c < j.columns; ++c) moved[c][c] += change(c);
+  const auto r = f(moved, team);
+  for (std::size_t c = 0; c < j.columns; ++c)
+    for (std::size_t k = 0; k < j.rows; ++k)
+      j.values[k * j.columns + c] = (r[c][k] - residuals[k]) / change(c);
   return j;
 }
 
+Jacobian jacobian(const Residuals& f, std::span<const double> point, std::span<const double> residuals,
+                  double step, Team& team) {
+  return jacobian(one_by_one(f), point, residuals, step, team);
+}
+
 Refined refine(const Residuals& f, std::vector<double> start, const RefineOptions& options, Team& team) {
+  return refine(one_by_one(f), std::move(start), options, team);
+}
+
+Refined refine(const ManyResiduals& f, std::vector<double> start, const RefineOptions& options, Team& team) {
   Refined best{std::move(start), {}, 0, 0};
-  best.residuals = f(best.point);
+  const auto at = [&](const std::vector<double>& point) { return f(std::span(&point, 1), team).front(); };
+  best.residuals = at(best.point);
   best.sum = sum_of_squares(best.residuals);
   double damping = options.damping;
   for (; best.iterations < options.iterations; ++best.iterations) {
@@ -63,7 +148,7 @@ Refined refine(const Residuals& f, std::vector<double> start, const RefineOption
     const double before = best.sum;
     for (int attempt = 0; attempt < 6; ++attempt, damping *= 6) {
       auto trial = stepped(best.point, normal, slope, damping);
-      auto residuals = f(trial);
+      auto residuals = at(trial);
       const double sum = sum_of_squares(residuals);
       if (!(sum < best.sum)) continue;
       best.point = std::move(trial);
@@ -77,39 +162,21 @@ Refined refine(const Residuals& f, std::vector<double> start, const RefineOption
   return best;
 }
 
-Refined refine_near(const Residuals& f, std::vector<double> start, const Jacobian& at_start,
-                    int evaluations) {
-  constexpr double smallest = 1e-4;  // of a step
-  constexpr double enough = 1e-3;    // relative decrease of the sum below which it ends
-  constexpr int failures_allowed = 6;
-  Refined best{std::move(start), {}, 0, 1};
-  best.residuals = f(best.point);
-  best.sum = sum_of_squares(best.residuals);
-  Eigen::MatrixXd j = view(at_start);
-  double damping = 1e-3;
-  for (int failures = 0; best.iterations < evaluations && failures < failures_allowed;) {
-    auto trial = stepped(best.point, j.transpose() * j, j.transpose() * view(best.residuals), damping);
-    const Eigen::VectorXd step = view(trial) - view(best.point);
-    if (step.norm() < smallest) break;
-    auto residuals = f(trial);
-    ++best.iterations;
-    const Eigen::VectorXd surprise = view(residuals) - view(best.residuals) - j * step;
-    j += surprise * step.transpose() / step.squaredNorm();  // a step that fails teaches as much
-    const double sum = sum_of_squares(residuals);
-    if (!(sum < best.sum)) {
-      damping *= 4;
-      ++failures;
-      continue;
-    }
-    const bool done = sum > best.sum * (1 - enough);
-    best.point = std::move(trial);
-    best.residuals = std::move(residuals);
-    best.sum = sum;
-    damping = std::max(damping / 4, 1e-9);
-    failures = 0;
-    if (done) break;
+std::vector<Refined> refine_near(const ResidualsOf& residuals, std::size_t count,
+                                 const std::vector<double>& start, const Jacobian& at_start,
+                                 int evaluations) {
+  std::vector<NearSearch> searches(count, NearSearch(start, at_start, evaluations));
+  while (true) {
+    std::vector<PointOf> points;
+    for (std::size_t k = 0; k < count; ++k)
+      if (searches[k].wants()) points.push_back({k, searches[k].wanted()});
+    if (points.empty()) break;
+    auto all = residuals(points);
+    for (std::size_t k = 0; k < points.size(); ++k) searches[points[k].problem].take(std::move(all[k]));
   }
-  return best;
+  std::vector<Refined> results;
+  for (auto& search : searches) results.push_back(search.best());
+  return results;
 }
 
 Identifiability identifiability(const Jacobian& jac, double prior_deviation) {

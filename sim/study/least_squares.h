@@ -12,6 +12,9 @@ namespace powbench::sim {
 
 /// Residuals at a point; always the same number of them.
 using Residuals = std::function<std::vector<double>(std::span<const double> point)>;
+/// The same at many points, in order: for residuals that share their work.
+using ManyResiduals =
+    std::function<std::vector<std::vector<double>>(std::span<const std::vector<double>> points, Team&)>;
 
 /// d residual / d coordinate, row by row.
 struct Jacobian {
@@ -20,7 +23,10 @@ struct Jacobian {
   double at(std::size_t row, std::size_t column) const { return values[row * columns + column]; }
 };
 
-/// One-sided differences with `step`, taken towards the middle of the cube; a column for each worker at a time.
+/// One-sided differences with `step`, taken towards the middle of the cube.
+Jacobian jacobian(const ManyResiduals&, std::span<const double> point, std::span<const double> residuals,
+                  double step, Team&);
+/// A column for each worker at a time.
 Jacobian jacobian(const Residuals&, std::span<const double> point, std::span<const double> residuals,
                   double step, Team&);
 
@@ -39,13 +45,23 @@ struct Refined {
 };
 
 /// Levenberg-Marquardt; coordinates are kept in [0, 1]. Never ends higher than it began.
+Refined refine(const ManyResiduals&, std::vector<double> start, const RefineOptions&, Team&);
 Refined refine(const Residuals&, std::vector<double> start, const RefineOptions&, Team&);
 
-/// Levenberg-Marquardt from a start whose Jacobian is known, kept up by Broyden's rank-one update (C. G. Broyden,
-/// Math. Comp. 19, 1965, 577) in place of new differences: `evaluations` of the residuals at most, where `refine`
-/// needs one for each coordinate and iteration. For minima near the start: on shifted data. Never ends higher than it
-/// began.
-Refined refine_near(const Residuals&, std::vector<double> start, const Jacobian& at_start, int evaluations);
+/// A point of problem number `problem`.
+struct PointOf {
+  std::size_t problem = 0;
+  std::vector<double> point;
+};
+/// Residuals of each, in order.
+using ResidualsOf = std::function<std::vector<std::vector<double>>(std::span<const PointOf>)>;
+
+/// Levenberg-Marquardt for `count` problems from one start whose Jacobian is known, kept up by Broyden's rank-one
+/// update (C. G. Broyden, Math. Comp. 19, 1965, 577) in place of new differences: `evaluations` of the residuals at
+/// most, where `refine` needs one for each coordinate and iteration. For minima near the start: on shifted data. None
+/// ends higher than it began. The problems go on side by side, and none changes another's result.
+std::vector<Refined> refine_near(const ResidualsOf&, std::size_t count, const std::vector<double>& start,
+                                 const Jacobian& at_start, int evaluations);
 
 /// What data with unit deviations and a Gaussian prior of `prior_deviation` on each coordinate say (flat prior: 0).
 struct Identifiability {

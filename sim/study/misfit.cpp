@@ -4,30 +4,18 @@
 #include <cmath>
 #include <limits>
 
+#include "sim/study/closings_in_lanes.h"
 #include "sim/study/steady.h"
-#include "sim/validate.h"
 
 namespace powbench::sim {
 namespace {
 
-constexpr double impossible = 1e9;
 constexpr double never = 40;  // deviations: a closing that does not close, or an integration that fails
-
-double outside(double value, const PlausibleRange& r) {
-  return std::max({r.low - value, value - r.high, 0.0}) / r.deviation;
-}
 
 /// Residual whose square is v^2 up to two deviations and grows linearly beyond.
 double tempered(double v) {
   const double a = std::fabs(v);
   return a <= 2 ? v : std::copysign(std::sqrt(4 * a - 4), v);
-}
-
-Conditions at_degrees(double degrees, double volts) {
-  Conditions c;
-  c.closing_angle = radians(degrees);
-  c.supply_volts = volts;
-  return c;
 }
 
 }  // namespace
@@ -55,10 +43,8 @@ Derived derived(const Specimen& s, double rated_volts) {
 
 Misfit::Misfit(FitProblem problem) : problem_(std::move(problem)) {}
 
-double Misfit::closing_residuals(const Specimen& s, const MeasuredClosing& m, double tolerance,
-                                 double* out) const {
+double Misfit::closing_residuals(const ClosingTruth& t, const MeasuredClosing& m, double* out) const {
   std::fill_n(out, per_closing, 0.0);
-  const auto t = tried_closing(s, m.conditions, problem_.duration, tolerance);
   const bool closed = t.touch && t.core_seat;
   const auto residual = [](const Measured& measured, double model) {
     return (model - measured.value) / measured.u;
@@ -75,9 +61,7 @@ double Misfit::closing_residuals(const Specimen& s, const MeasuredClosing& m, do
   return out[0] * out[0] + out[1] * out[1] + out[2] * out[2] + out[3] * out[3];
 }
 
-double Misfit::closing_distance(const Specimen& s, const MeasuredClosing& m, double tolerance,
-                                Means& means) const {
-  const auto t = tried_closing(s, m.conditions, problem_.duration, tolerance);
+double Misfit::closing_distance(const ClosingTruth& t, const MeasuredClosing& m, Means& means) const {
   if (!t.touch || !t.core_seat) return never * never;
   double sum = 0;
   const auto add = [&](std::size_t q, double measured, double u, double model) {
@@ -110,7 +94,7 @@ void Misfit::range_residuals(const Specimen& s, std::vector<double>& out) const 
   if (!any) return;
   const Derived d = derived(s, p.rated_volts);
   const auto add = [&](const std::optional<PlausibleRange>& range, double value) {
-    if (range) out.push_back(outside(value, *range));
+    if (range) out.push_back(range->outside(value));
   };
   add(p.inrush, d.inrush);
   add(p.holding, d.holding);
@@ -124,65 +108,30 @@ void Misfit::range_residuals(const Specimen& s, std::vector<double>& out) const 
   }
 }
 
-double Misfit::checks(const Specimen& s, double sum, double give_up) const {
-  const Plausible& p = problem_.plausible;
-  const double limit = problem_.tolerance;
-  if (p.calm)
-    for (const double degrees : {0.0, 45.0, 70.0, 80.0, 135.0}) {
-      if (sum > give_up) return sum;
-      const auto t = tried_closing(s, at_degrees(degrees, p.rated_volts), 0.06, limit);
-      constexpr PlausibleRange calm{0, 26e-3, 5e-3};
-      const double late = t.settled ? outside(*t.settled, calm) : 10;
-      sum += late * late;
-    }
-  if (p.pick_up)
-    for (const double degrees : {0.0, 60.0, 120.0}) {
-      if (sum > give_up) return sum;
-      if (!tried_closing(s, at_degrees(degrees, 0.85 * p.rated_volts), 0.06, limit).core_seat) sum += 50;
-    }
-  return sum;
-}
-
-double Misfit::value(std::span<const double> point, double give_up) const {
-  const Specimen s = specimen(point);
-  if (!validate(s).empty()) return impossible;
-  double sum = 0;
-  for (std::size_t i = 0; i < point.size(); ++i) {
-    const double u = point[i];
-    const double near = std::max({problem_.edge - u, u - (1 - problem_.edge), 0.0});
-    if (problem_.edge > 0) sum += std::pow(near / problem_.edge, 2);
-    if (problem_.prior_deviation > 0) sum += std::pow((u - middle(i)) / problem_.prior_deviation, 2);
-  }
-  std::vector<double> ranges;
-  range_residuals(s, ranges);
-  for (const double r : ranges) sum += r * r;
-  Means means;
-  for (const auto& m : problem_.closings) {
-    if (sum > give_up) return sum;
-    double r[per_closing];
-    sum += problem_.absolute ? closing_distance(s, m, problem_.tolerance, means)
-                             : closing_residuals(s, m, problem_.tolerance, r);
-  }
-  return checks(s, sum + means.excess(), give_up);
-}
-
-std::vector<double> Misfit::bounces(std::span<const double> point, double tolerance) const {
-  const Specimen s = specimen(point);
-  std::vector<double> list;
-  for (const auto& m : problem_.closings) {
-    const auto t = tried_closing(s, m.conditions, problem_.duration, tolerance);
+std::vector<std::vector<double>> Misfit::bounces(std::span<const std::vector<double>> points,
+                                                 double tolerance, Team& team) const {
+  std::vector<Specimen> specimens;
+  for (const auto& point : points) specimens.push_back(specimen(point));
+  std::vector<Attempt> attempts;
+  for (const auto& s : specimens)
+    for (const auto& m : problem_.closings) attempts.push_back({&s, &m.conditions, problem_.duration});
+  const auto truths = tried_closings(attempts, tolerance, team);
+  std::vector<std::vector<double>> lists(points.size());
+  for (std::size_t k = 0; k < truths.size(); ++k) {
+    const ClosingTruth& t = truths[k];
     const bool closed = t.touch && t.core_seat;
-    list.push_back(closed ? *t.settled - *t.touch : std::numeric_limits<double>::quiet_NaN());
+    lists[k / problem_.closings.size()].push_back(closed ? *t.settled - *t.touch
+                                                         : std::numeric_limits<double>::quiet_NaN());
   }
-  return list;
+  return lists;
 }
 
-std::vector<double> Misfit::residuals(std::span<const double> point, double tolerance) const {
-  const Specimen s = specimen(point);
+std::vector<double> Misfit::residuals(const Specimen& s, std::span<const double> point,
+                                      std::span<const ClosingTruth> truths) const {
   std::vector<double> out;
-  for (const auto& m : problem_.closings) {
+  for (std::size_t k = 0; k < truths.size(); ++k) {
     double r[per_closing];
-    closing_residuals(s, m, tolerance, r);
+    closing_residuals(truths[k], problem_.closings[k], r);
     out.insert(out.end(), r, r + per_closing);
   }
   range_residuals(s, out);
@@ -194,6 +143,42 @@ std::vector<double> Misfit::residuals(std::span<const double> point, double tole
     if (problem_.prior_deviation > 0) out.push_back((u - middle(i)) / problem_.prior_deviation);
   }
   return out;
+}
+
+std::vector<double> Misfit::residuals(std::span<const double> point, double tolerance) const {
+  Team alone(1);
+  const std::vector<PointOf> one{{0, {point.begin(), point.end()}}};
+  return residuals_of(std::span(this, 1), one, tolerance, alone).front();
+}
+
+std::vector<std::vector<double>> Misfit::residuals(std::span<const std::vector<double>> points,
+                                                   double tolerance, Team& team) const {
+  std::vector<PointOf> list;
+  for (const auto& point : points) list.push_back({0, point});
+  return residuals_of(std::span(this, 1), list, tolerance, team);
+}
+
+std::vector<std::vector<double>> residuals_of(std::span<const Misfit> problems,
+                                              std::span<const PointOf> points, double tolerance, Team& team) {
+  std::vector<Specimen> specimens;
+  for (const auto& p : points) specimens.push_back(problems[p.problem].specimen(p.point));
+  std::vector<Attempt> attempts;
+  std::vector<std::size_t> first;  // of each point
+  for (std::size_t k = 0; k < points.size(); ++k) {
+    const FitProblem& problem = problems[points[k].problem].problem();
+    first.push_back(attempts.size());
+    for (const auto& m : problem.closings)
+      attempts.push_back({&specimens[k], &m.conditions, problem.duration});
+  }
+  const auto truths = tried_closings(attempts, tolerance, team);
+  std::vector<std::vector<double>> all(points.size());
+  for_each_index(team, static_cast<int>(points.size()), [&](int i) {
+    const auto k = static_cast<std::size_t>(i);
+    const Misfit& m = problems[points[k].problem];
+    all[k] = m.residuals(specimens[k], points[k].point,
+                         std::span(truths).subspan(first[k], m.problem().closings.size()));
+  });
+  return all;
 }
 
 Misfit Misfit::motion() const {

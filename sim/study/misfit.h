@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <limits>
 #include <optional>
@@ -8,7 +9,9 @@
 
 #include "core/events.h"
 #include "sim/closing.h"
+#include "sim/study/least_squares.h"
 #include "sim/study/parameter.h"
+#include "sim/team.h"
 
 /// How far a specimen is from what was measured, and from what its kind may be.
 
@@ -30,6 +33,7 @@ struct MeasuredClosing {
 struct PlausibleRange {
   double low = 0, high = 0;
   double deviation = 1;
+  double outside(double value) const { return std::max({low - value, value - high, 0.0}) / deviation; }
 };
 
 /// What the kind of contactor demands beside the measured closings. Absent: not asked for.
@@ -81,12 +85,20 @@ class Misfit {
   /// Sum of squared residuals; leaves off early, with what it has, once that is above `give_up`.
   double value(std::span<const double> point, double give_up = std::numeric_limits<double>::infinity()) const;
 
+  /// The same at many points, each with its own limit; their closings run side by side (sim/lanes).
+  std::vector<double> values(std::span<const std::vector<double>> points, std::span<const double> give_up,
+                             Team&) const;
+
   /// Residuals whose squares sum to the smooth part of the misfit: four for each closing (touch, bounce, seat, core
   /// bounce; 0 where not measured), the ranges, the prior. Pick-up and calm are left out: they are steps.
   std::vector<double> residuals(std::span<const double> point, double tolerance) const;
+  /// The same at many points, their closings side by side.
+  std::vector<std::vector<double>> residuals(std::span<const std::vector<double>> points, double tolerance,
+                                             Team&) const;
 
-  /// Simulated bounce of every closing, s; NaN where it does not close.
-  std::vector<double> bounces(std::span<const double> point, double tolerance) const;
+  /// Simulated bounce of every closing at every point, s; NaN where it does not close.
+  std::vector<std::vector<double>> bounces(std::span<const std::vector<double>> points, double tolerance,
+                                           Team&) const;
 
   /// The part without jumps: touch and seat, simulated no longer than those two may take. `held_load`, which is
   /// smooth, replaces the absence of chatter, which is a step function.
@@ -97,16 +109,21 @@ class Misfit {
   Misfit perturbed(std::span<const double> shifts, std::span<const double> prior_shifts = {}) const;
 
  private:
-  double closing_residuals(const Specimen&, const MeasuredClosing&, double tolerance, double* out) const;
+  class Trial;  ///< `value` at one point, closing by closing
+  friend std::vector<std::vector<double>> residuals_of(std::span<const Misfit>, std::span<const PointOf>,
+                                                       double tolerance, Team&);
+
+  double closing_residuals(const ClosingTruth&, const MeasuredClosing&, double* out) const;
   /// Deviations by quantity, for their means.
   struct Means {
     std::array<double, 5> sum{};
     std::array<int, 5> count{};
     double excess() const;  ///< steep cost of every mean above two deviations
   };
-  double closing_distance(const Specimen&, const MeasuredClosing&, double tolerance, Means&) const;
+  double closing_distance(const ClosingTruth&, const MeasuredClosing&, Means&) const;
   void range_residuals(const Specimen&, std::vector<double>& out) const;
-  double checks(const Specimen&, double sum, double give_up) const;
+  std::vector<double> residuals(const Specimen&, std::span<const double> point,
+                                std::span<const ClosingTruth>) const;
 
   double middle(std::size_t coordinate) const {
     return problem_.prior_middle.empty() ? 0.5 : problem_.prior_middle[coordinate];
@@ -114,6 +131,10 @@ class Misfit {
 
   FitProblem problem_;
 };
+
+/// `Misfit::residuals` at points of several problems, all closings side by side.
+std::vector<std::vector<double>> residuals_of(std::span<const Misfit>, std::span<const PointOf>,
+                                              double tolerance, Team&);
 
 /// Forces and powers that `Plausible` bounds.
 struct Derived {

@@ -16,8 +16,10 @@ constexpr double step = 1e-3;  // of the differences: far above the integrator's
 /// Share of the work, for progress, at which the coarse search and the starts of least squares end.
 constexpr double coarse_end = 0.2, starts_end = 0.7;
 
-Residuals residuals_of(const Misfit& motion, double tolerance) {
-  return [&motion, tolerance](std::span<const double> p) { return motion.residuals(p, tolerance); };
+ManyResiduals residuals_at(const Misfit& motion, double tolerance) {
+  return [&motion, tolerance](std::span<const std::vector<double>> points, Team& team) {
+    return motion.residuals(points, tolerance, team);
+  };
 }
 
 /// Where the starts of least squares come from, best first. None when told to stop.
@@ -28,8 +30,8 @@ std::vector<Candidate> coarse_search(const Misfit& motion, const PosteriorOption
   settings.evaluations = options.evaluations;
   settings.smallest = 24;
   settings.seed = options.seed;
-  Evolution coarse(settings,
-                   [&](std::span<const double> p, double give_up) { return motion.value(p, give_up); });
+  Evolution coarse(settings, [&](std::span<const std::vector<double>> points, std::span<const double> give_up,
+                                 Team& of) { return motion.values(points, give_up, of); });
   for (bool more = true; more;) {
     more = coarse.step(team);
     const double used = static_cast<double>(coarse.state().used) / static_cast<double>(options.evaluations);
@@ -63,7 +65,7 @@ Posterior sample_posterior(const Misfit& misfit, const PosteriorOptions& options
   Posterior result;
   result.stopped = true;
   const Misfit motion = misfit.motion();
-  const auto residuals = residuals_of(motion, options.tolerance);
+  const auto residuals = residuals_at(motion, options.tolerance);
   const auto found = coarse_search(motion, options, team, go_on);
   const auto starts = std::min(static_cast<std::size_t>(std::max(1, options.starts)), found.size());
   if (starts == 0) return result;
@@ -86,12 +88,17 @@ Posterior sample_posterior(const Misfit& misfit, const PosteriorOptions& options
   std::vector<std::vector<double>> bounces(problems.size());
   result.samples.resize(problems.size());
   for (int done = 0; done < options.samples; done += batch) {
-    for_each_index(team, std::min(batch, options.samples - done), [&](int place) {
-      const auto k = static_cast<std::size_t>(done + place);
-      result.samples[k] =
-          refine_near(residuals_of(problems[k], options.tolerance), best.point, at_best, near).point;
-      bounces[k] = misfit.bounces(result.samples[k], options.tolerance);
-    });
+    const auto first = static_cast<std::size_t>(done);
+    const auto count = static_cast<std::size_t>(std::min(batch, options.samples - done));
+    const auto some = std::span(problems).subspan(first, count);
+    const auto at = [&](std::span<const PointOf> points) {
+      return residuals_of(some, points, options.tolerance, team);
+    };
+    const auto found_near = refine_near(at, count, best.point, at_best, near);
+    for (std::size_t k = 0; k < count; ++k) result.samples[first + k] = found_near[k].point;
+    const auto of_batch =
+        misfit.bounces(std::span(result.samples).subspan(first, count), options.tolerance, team);
+    std::copy(of_batch.begin(), of_batch.end(), bounces.begin() + done);
     const double share = std::min(1.0, static_cast<double>(done + batch) / options.samples);
     if (!go_on(starts_end + (1 - starts_end) * share, best.sum)) return result;
   }

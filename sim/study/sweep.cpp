@@ -3,11 +3,10 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
-#include <memory>
 
 #include "core/random.h"
 #include "core/units.h"
-#include "sim/lanes/plant_lanes.h"
+#include "sim/study/closings_in_lanes.h"
 #include "sim/study/modes.h"
 
 namespace powbench::sim {
@@ -73,40 +72,6 @@ void bootstrap(const Sample& s, const BestAngleOptions& options, BestAngle& b) {
   b.confidence = static_cast<double>(near) / options.bootstraps;
 }
 
-/// Closings without samples, those of `next` until it is at `count`, several at a time: to the bit what
-/// `closing_metrics` gives.
-void run_in_lanes(std::atomic<std::size_t>& next, std::size_t count,
-                  const std::function<Case(std::size_t)>& make, const MetricOptions& options,
-                  std::vector<ClosingMetrics>& results) {
-  struct Running {
-    std::size_t index;
-    double off;
-    Plant plant;
-  };
-  std::vector<std::unique_ptr<Running>> all;
-  advance_in_lanes(
-      [&]() -> LaneRun {
-        const std::size_t i = next.fetch_add(1);
-        if (i >= count) return {};
-        const Case c = make(i);
-        const double off = std::min(c.conditions.hold_time, options.duration);
-        all.push_back(std::make_unique<Running>(
-            Running{i, off, closing_plant(c.specimen, c.conditions, options.tolerance, c.bench)}));
-        return {&all.back()->plant, off};
-      },
-      [&](Plant& plant) {
-        const auto at =
-            std::find_if(all.begin(), all.end(), [&](const auto& r) { return &r->plant == &plant; });
-        const double off = (*at)->off;
-        if (options.duration > off) {
-          plant.gate(false);
-          plant.advance(options.duration, {}, {});
-        }
-        results[(*at)->index] = closing_metrics(closing_truth(plant.events(), off));
-        all.erase(at);
-      });
-}
-
 /// One result for each case that `make` gives.
 std::vector<ClosingMetrics> run_cases(std::size_t count, const std::function<Case(std::size_t)>& make,
                                       const MetricOptions& options, Team& team) {
@@ -119,7 +84,15 @@ std::vector<ClosingMetrics> run_cases(std::size_t count, const std::function<Cas
     return results;
   }
   std::atomic<std::size_t> next{0};
-  team.run([&](int) { run_in_lanes(next, count, make, options, results); });
+  team.run([&](int) {
+    closings_in_lanes(
+        [&]() -> std::optional<LaneClosing> {
+          const std::size_t i = next.fetch_add(1);
+          if (i >= count) return std::nullopt;
+          return LaneClosing{i, make(i), options.duration, options.tolerance};
+        },
+        [&](std::size_t i, const ClosingTruth& t) { results[i] = closing_metrics(t); }, OnFailure::raise);
+  });
   return results;
 }
 

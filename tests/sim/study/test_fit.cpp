@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
+#include <limits>
 
+#include "core/random.h"
 #include "core/units.h"
 #include "sim/closing.h"
 #include "sim/study/fit.h"
@@ -120,6 +122,50 @@ TEST_CASE("the misfit: zero at the device itself, large where nothing closes, ea
   const std::vector<double> off{0.6, 0.4, 0.5};
   for (const double r : misfit.residuals(off, problem.tolerance)) sum += r * r;
   CHECK(sum == Approx(misfit.value(off)).epsilon(1e-9));
+}
+
+TEST_CASE("side by side, a misfit has the bits of its closings one by one, on any number of threads") {
+  FitProblem problem = small_problem(Specimen{}, {20, 60, 150});
+  problem.parameters.push_back(parameter("core.return_preload_N", 8, 200));  // some close, some do not
+  problem.parameters.push_back(parameter("magnet.bh_exponent", 8, 10));      // mostly unknown to the lanes
+  problem.plausible = catalogue_ranges();
+  problem.robust = true;
+  std::vector<std::vector<double>> points;
+  powbench::Random random(8);
+  for (int k = 0; k < 20; ++k) {
+    points.emplace_back();
+    for (int i = 0; i < 5; ++i) points.back().push_back(random.uniform());
+    if (k % 2 == 0) points.back()[3] = 0.01 * random.uniform(), points.back()[4] = 0.5;
+  }
+  Team one(1), three(3);
+  for (const bool absolute : {false, true}) {
+    problem.absolute = absolute;
+    const Misfit misfit(problem);
+    std::vector<double> values, limits;
+    for (const auto& p : points) values.push_back(misfit.value(p));
+    const std::vector<double> never(points.size(), std::numeric_limits<double>::infinity());
+    CHECK(misfit.values(points, never, one) == values);
+    CHECK(misfit.values(points, never, three) == values);
+    for (std::size_t k = 0; k < points.size(); ++k)
+      limits.push_back(k % 3 == 0 ? values[k] : 0.3 * values[k]);
+    const auto limited = misfit.values(points, limits, three);
+    for (std::size_t k = 0; k < points.size(); ++k) CHECK(limited[k] == misfit.value(points[k], limits[k]));
+  }
+  const Misfit misfit(problem);
+  const auto all = misfit.residuals(points, 1e-6, three);
+  const auto bounces = misfit.bounces(points, 1e-6, three);
+  for (std::size_t k = 0; k < points.size(); ++k) {
+    CHECK(all[k] == misfit.residuals(points[k], 1e-6));
+    for (std::size_t c = 0; c < 3; ++c) {
+      const auto t =
+          tried_closing(misfit.specimen(points[k]), problem.closings[c].conditions, problem.duration, 1e-6);
+      const bool closed = t.touch && t.core_seat;
+      CHECK(std::isfinite(bounces[k][c]) == closed);
+      if (!closed) continue;
+      CHECK(bounces[k][c] == *t.settled - *t.touch);
+      CHECK(all[k][Misfit::per_closing * c] == (*t.touch - problem.closings[c].touch.value) / 20e-6);
+    }
+  }
 }
 
 TEST_CASE("a posterior: the device by touch and seat alone; bounce moves no draw and tells each a factor") {

@@ -37,6 +37,15 @@ bool same(const std::vector<Candidate>& a, const std::vector<Candidate>& b) {
   return true;
 }
 
+/// Of a problem by itself.
+Refined near_alone(const Residuals& f, const std::vector<double>& start, const Jacobian& at_start,
+                   int evaluations) {
+  const auto one = [&](std::span<const PointOf> points) {
+    return std::vector<std::vector<double>>{f(points.front().point)};
+  };
+  return refine_near(one, 1, start, at_start, evaluations).front();
+}
+
 }  // namespace
 
 TEST_CASE("the search leaves local minima behind and ends in the smallest") {
@@ -121,23 +130,41 @@ TEST_CASE(
   const Refined whole = refine(curved, base.point, options, team);
   const int of_whole = evaluations;
   evaluations = 0;
-  const Refined near = refine_near(curved, base.point, at_base, 24);
+  const Refined near = near_alone(curved, base.point, at_base, 24);
   CHECK(evaluations == near.iterations);
   CHECK(2 * evaluations < of_whole);
   CHECK(near.sum < whole.sum * 1.001);
   for (std::size_t i = 0; i < 4; ++i) CHECK(near.point[i] == Approx(whole.point[i]).margin(5e-3));
   evaluations = 0;
-  CHECK(refine_near(curved, base.point, at_base, 3).iterations == 3);
+  CHECK(near_alone(curved, base.point, at_base, 3).iterations == 3);
   CHECK(evaluations == 3);
+  // several side by side, each with a shift of its own, are each alone
+  const auto shifted = [&](std::span<const PointOf> points) {
+    std::vector<std::vector<double>> all;
+    for (const auto& p : points) {
+      shift = 0.05 * static_cast<double>(p.problem);
+      all.push_back(curved(p.point));
+    }
+    return all;
+  };
+  const auto together = refine_near(shifted, 4, base.point, at_base, 24);
+  REQUIRE(together.size() == 4);
+  for (std::size_t k = 0; k < 4; ++k) {
+    shift = 0.05 * static_cast<double>(k);
+    const Refined alone = near_alone(curved, base.point, at_base, 24);
+    CHECK(together[k].point == alone.point);
+    CHECK(together[k].iterations == alone.iterations);
+  }
+  shift = 0.15;
   // a Jacobian of the wrong sign: nothing is gained, nothing is lost
   Jacobian wrong = at_base;
   for (double& v : wrong.values) v = -v;
-  CHECK(refine_near(curved, base.point, wrong, 24).sum <= refine_near(curved, base.point, wrong, 1).sum);
+  CHECK(near_alone(curved, base.point, wrong, 24).sum <= near_alone(curved, base.point, wrong, 1).sum);
 
   const auto beyond = [](std::span<const double> u) { return std::vector<double>{u[0] - 3, u[1] + 2}; };
-  CHECK(refine_near(beyond, {0.5, 0.5}, {2, 2, {1, 0, 0, 1}}, 24).point == std::vector<double>{1, 0});
+  CHECK(near_alone(beyond, {0.5, 0.5}, {2, 2, {1, 0, 0, 1}}, 24).point == std::vector<double>{1, 0});
   const auto flat = [](std::span<const double>) { return std::vector<double>{1, 1}; };
-  const Refined still = refine_near(flat, {0.5, 0.5}, {2, 2, {0, 0, 0, 0}}, 24);
+  const Refined still = near_alone(flat, {0.5, 0.5}, {2, 2, {0, 0, 0, 0}}, 24);
   CHECK(still.sum == 2);
   CHECK(still.point == std::vector<double>{0.5, 0.5});
 }
