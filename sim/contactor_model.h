@@ -4,11 +4,11 @@
 #include <cstdint>
 #include <vector>
 
+#include "sim/contactor_equations.h"
 #include "sim/friction.h"
 #include "sim/magnetic_circuit.h"
 #include "sim/plant.h"
 #include "sim/remanence.h"
-#include "sim/unilateral.h"
 
 /// The contactor as a system with modes for `EventIntegrator`. One data model:
 ///
@@ -34,20 +34,19 @@ namespace powbench::sim {
 struct LaneBlock;
 struct LaneLayout;
 
-class ContactorModel {
+class ContactorModel : ContactorLayout {
  public:
-  static constexpr int max_poles = 8;
+  using ContactorLayout::phi, ContactorLayout::phi2, ContactorLayout::x, ContactorLayout::v,
+      ContactorLayout::z, ContactorLayout::w, ContactorLayout::first_group, ContactorLayout::max_poles;
   static constexpr int capacity = 6 + 4 * max_poles + 2 + 1 + 1 + 4;
-  static constexpr int guard_capacity = 2 + 4 * max_poles + 3;
+  static constexpr int guard_capacity = max_contacts + 3;
   using State = std::array<double, capacity>;
-
-  enum : int { phi, phi2, x, v, z, w, first_group };
 
   ContactorModel(const Specimen&, const Mains&, const PlantOptions&);
 
   // The system, as EventIntegrator wants it.
-  int size() const { return ledger_ + 4; }
-  int guard_count() const { return contact_count_ + 3; }
+  int size() const { return ledger + 4; }
+  int guard_count() const { return contacts + 3; }
   double scale(int i) const { return scale_[static_cast<std::size_t>(i)]; }
   void derivative(double t, const double* s, double* ds) const;
   void guards(double t, const double* s, double* g) const;
@@ -68,10 +67,10 @@ class ContactorModel {
 
   double current(const double* s) const;        ///< A
   double stored_energy(const double* s) const;  ///< J, zero at rest
-  double supplied_energy(const double* s) const { return s[ledger_]; }
+  double supplied_energy(const double* s) const { return s[ledger]; }
   /// |Supplied energy minus losses minus stored energy| over the largest of them and of F_r0 times the travel.
   double energy_residual(const double* s) const;
-  void book_loss(double* s, double joule) const { s[ledger_ + 3] += joule; }
+  void book_loss(double* s, double joule) const { s[ledger + 3] += joule; }
 
   void sample(double t, const double* s, PlantSample& out) const;
 
@@ -84,43 +83,30 @@ class ContactorModel {
   std::vector<PlantEvent>& events() { return events_; }
 
  private:
-  /// Bridges that move alike. Contacts from `first_contact`: seat, both breaks - or seat 1, seat 2, break A,
-  /// break B.
-  struct Group {
-    int state = 0;
-    int first_contact = 0;
-    double count = 1;
-    double gap_a = 0;
-    bool tilts = false;
+  /// What the equations ask of this model.
+  struct Alone : OneNumber {
+    const ContactorModel& m;
+    const ContactorLayout& layout;
+    const ContactorNumbers<double>& numbers;
+    explicit Alone(const ContactorModel& model) : m(model), layout(model), numbers(model.n_) {}
+    POWBENCH_EQUATION bool pressed(int k) const { return m.contacts_[static_cast<std::size_t>(k)].pressed; }
+    POWBENCH_EQUATION double friction_net(double driving) const { return m.friction_.net(driving); }
+    POWBENCH_EQUATION double friction_loss(double speed) const { return m.friction_.loss(speed); }
+    POWBENCH_EQUATION IronOf<OneNumber> iron(double b) const { return m.circuit_.iron(b); }
   };
-  /// Forces at one state.
-  struct Forces {
-    Field field;
-    double pen[guard_capacity];   ///< of each contact, m; left unset beyond the contacts in use
-    double rate[guard_capacity];  ///< m/s
-    double contact[guard_capacity];
-    double core;  ///< on the core, without friction
-    double base;
-    double static_core;  ///< only where it floats
-  };
+  using Equations = ContactorEquations<Alone>;
+  using Forces = Equations::Forces;
 
   void penetrations(const double* s, double* pen, double* rate) const;
   void forces(const double* s, Forces&) const;
   double core_force(const double* s) const;  ///< N, without friction
-  double separation(const double* s) const { return specimen_.core.travel - (s[x] - s[static_core_]); }
-  bool floats() const { return static_core_ != z; }
+  Field field(const double* s) const;
   double coil_current(const double* s) const;  ///< A, as if fed
-  double mmf_stiffness(const Field&) const;    ///< d mmf / d phi, A/Wb, of what follows phi
   double current_rate(const Field&, double separation_rate, const double* flux_rates) const;  ///< A/s
-  double second_flux(const double* s) const {
-    return circuit_.has_ring() ? s[phi2] : circuit_.shaded_share() * s[phi];
-  }
   /// Writes the rates of both fluxes; returns that of the flux linkage, V, which is known where there is remanence.
-  double flux_rates(const Field&, double offset, const CoilFeed<double>&, double separation_rate,
-                    double* ds) const;
+  double flux_rates(const Field&, const double* s, const CoilFeed<double>&, double* ds) const;
   CoilFeed<double> feed(double t, const double* s, double current) const;
   double open_voltage(const double* s) const;  ///< V, at the coil without current
-  double losses(const double* s, const Forces&) const;
   double coil_guard(double t, const double* s) const;
   void flip_contact(double t, int k, double rate);
   void flip_friction(double t, double* s);
@@ -128,28 +114,18 @@ class ContactorModel {
   void publish(PlantEvent::Kind, double t, double velocity);
   int add_contact(double stiffness, double damping);
   void add_groups();
+  void set_numbers(const Mains&, double coil_kelvin);
 
   Specimen specimen_;
   SupplyModes supply_;
   Remanence remanence_;
   MagneticCircuit circuit_;
-  double resistance_;  ///< coil, warm, with the source, ohm
   double source_resistance_;
-  double inductance_;          ///< in series with the core: leakage and source, H
-  double base_rate_;           ///< N/m
-  double base_damping_;        ///< N s/m
-  double buffer_rate_ = 0;     ///< N/m
-  double buffer_damping_ = 0;  ///< N s/m
-  int static_core_ = z;        ///< its state: displacement, velocity next to it
-  double open_stop_depth_;
-  double seat_depth_;
-  std::vector<Group> groups_;
+  ContactorNumbers<double> n_{};
   std::array<Unilateral, guard_capacity> contacts_{};
   std::array<double, capacity> scale_{};
-  int contact_count_ = 0;
-  int offset_ = -1;     ///< state of the remanence, -1: none
-  int capacitor_ = -1;  ///< state of the suppression, V, -1: none
-  int ledger_ = 0;
+  int offset_ = -1;          ///< state of the remanence, -1: none
+  int capacitor_ = -1;       ///< state of the suppression, V, -1: none
   double start_energy_ = 0;  ///< J, of the remanence
   CoulombFriction<double> friction_;
   std::vector<PlantEvent> events_;

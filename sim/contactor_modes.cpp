@@ -9,7 +9,8 @@ namespace powbench::sim {
 void ContactorModel::reset_modes() {
   for (auto& c : contacts_) c.pressed = false;
   contacts_[1].pressed = true;
-  for (const auto& g : groups_) {
+  for (int i = 0; i < groups; ++i) {
+    const Group& g = group[static_cast<std::size_t>(i)];
     contacts_[static_cast<std::size_t>(g.first_contact)].pressed = true;
     if (g.tilts) contacts_[static_cast<std::size_t>(g.first_contact + 1)].pressed = true;
   }
@@ -20,19 +21,18 @@ void ContactorModel::guards(double t, const double* s, double* g) const {
   double pen[guard_capacity];
   double rate[guard_capacity];
   penetrations(s, pen, rate);
-  for (int k = 0; k < contact_count_; ++k)
-    g[k] = contacts_[static_cast<std::size_t>(k)].guard(pen[k], rate[k]);
-  for (int k = contact_count_; k < guard_count(); ++k) g[k] = guard(k, t, s);
+  for (int k = 0; k < contacts; ++k) g[k] = Equations::contact_guard_at(Alone(*this), k, pen[k], rate[k]);
+  for (int k = contacts; k < guard_count(); ++k) g[k] = guard(k, t, s);
 }
 
 double ContactorModel::guard(int k, double t, const double* s) const {
-  if (k == contact_count_) return friction_.guard(s[v], [&] { return core_force(s); });
-  if (k == contact_count_ + 1) return coil_guard(t, s);
-  if (k == contact_count_ + 2) return supply_.next_change() - t;
+  if (k == contacts) return friction_.guard(s[v], [&] { return core_force(s); });
+  if (k == contacts + 1) return coil_guard(t, s);
+  if (k == contacts + 2) return supply_.next_change() - t;
   double pen[guard_capacity];
   double rate[guard_capacity];
   penetrations(s, pen, rate);
-  return contacts_[static_cast<std::size_t>(k)].guard(pen[k], rate[k]);
+  return Equations::contact_guard_at(Alone(*this), k, pen[k], rate[k]);
 }
 
 double ContactorModel::coil_guard(double t, const double* s) const {
@@ -44,16 +44,16 @@ void ContactorModel::flip(double t, double* s, std::uint64_t which) {
   double pen[guard_capacity];
   double rate[guard_capacity];
   penetrations(s, pen, rate);
-  for (int k = 0; k < contact_count_; ++k)
+  for (int k = 0; k < contacts; ++k)
     if ((which >> k & 1U) != 0) flip_contact(t, k, rate[k]);
-  const bool by_current = (which >> (contact_count_ + 1) & 1U) != 0;
-  const bool by_time = (which >> (contact_count_ + 2) & 1U) != 0;
+  const bool by_current = (which >> (contacts + 1) & 1U) != 0;
+  const bool by_time = (which >> (contacts + 2) & 1U) != 0;
   if (by_current || by_time) {
     const double before = stored_energy(s);
     if (by_current) settle_supply(t, s, supply_.pass_guard(t, current(s)), before);
     if (by_time) settle_supply(t, s, supply_.pass(t, current(s)), before);
   }
-  const bool friction = (which >> contact_count_ & 1U) != 0;
+  const bool friction = (which >> contacts & 1U) != 0;
   if (friction || friction_.sticks()) flip_friction(t, s);
 }
 
@@ -61,7 +61,7 @@ void ContactorModel::flip_contact(double t, int k, double rate) {
   auto& c = contacts_[static_cast<std::size_t>(k)];
   c.pressed = !c.pressed;
   using Kind = PlantEvent::Kind;
-  const auto& measured = groups_.front();
+  const auto& measured = group.front();
   const int first = measured.first_contact;
   if (k == 0) publish(c.pressed ? Kind::core_touch : Kind::core_release, t, rate);
   const bool at_a = k == first + (measured.tilts ? 2 : 1);
@@ -87,8 +87,8 @@ ContactorModel::State ContactorModel::rest(double offset) const {
   s[static_cast<std::size_t>(offset_)] = offset;
   const double share = circuit_.shaded_share();  // the ring is at rest too
   for (int pass = 0; pass < 60; ++pass) {
-    const Field f = circuit_.field(s[phi], share * s[phi], separation(s.data()));
-    const double change = (f.mmf + specimen_.coil.turns * offset) / (f.mmf_phi + share * f.mmf_phi2);
+    const Field f = circuit_.field(s[phi], share * s[phi], Equations::separation(Alone(*this), s.data()));
+    const double change = (f.mmf + n_.turns * offset) / (f.mmf_phi + share * f.mmf_phi2);
     s[phi] -= change;
     if (std::fabs(change) <= 1e-15 * std::fabs(s[phi])) break;
   }
@@ -99,7 +99,7 @@ ContactorModel::State ContactorModel::rest(double offset) const {
 bool ContactorModel::near_rest(const State& s) const {
   if (!supply_.sleeps()) return false;
   const State calm = rest(offset(s.data()));
-  for (int i = 0; i < ledger_; ++i) {
+  for (int i = 0; i < ledger; ++i) {
     const auto k = static_cast<std::size_t>(i);
     const bool displacement = i >= x && (i - x) % 2 == 0;  // friction may hold the core a little off zero
     if (std::fabs(s[k] - calm[k]) > (displacement ? 1e-4 : 1e-5) * scale_[k]) return false;
@@ -117,11 +117,11 @@ void ContactorModel::settle_supply(double t, double* s, SupplyModes::Effect effe
   if (effect == SupplyModes::Effect::none) return;
   if (effect != SupplyModes::Effect::blocked) publish(PlantEvent::Kind::coil_open, t, 0);
   if (effect == SupplyModes::Effect::opened) return;
-  const double turns = specimen_.coil.turns;
+  const double turns = n_.turns;
   const double left = remove_current(remanence_, s[phi], offset(s), [&] {
-    const Field f = circuit_.field(s[phi], second_flux(s), separation(s));
-    const double i = f.mmf / turns, slope = mmf_stiffness(f) / turns;
-    return CoilPoint{i, slope, turns * s[phi] + inductance_ * i, turns + inductance_ * slope};
+    const Field f = field(s);
+    const double i = f.mmf / turns, slope = Equations::mmf_stiffness(Alone(*this), f) / turns;
+    return CoilPoint{i, slope, turns * s[phi] + n_.inductance * i, turns + n_.inductance * slope};
   });
   if (offset_ >= 0) s[offset_] = left;
   if (!circuit_.has_ring()) s[phi2] = circuit_.shaded_share() * s[phi];

@@ -12,12 +12,11 @@ double ContactorModel::current(const double* s) const {
 }
 
 double ContactorModel::coil_current(const double* s) const {
-  return circuit_.field(s[phi], second_flux(s), separation(s)).mmf / specimen_.coil.turns + offset(s);
+  return field(s).mmf / n_.turns + offset(s);
 }
 
 double ContactorModel::current_rate(const Field& f, double separation_rate, const double* rates) const {
-  return (f.mmf_phi * rates[phi] + f.mmf_phi2 * rates[phi2] + f.mmf_separation * separation_rate) /
-         specimen_.coil.turns;
+  return (f.mmf_phi * rates[phi] + f.mmf_phi2 * rates[phi2] + f.mmf_separation * separation_rate) / n_.turns;
 }
 
 double ContactorModel::stored_energy(const double* s) const {
@@ -26,19 +25,20 @@ double ContactorModel::stored_energy(const double* s) const {
   double pen[guard_capacity];
   double rate[guard_capacity];
   penetrations(s, pen, rate);
-  const double i = offset_ < 0 ? current(s) : coil_current(s) - s[offset_];  // that the potential sees
-  double e = circuit_.field(s[phi], second_flux(s), separation(s)).energy + 0.5 * inductance_ * i * i +
-             remanence_.stored(offset(s));
+  const double leaking = offset_ < 0 ? current(s) : coil_current(s) - s[offset_];  // that the potential sees
+  double e = field(s).energy + 0.5 * n_.inductance * leaking * leaking + remanence_.stored(offset(s));
   if (capacitor_ >= 0) e += 0.5 * supply_.capacitance() * s[capacitor_] * s[capacitor_];
   e += 0.5 * core.mass * s[v] * s[v] + s[x] * (core.return_preload + 0.5 * core.return_rate * s[x]);
-  e += 0.5 * specimen_.base.mass * s[w] * s[w] + 0.5 * base_rate_ * s[z] * s[z];
+  e += 0.5 * specimen_.base.mass * s[w] * s[w] + 0.5 * n_.base_rate * s[z] * s[z];
   if (floats()) {
-    const double squeeze = s[static_core_] - s[z];
-    const double speed = s[static_core_ + 1];
-    e += 0.5 * specimen_.base.core_mass * speed * speed + 0.5 * buffer_rate_ * squeeze * squeeze;
+    const double squeeze = s[static_core] - s[z];
+    const double speed = s[static_core + 1];
+    e += 0.5 * specimen_.base.core_mass * speed * speed + 0.5 * n_.buffer_rate * squeeze * squeeze;
   }
-  e += contacts_[0].stored(pen[0]) + contacts_[1].stored(pen[1]) - contacts_[1].stored(open_stop_depth_);
-  for (const auto& g : groups_) {
+  e += contacts_[0].stored(pen[0]) + contacts_[1].stored(pen[1]) - contacts_[1].stored(n_.open_stop_depth);
+  for (int i = 0; i < groups; ++i) {
+    const auto j = static_cast<std::size_t>(i);
+    const Group& g = group[j];
     const double* q = s + g.state;
     const double squeeze = s[x] - q[0];
     double one = 0.5 * b.mass * q[1] * q[1] + squeeze * (b.preload + 0.5 * b.rate * squeeze);
@@ -47,15 +47,15 @@ double ContactorModel::stored_energy(const double* s) const {
     for (int k = 0; k < 2 * parts; ++k) {
       const int at = g.first_contact + k;
       const auto& c = contacts_[static_cast<std::size_t>(at)];
-      one += c.stored(pen[at]) - (k < parts ? c.stored(seat_depth_) : 0.0);
+      one += c.stored(pen[at]) - (k < parts ? c.stored(n_.seat_depth) : 0.0);
     }
-    e += g.count * one;
+    e += n_.count[j] * one;
   }
   return e;
 }
 
 double ContactorModel::energy_residual(const double* s) const {
-  const double* l = s + ledger_;
+  const double* l = s + ledger;
   const double stored = stored_energy(s) - start_energy_, lost = l[1] + l[2] + l[3];
   // early on the coil may have given back nearly all it took: the work of the return spring is the least scale
   const double least = specimen_.core.return_preload * specimen_.core.travel;
@@ -66,14 +66,14 @@ void ContactorModel::sample(double t, const double* s, PlantSample& out) const {
   Forces f;
   forces(s, f);
   const bool on = supply_.conducts();
-  const auto& measured = groups_.front();
+  const auto& measured = group.front();
   const double* c = f.contact + measured.first_contact;
   out.time = t;
   out.mains_voltage = supply_.voltage_at(t);
-  out.coil_current = on ? f.field.mmf / specimen_.coil.turns + offset(s) : 0.0;
-  const double leaking = offset_ < 0 ? out.coil_current : f.field.mmf / specimen_.coil.turns;
-  out.flux_linkage = specimen_.coil.turns * s[phi] + specimen_.coil.leakage * leaking;
-  const double apart = s[static_core_ + 1] - s[v];
+  out.coil_current = on ? f.field.mmf / n_.turns + offset(s) : 0.0;
+  const double leaking = offset_ < 0 ? out.coil_current : f.field.mmf / n_.turns;
+  out.flux_linkage = n_.turns * s[phi] + specimen_.coil.leakage * leaking;
+  const double apart = s[static_core + 1] - s[v];
   double rates[2];
   if (on) {
     const auto fed = feed(t, s, out.coil_current);
@@ -82,12 +82,12 @@ void ContactorModel::sample(double t, const double* s, PlantSample& out) const {
                        (source_resistance_ + fed.resistance) * out.coil_current;
     const double source_inductance = supply_.mains().inductance;
     if (source_inductance > 0) {
-      flux_rates(f.field, offset(s), {.emf = out.mains_voltage}, apart, rates);
+      flux_rates(f.field, s, {.emf = out.mains_voltage}, rates);
       out.coil_voltage -= source_inductance * current_rate(f.field, apart, rates);
     }
   } else {
-    const double linkage_rate = flux_rates(f.field, offset(s), {}, apart, rates);
-    out.coil_voltage = offset_ < 0 ? specimen_.coil.turns * rates[phi] : linkage_rate;
+    const double linkage_rate = flux_rates(f.field, s, {}, rates);
+    out.coil_voltage = offset_ < 0 ? n_.turns * rates[phi] : linkage_rate;
   }
   out.pull = f.field.pull;
   out.travel = s[x];

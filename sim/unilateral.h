@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/units.h"
+#include "sim/one_number.h"
 
 /// A contact that only presses: F = max(0, k pen + c pen'), pen > 0.
 ///
@@ -39,6 +40,30 @@ inline double rebound_damping_ratio(double rebound) {
   return zeta;
 }
 
+template <class Of, class T>
+POWBENCH_EQUATION T contact_force(typename Of::Mask pressed, T stiffness, T damping, T pen, T rate) {
+  return Of::choose(
+      pressed, [&] { return stiffness * pen + damping * rate; }, [&] { return Of::all(0.0); });
+}
+/// > 0 while the mode stays valid, m. `damping_time` = damping / stiffness.
+template <class Of, class T>
+POWBENCH_EQUATION T contact_guard(typename Of::Mask pressed, T damping_time, T pen, T rate) {
+  const T reduced = pen + damping_time * rate;
+  return Of::choose(
+      pressed, [&] { return reduced; },
+      [&] {
+        return -Of::choose(
+            reduced < pen, [&] { return reduced; }, [&] { return pen; });
+      });
+}
+/// W lost in the layer.
+template <class Of, class T>
+POWBENCH_EQUATION T contact_loss(T stiffness, T pen, T rate, T force) {
+  const T pressing = Of::choose(
+      pen < 0.0, [&] { return Of::all(0.0); }, [&] { return pen; });
+  return (force - stiffness * pressing) * rate;
+}
+
 struct Unilateral {
   double stiffness = 0;  ///< k, N/m
   double damping = 0;    ///< c, N s/m
@@ -47,16 +72,17 @@ struct Unilateral {
   static Unilateral with_ratio(double stiffness, double zeta, double mass) {
     return {stiffness, 2 * zeta * std::sqrt(stiffness * mass), false};
   }
-  double force(double pen, double rate) const { return pressed ? stiffness * pen + damping * rate : 0.0; }
+  double force(double pen, double rate) const {
+    return contact_force<OneNumber>(pressed, stiffness, damping, pen, rate);
+  }
   /// > 0 while the mode stays valid, m.
   double guard(double pen, double rate) const {
-    const double reduced = pen + damping / stiffness * rate;
-    return pressed ? reduced : -std::min(pen, reduced);
+    return contact_guard<OneNumber>(pressed, damping / stiffness, pen, rate);
   }
   double stored(double pen) const { return pen > 0 ? 0.5 * stiffness * pen * pen : 0.0; }
   /// W lost in the layer.
   double loss(double pen, double rate, double force) const {
-    return (force - stiffness * std::max(pen, 0.0)) * rate;
+    return contact_loss<OneNumber>(stiffness, pen, rate, force);
   }
 };
 

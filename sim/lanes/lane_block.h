@@ -7,8 +7,8 @@
 #include "sim/contactor_model.h"
 #include "sim/integrator.h"
 
-/// Contactors side by side: number k of every array below is of lane k. The equations are those of ContactorModel, in
-/// the same order of operations: where the compiler fuses no products and sums, the results are the same bits.
+/// Contactors side by side: number k of every array below is of lane k. The equations are those of a single one: where
+/// the compiler fuses no products and sums, the results are the same bits.
 
 namespace powbench::sim {
 
@@ -17,16 +17,9 @@ using Lane = std::array<double, lane_width>;
 using LaneMask = std::array<std::int64_t, lane_width>;  ///< -1 or 0
 
 /// What must be alike in all lanes.
-struct LaneLayout {
-  struct Group {
-    int state = 0, first_contact = 0;
-    bool tilts = false;
-    bool operator==(const Group&) const = default;
-  };
-  int size = 0, ledger = 0, contacts = 0, groups = 0, static_core = 0;
+struct LaneLayout : ContactorLayout {
+  int size = 0;
   int even_power = 0;  ///< of the law of the iron
-  bool has_ring = false;
-  std::array<Group, ContactorModel::max_poles> group{};
   bool operator==(const LaneLayout&) const = default;
 };
 
@@ -34,17 +27,9 @@ struct alignas(64) LaneBlock {
   static constexpr std::size_t states = ContactorModel::capacity, guards = ContactorModel::guard_capacity;
   static constexpr int samples = EventIntegrator<ContactorModel>::parts + 1;  ///< of the guards in a step
 
-  // numbers, with the names of ContactorModel and its circuit
-  Lane area, iron_length, iron_per_area, residual, fringe, mu0_area, share, inverse_bare, one_bare,
-      inverse_shaded, ring_resistance, linear, saturation, exponent;
-  Lane turns, resistance, inductance_per_turn;
-  Lane travel, return_preload, return_rate, core_mass, friction;
-  Lane base_mass, base_rate, base_damping, static_mass, buffer_rate, buffer_damping;
-  Lane open_stop_depth, seat_depth, preload, rate, bridge_mass, inertia, half_length, seat_half_length,
-      tilt_gap;
-  std::array<Lane, ContactorModel::max_poles> gap, count;
-  std::array<Lane, guards> stiffness, damping, damping_time;  ///< damping_time = damping / stiffness
-  std::array<Lane, states> tolerance;                         ///< of each state
+  ContactorNumbers<Lane> numbers;
+  Lane friction;                       ///< N, largest
+  std::array<Lane, states> tolerance;  ///< of each state
 
   // modes
   std::array<LaneMask, guards> pressed;
