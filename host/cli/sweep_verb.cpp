@@ -106,9 +106,48 @@ std::string design_text(const SweepArgs& args, const Study& s) {
 
 constexpr std::int64_t block = 500;  ///< points
 
-/// Blocks are simulated and stored in groups: at the end of each the threads wait for each other and for the disk.
-/// What a stop or a kill loses is one group.
-constexpr double longest_group = 2;  ///< s
+/// What a stop or a kill loses: closings of this time and those in flight, s.
+constexpr double between_puts = 0.25;
+
+/// Stores the blocks of a sweep as they become whole.
+class BlockWriter {
+ public:
+  /// `firsts`: number of the first point of each block.
+  BlockWriter(SweepStore& store, std::int64_t sweep, std::span<const std::int64_t> firsts,
+              std::int64_t points)
+      : store_(store), sweep_(sweep), left_(firsts.size()) {
+    for (std::size_t k = 0; k < firsts.size(); ++k) {
+      const std::int64_t count = std::min(block, points - firsts[k]);
+      blocks_.push_back({firsts[k], count, {}});
+      left_[k] = count;
+      for (std::int64_t i = 0; i < count; ++i) numbers_.push_back(firsts[k] + i), places_.push_back(k);
+    }
+  }
+  std::span<const std::int64_t> numbers() const { return numbers_; }
+
+  void add(std::size_t place, const std::vector<double>& row) {
+    SweepBlock& b = blocks_[places_[place]];
+    b.numbers.resize(static_cast<std::size_t>(b.count) * row.size());
+    std::copy(row.begin(), row.end(),
+              b.numbers.begin() + (numbers_[place] - b.first) * static_cast<std::ptrdiff_t>(row.size()));
+    if (--left_[places_[place]] > 0) return;
+    whole_.push_back(std::move(b));
+    if (std::chrono::steady_clock::now() - put_ > std::chrono::duration<double>(between_puts)) put();
+  }
+  void put() {
+    if (!whole_.empty()) store_.put(sweep_, whole_);
+    whole_.clear();
+    put_ = std::chrono::steady_clock::now();
+  }
+
+ private:
+  SweepStore& store_;
+  std::int64_t sweep_;
+  std::vector<SweepBlock> blocks_, whole_;
+  std::vector<std::int64_t> left_, numbers_;
+  std::vector<std::size_t> places_;
+  std::chrono::steady_clock::time_point put_ = std::chrono::steady_clock::now();
+};
 
 Exit run_sweep(const SweepArgs& args, const Study& s, sim::Team& team) {
   const std::map<std::string, sim::Sampling> samplings{{"grid", sim::Sampling::grid},
@@ -156,36 +195,21 @@ Exit run_sweep(const SweepArgs& args, const Study& s, sim::Team& team) {
       wanted.push_back(first);
   }
   Progress progress("sweep", static_cast<std::size_t>(points), progress_style(args.progress));
-  std::size_t together = 1;
-  for (std::size_t next = 0; next < wanted.size();) {
-    if (StopOnSignal::asked()) {
-      fmt::print(stderr, "stopped; the same command goes on with sweep {} in {}\n", id, args.database);
-      return Exit::interrupted;
-    }
-    const auto begun = std::chrono::steady_clock::now();
-    const std::span<const std::int64_t> group =
-        std::span(wanted).subspan(next, std::min(together, wanted.size() - next));
-    std::vector<std::int64_t> numbers;
-    for (const std::int64_t first : group)
-      for (std::int64_t k = 0; k < count_of(first); ++k) numbers.push_back(first + k);
-    const auto results = sim::run_points(design, s.base, numbers, s.options, team);
-    std::vector<SweepBlock> stored;
-    std::size_t at = 0;
-    for (const std::int64_t first : group) {
-      SweepBlock& b = stored.emplace_back(SweepBlock{first, count_of(first), {}});
-      for (std::int64_t k = 0; k < b.count; ++k, ++at) {
-        std::vector<double> row = metric_values(results[at]);
-        b.numbers.insert(b.numbers.end(), row.begin(), row.end());
-        if (whole) rows[static_cast<std::size_t>(first + k)] = std::move(row);
-      }
-    }
-    store.put(id, stored);
-    next += group.size();
-    done += static_cast<std::int64_t>(results.size());
-    progress.update(static_cast<std::size_t>(done));
-    const double took = std::chrono::duration<double>(std::chrono::steady_clock::now() - begun).count();
-    const double fits = static_cast<double>(group.size()) * longest_group / (2 * std::max(took, 1e-3));
-    while (static_cast<double>(2 * together) <= fits) together *= 2;
+  BlockWriter writer(store, id, wanted, design.size());
+  const auto numbers = writer.numbers();
+  sim::stream_points(
+      design, s.base, numbers, s.options, team,
+      [&](std::size_t place, const sim::ClosingMetrics& m) {
+        std::vector<double> row = metric_values(m);
+        writer.add(place, row);
+        if (whole) rows[static_cast<std::size_t>(numbers[place])] = std::move(row);
+        progress.update(static_cast<std::size_t>(++done));
+      },
+      [] { return !StopOnSignal::asked(); });
+  writer.put();
+  if (done < points) {
+    fmt::print(stderr, "stopped; the same command goes on with sweep {} in {}\n", id, args.database);
+    return Exit::interrupted;
   }
   progress.finish();
   fmt::print(stderr, "sweep {} in {}\n", id, args.database);

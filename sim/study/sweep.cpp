@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
+#include <mutex>
+#include <optional>
 
 #include "core/random.h"
 #include "core/units.h"
@@ -72,38 +74,55 @@ void bootstrap(const Sample& s, const BestAngleOptions& options, BestAngle& b) {
   b.confidence = static_cast<double>(near) / options.bootstraps;
 }
 
-/// One result for each case that `make` gives.
+using Sink = std::function<void(std::size_t, const ClosingMetrics&)>;
+
+/// One result for each case that `make` gives; `sink` is called by one thread at a time.
+void stream_cases(std::size_t count, const std::function<Case(std::size_t)>& make,
+                  const MetricOptions& options, Team& team, const Sink& sink,
+                  const std::function<bool()>& go_on) {
+  std::atomic<std::size_t> begun{0};
+  const auto next = [&]() -> std::optional<std::size_t> {
+    if (!go_on()) return std::nullopt;
+    const std::size_t i = begun.fetch_add(1);
+    return i < count ? std::optional(i) : std::nullopt;
+  };
+  std::mutex one;
+  const auto hand_over = [&](std::size_t i, const ClosingMetrics& m) {
+    const std::scoped_lock lock(one);
+    sink(i, m);
+  };
+  team.run([&](int) {
+    if (options.sample_dt > 0)
+      while (const auto i = next()) hand_over(*i, closing_metrics(make(*i), options));
+    else
+      closings_in_lanes(
+          [&]() -> std::optional<LaneClosing> {
+            const auto i = next();
+            if (!i) return std::nullopt;
+            return LaneClosing{*i, make(*i), options.duration, options.tolerance};
+          },
+          [&](std::size_t i, const ClosingTruth& t) { hand_over(i, closing_metrics(t)); }, OnFailure::raise);
+  });
+}
+
 std::vector<ClosingMetrics> run_cases(std::size_t count, const std::function<Case(std::size_t)>& make,
                                       const MetricOptions& options, Team& team) {
   std::vector<ClosingMetrics> results(count);
-  if (options.sample_dt > 0) {
-    for_each_index(team, static_cast<int>(count), [&](int k) {
-      const auto i = static_cast<std::size_t>(k);
-      results[i] = closing_metrics(make(i), options);
-    });
-    return results;
-  }
-  std::atomic<std::size_t> next{0};
-  team.run([&](int) {
-    closings_in_lanes(
-        [&]() -> std::optional<LaneClosing> {
-          const std::size_t i = next.fetch_add(1);
-          if (i >= count) return std::nullopt;
-          return LaneClosing{i, make(i), options.duration, options.tolerance};
-        },
-        [&](std::size_t i, const ClosingTruth& t) { results[i] = closing_metrics(t); }, OnFailure::raise);
-  });
+  stream_cases(
+      count, make, options, team, [&](std::size_t i, const ClosingMetrics& m) { results[i] = m; },
+      [] { return true; });
   return results;
 }
 
 }  // namespace
 
-std::vector<ClosingMetrics> run_points(const Design& design, const Case& base,
-                                       std::span<const std::int64_t> points, const MetricOptions& options,
-                                       Team& team) {
-  return run_cases(
+void stream_points(const Design& design, const Case& base, std::span<const std::int64_t> points,
+                   const MetricOptions& options, Team& team,
+                   const std::function<void(std::size_t, const ClosingMetrics&)>& sink,
+                   const std::function<bool()>& go_on) {
+  stream_cases(
       points.size(), [&](std::size_t i) { return design.apply(base, design.point(points[i])); }, options,
-      team);
+      team, sink, go_on);
 }
 
 std::vector<SensitivityStep> usual_steps() {

@@ -12,9 +12,13 @@
 
 namespace powbench::sim {
 
-/// Simulates points of a design, one result each. A result depends on its point alone.
-std::vector<ClosingMetrics> run_points(const Design&, const Case& base, std::span<const std::int64_t> points,
-                                       const MetricOptions&, Team&);
+/// Simulates points of a design. A result depends on its point alone, and is handed over with its place in `points` as
+/// soon as it is known: one at a time, on any thread of the team, roughly in order. Nothing more is begun once `go_on`
+/// says no; what is begun is ended.
+void stream_points(const Design&, const Case& base, std::span<const std::int64_t> points,
+                   const MetricOptions&, Team&,
+                   const std::function<void(std::size_t place, const ClosingMetrics&)>& sink,
+                   const std::function<bool()>& go_on);
 
 /// d metric / d variable by a central difference. NaN where a side does not close.
 struct Sensitivity {

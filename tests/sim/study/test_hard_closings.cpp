@@ -9,7 +9,7 @@
 #include "core/units.h"
 #include "sim/closing.h"
 #include "sim/study/modes.h"
-#include "sim/study/sweep.h"
+#include "tests/sim/study/points.h"
 
 using namespace powbench::sim;
 using powbench::Conditions;

@@ -1,5 +1,7 @@
 // Modes, sweeps, sensitivities and the best closing angle.
 
+#include <algorithm>
+#include <atomic>
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <numeric>
@@ -7,7 +9,7 @@
 #include "core/random.h"
 #include "core/units.h"
 #include "sim/study/modes.h"
-#include "sim/study/sweep.h"
+#include "tests/sim/study/points.h"
 
 using namespace powbench::sim;
 using powbench::radians;
@@ -54,6 +56,30 @@ TEST_CASE("a sweep in parts and on several threads gives the bits of one in a pi
   for (std::size_t k = 0; k < some.size(); ++k) {
     CHECK(part[k].touch == whole[static_cast<std::size_t>(some[k])].touch);
     CHECK(part[k].bounce == whole[static_cast<std::size_t>(some[k])].bounce);
+  }
+}
+
+TEST_CASE("a sweep that is stopped ends what it has begun, and hands over each point once") {
+  const Case base;
+  const Design d({uniform_axis("angle_deg", 0, 180)}, Sampling::latin, 200, 9);
+  std::vector<std::int64_t> all(200);
+  std::iota(all.begin(), all.end(), 0);
+  for (const double sample_dt : {0.0, 5e-6}) {
+    Team two(2);
+    MetricOptions options;
+    options.sample_dt = sample_dt;
+    std::vector<int> seen(all.size(), 0);
+    std::atomic<int> handed = 0;
+    stream_points(
+        d, base, all, options, two,
+        [&](std::size_t place, const ClosingMetrics& m) {
+          CHECK(m.closed == 1);
+          ++seen[place], ++handed;
+        },
+        [&] { return handed < 20; });
+    CHECK(handed >= 20);
+    CHECK(handed <= 20 + 2 * 8);  // what was in the lanes of two threads
+    CHECK(*std::max_element(seen.begin(), seen.end()) == 1);
   }
 }
 
