@@ -71,35 +71,45 @@ POWBENCH_EQUATION T gap_of(const CircuitNumbers<typename Of::Stored>& n, T separ
       [&] { return residual * residual / (residual - separation); });
 }
 
+/// What the place of the core alone decides.
+template <class Of>
+struct ReluctanceOf {
+  using T = typename Of::Number;
+  T r, slope, bend;  ///< A/Wb; its first and second derivative by the separation
+};
 template <class Of, class T>
-POWBENCH_EQUATION FieldOf<Of> circuit_field(const CircuitNumbers<typename Of::Stored>& n,
-                                            const IronOf<Of>& iron, T phi, T phi2, T separation) {
+POWBENCH_EQUATION ReluctanceOf<Of> reluctance(const CircuitNumbers<typename Of::Stored>& n, T separation) {
   const T residual = Of::at(n.residual), fringe = Of::at(n.fringe), mu0_area = Of::at(n.mu0_area);
-  const T of_bare = Of::at(n.inverse_bare), of_shaded = Of::at(n.inverse_shaded);
   const auto open = separation >= 0.0;
   const T g = gap_of<Of>(n, separation);
   const T gap_slope = Of::choose(
       open, [&] { return Of::all(1.0); }, [&] { return (g / residual) * (g / residual); });
-  const T wide = Of::all(1.0) / (1.0 + fringe * g);
-  const T r = g * wide / mu0_area;
-  const T r_slope = wide * wide * gap_slope / mu0_area;
   const T gap_bend = Of::choose(
       open, [&] { return Of::all(0.0); }, [&] { return 2.0 * g * gap_slope / (residual * residual); });
-  const T r_bend = wide * wide / mu0_area * (gap_bend - 2.0 * fringe * wide * gap_slope * gap_slope);
+  const T wide = Of::all(1.0) / (1.0 + fringe * g);
+  return {g * wide / mu0_area, wide * wide * gap_slope / mu0_area,
+          wide * wide / mu0_area * (gap_bend - 2.0 * fringe * wide * gap_slope * gap_slope)};
+}
+
+template <class Of, class T>
+POWBENCH_EQUATION FieldOf<Of> circuit_field(const CircuitNumbers<typename Of::Stored>& n,
+                                            const ReluctanceOf<Of>& gap, const IronOf<Of>& iron, T phi,
+                                            T phi2) {
+  const T of_bare = Of::at(n.inverse_bare), of_shaded = Of::at(n.inverse_shaded);
   const T phi1 = phi - phi2;
   const T unlike = of_shaded * phi2 - of_bare * phi1;
   const T squares = phi * phi + of_bare * phi1 * phi1 + of_shaded * phi2 * phi2;
   FieldOf<Of> f;
-  f.mmf = iron.mmf + r * (phi + of_bare * phi1);
-  f.mmf_phi = Of::at(n.iron_per_area) * iron.slope + r * Of::at(n.one_bare);
-  f.mmf_phi2 = -r * of_bare;
-  f.mmf_separation = r_slope * (phi + of_bare * phi1);
-  f.ring_current = r * unlike;
-  f.ring_phi2 = r * (of_shaded + of_bare);
-  f.ring_separation = r_slope * unlike;
-  f.pull = 0.5 * r_slope * squares;
-  f.pull_separation = 0.5 * r_bend * squares;
-  f.energy = iron.energy + 0.5 * r * squares;
+  f.mmf = iron.mmf + gap.r * (phi + of_bare * phi1);
+  f.mmf_phi = Of::at(n.iron_per_area) * iron.slope + gap.r * Of::at(n.one_bare);
+  f.mmf_phi2 = -gap.r * of_bare;
+  f.mmf_separation = gap.slope * (phi + of_bare * phi1);
+  f.ring_current = gap.r * unlike;
+  f.ring_phi2 = gap.r * (of_shaded + of_bare);
+  f.ring_separation = gap.slope * unlike;
+  f.pull = 0.5 * gap.slope * squares;
+  f.pull_separation = 0.5 * gap.bend * squares;
+  f.energy = iron.energy + 0.5 * gap.r * squares;
   return f;
 }
 

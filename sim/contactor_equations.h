@@ -69,8 +69,8 @@ struct ContactorEquations : ContactorLayout {
 
   static POWBENCH_EQUATION FieldOf<Basis> field(const Of& of, const T* s) {
     const auto& n = of.numbers.circuit;
-    return circuit_field<Basis>(n, of.iron(s[phi] / at(n.area)), s[phi], second_flux(of, s),
-                                separation(of, s));
+    return circuit_field<Basis>(n, reluctance<Basis>(n, separation(of, s)), of.iron(s[phi] / at(n.area)),
+                                s[phi], second_flux(of, s));
   }
 
   static POWBENCH_EQUATION void penetrations(const Of& of, const T* s, T* pen, T* rate) {

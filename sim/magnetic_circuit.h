@@ -103,7 +103,7 @@ inline double MagneticCircuit::flux(double psi, double turns, double ratio, doub
 }
 
 inline Field MagneticCircuit::field(double phi, double phi2, double separation) const {
-  return circuit_field<OneNumber>(n_, iron(phi / n_.area), phi, phi2, separation);
+  return circuit_field(n_, reluctance<OneNumber>(n_, separation), iron(phi / n_.area), phi, phi2);
 }
 
 }  // namespace powbench::sim

@@ -16,36 +16,37 @@ struct Rates {
 };
 
 struct HeldCoil {
-  const Coil& coil;
+  double turns;
   MagneticCircuit circuit;
-  double separation;
+  ReluctanceOf<OneNumber> gap;
   double resistance;
   double inductance;  ///< in series with the core, H
 
   double ring_flux(double phi, double phi2) const {
     return circuit.has_ring() ? phi2 : circuit.shaded_share() * phi;
   }
-  double current(double phi, double phi2) const {
-    return circuit.field(phi, ring_flux(phi, phi2), separation).mmf / coil.turns;
+  POWBENCH_EQUATION Field field(double phi, double phi2) const {
+    return circuit_field(circuit.numbers(), gap, circuit.iron(phi / circuit.area()), phi,
+                         ring_flux(phi, phi2));
   }
   /// N phi' + L i' = u - R i, phi2' = -R_sh i_sh.
-  Rates rates(double u, double phi, double phi2) const {
-    const Field f = circuit.field(phi, ring_flux(phi, phi2), separation);
+  POWBENCH_EQUATION Rates rates(double u, double phi, double phi2) const {
+    const Field f = field(phi, phi2);
     const bool ring = circuit.has_ring();
     Rates r;
     r.phi2 = ring ? -circuit.ring_resistance() * f.ring_current : 0.0;
     const double slope = ring ? f.mmf_phi : f.mmf_phi + circuit.shaded_share() * f.mmf_phi2;
-    const double ratio = inductance / coil.turns;
-    r.phi =
-        (u - resistance * f.mmf / coil.turns - ratio * f.mmf_phi2 * r.phi2) / (coil.turns + ratio * slope);
+    const double ratio = inductance / turns;
+    r.phi = (u - resistance * f.mmf / turns - ratio * f.mmf_phi2 * r.phi2) / (turns + ratio * slope);
     return r;
   }
 };
 
 HeldCoil held_at(const Specimen& s, const Mains& mains, double separation) {
   require_circuit(s);
-  return {s.coil, MagneticCircuit(s.magnet, s.core.travel), separation, s.coil.resistance + mains.resistance,
-          s.coil.leakage + mains.inductance};
+  const MagneticCircuit circuit(s.magnet, s.core.travel);
+  return {s.coil.turns, circuit, reluctance<OneNumber>(circuit.numbers(), separation),
+          s.coil.resistance + mains.resistance, s.coil.leakage + mains.inductance};
 }
 
 /// Fluxes from rest, `phase` behind the voltage's positive-going zero, with the classical Runge-Kutta method;
@@ -53,8 +54,8 @@ HeldCoil held_at(const Specimen& s, const Mains& mains, double separation) {
 /// number.
 template <class Visit>
 int run(const HeldCoil& held, const Mains& mains, double phase, int periods, double steps, Visit&& visit) {
-  const double ring_rate =
-      held.circuit.ring_resistance() * held.circuit.field(0, 1, held.separation).ring_current;
+  const Field unit = circuit_field(held.circuit.numbers(), held.gap, held.circuit.iron(0), 0.0, 1.0);
+  const double ring_rate = held.circuit.ring_resistance() * unit.ring_current;
   const double fastest = held.circuit.has_ring() ? ring_rate : 0.0;
   const int per_period = static_cast<int>(std::max(steps, fastest / mains.hertz));
   const double h = 1 / (mains.hertz * per_period);
@@ -64,10 +65,10 @@ int run(const HeldCoil& held, const Mains& mains, double phase, int periods, dou
   double phi = 0;
   double phi2 = 0;
   for (int k = 0; k < periods * per_period; ++k) {
-    const double t = k * h;
+    const double t = k * h, middle = voltage(t + h / 2);
     const Rates a = held.rates(voltage(t), phi, phi2);
-    const Rates b = held.rates(voltage(t + h / 2), phi + h / 2 * a.phi, phi2 + h / 2 * a.phi2);
-    const Rates c = held.rates(voltage(t + h / 2), phi + h / 2 * b.phi, phi2 + h / 2 * b.phi2);
+    const Rates b = held.rates(middle, phi + h / 2 * a.phi, phi2 + h / 2 * a.phi2);
+    const Rates c = held.rates(middle, phi + h / 2 * b.phi, phi2 + h / 2 * b.phi2);
     const Rates d = held.rates(voltage(t + h), phi + h * c.phi, phi2 + h * c.phi2);
     phi += h / 6 * (a.phi + 2 * b.phi + 2 * c.phi + d.phi);
     phi2 += h / 6 * (a.phi2 + 2 * b.phi2 + 2 * c.phi2 + d.phi2);
@@ -85,7 +86,7 @@ double steady_current(const Specimen& s, const Mains& mains, double separation) 
   double squares = 0;
   const int steps = run(held, mains, pi / 2, periods, 800, [&](double t, double phi, double phi2) {
     if (t <= from) return;
-    const double i = held.current(phi, phi2);
+    const double i = held.field(phi, phi2).mmf / held.turns;
     squares += i * i;
   });
   return std::sqrt(squares / steps);
@@ -97,7 +98,7 @@ double least_pull(const Specimen& s, const Mains& mains) {
   double least = std::numeric_limits<double>::infinity();
   run(held, mains, 0, periods, 200, [&](double t, double phi, double phi2) {
     if (t * mains.hertz < 0.5) return;
-    least = std::min(least, held.circuit.field(phi, held.ring_flux(phi, phi2), 0).pull);
+    least = std::min(least, held.field(phi, phi2).pull);
   });
   return least;
 }
