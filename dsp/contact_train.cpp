@@ -287,8 +287,11 @@ ForceAnalysis analyse_force(const Force& f, double t_end, const Measured& core_s
   const auto grazing = fill_train(out.train, round, f, out, t_end, o);
   if (!out.ring.empty() && !bare_enough && !convincing(best))
     doubt_stripping(out.train.contacts, f.signal, {out.stripped, round.noise, f.noise, f.delay}, out.ring, o);
-  if (!out.ring.empty() &&
-      doubt_landing(out.train.contacts, unaided, core_seat, out.ring.amplitude_at(out.ring.onset)))
+  const double blow = out.ring.empty() ? 0 : out.ring.amplitude_at(out.ring.onset);
+  const auto hidden = [&](double t, int side) {
+    return hidden_by_vibration({out.stripped, round.noise, f.noise, f.delay}, t, side, blow, o);
+  };
+  if (doubt_landing(out.train.contacts, unaided, core_seat, blow, hidden))
     out.train.flags |= flag_ring_overlap;
   const Verdict verdict = verdict_of(f, out.train.contacts, t_end, o);
   out.train.shows = verdict.shows;

@@ -107,8 +107,8 @@ Posterior posterior_of(const EdgeRows& r, double from, double to, double span, b
 
 namespace {
 
-/// The edge with the force up to `span` from it.
-EdgeAnswer within(const Signal& s, const EdgeQuestion& q, double span) {
+/// The edge with the force up to `span` from it. `follows`: the laws are not known to miss it.
+EdgeAnswer within(const Signal& s, const EdgeQuestion& q, double span, bool follows = true) {
   EdgeAnswer out;
   const EdgeRows r = edge_rows(s, q, span);
   if (r.closed < least_rows || r.t.size() < least_rows + 3) return out;
@@ -118,8 +118,8 @@ EdgeAnswer within(const Signal& s, const EdgeQuestion& q, double span) {
   out.known = true;
   out.reduced_chi2 = p.chi2 / dof;
   out.followed = out.reduced_chi2 < 1 + 3 * std::sqrt(2 / dof);
-  // behind a slower amplifier the force between the samples is in the laws
-  const double between = q.delay > s.dt ? 0 : s.dt / 12;
+  // behind a slower amplifier the force between the samples is in laws that follow
+  const double between = q.delay > s.dt && follows ? 0 : s.dt / 12;
   out.time = {q.near + q.side * p.mean, std::hypot(p.sigma, std::hypot(between, amplifier_share * q.delay))};
   for (std::size_t l = 0; l < edge_laws; ++l)
     out.law[l] = {p.law[l].weight, q.side * p.law[l].mean, p.law[l].sigma};
@@ -179,7 +179,7 @@ EdgeAnswer locate_edge(const Signal& s, const EdgeQuestion& q) {
   EdgeQuestion noisier = q;  // no part of the edge follows any law: the misfit counts as noise
   noisier.noise *= std::sqrt(wide.reduced_chi2);
   const double misfit = wide.reduced_chi2;
-  wide = within(s, noisier, span);
+  wide = within(s, noisier, span, false);
   wide.followed = false;
   wide.reduced_chi2 = misfit;
   return wide;

@@ -26,11 +26,12 @@ double nearest(const std::vector<Interval>& unaided, double t, bool touch) {
   return best;
 }
 
-/// Anywhere between the two sightings; anywhere within the landing where there is only one. True where that is worth
-/// a flag.
-bool widen(Measured& m, double other) {
+/// Anywhere between the two sightings, as far as `hidden`; anywhere within the landing where there is only one. True
+/// where that is worth a flag.
+bool widen(Measured& m, double other, double hidden) {
   constexpr double worth_a_flag = 20e-6;  // s
-  const double share = std::abs(std::isnan(other) ? landing_time : other - m.value) / std::sqrt(12.0);
+  const double apart = std::isnan(other) ? landing_time : std::min(std::abs(other - m.value), hidden);
+  const double share = apart / std::sqrt(12.0);
   m.u = std::hypot(m.u, share);
   return share > worth_a_flag;
 }
@@ -38,7 +39,7 @@ bool widen(Measured& m, double other) {
 }  // namespace
 
 bool doubt_landing(std::vector<Contact>& contacts, const std::vector<Interval>& unaided, const Measured& seat,
-                   double amplitude) {
+                   double amplitude, const std::function<double(double, int)>& hidden) {
   if (!seat.known() || !(amplitude > 0)) return false;
   const double u = std::isfinite(seat.u) ? std::min(seat.u, 30e-6) : 30e-6;
   const Window window{seat.value - 3 * u, seat.value + landing_time};
@@ -48,8 +49,13 @@ bool doubt_landing(std::vector<Contact>& contacts, const std::vector<Interval>& 
   bool any = gone > 0;
   for (Contact& c : contacts) {
     const bool touch = window.holds(c.touch), release = window.holds(c.release);
-    bool far = touch && widen(c.touch, nearest(unaided, c.touch.value, true));
-    if (release && widen(c.release, nearest(unaided, c.release.value, false))) far = true;
+    const auto doubted = [&](Measured& m, bool of_touch) {
+      const double reach =
+          hidden ? hidden(m.value, of_touch ? +1 : -1) : std::numeric_limits<double>::infinity();
+      return widen(m, nearest(unaided, m.value, of_touch), reach);
+    };
+    bool far = touch && doubted(c.touch, true);
+    if (release && doubted(c.release, false)) far = true;
     if (far) c.flags |= flag_ring_overlap, any = true;
   }
   return any;

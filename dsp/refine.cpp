@@ -53,16 +53,17 @@ double swing_below(const CalmForce& calm, const Signal& force, double from, doub
   return lowest > -clear * calm.noise ? 0 : -lowest;
 }
 
-/// Is an opening no more than a single trough of vibration that is still in the force? An opening lets the vibration
-/// swing on about zero: up by most of its amplitude and down again before the contact closes. Where it does not, a
-/// low contact force and a trough look the same. `vibration`: N, its amplitude where it is known to be there, else 0.
-bool one_trough(const CalmForce& quiet, const Signal& force, const Contact& before, const Contact& after,
-                double vibration) {
+/// N: amplitude of the vibration that is still in the force, where an opening may be no more than a single trough of
+/// it; else 0. An opening lets the vibration swing on about zero: up by most of its amplitude and down again before the
+/// contact closes. Where it does not, a low contact force and a trough look the same. `vibration`: N, its amplitude
+/// where it is known to be there, else 0.
+double one_trough(const CalmForce& quiet, const Signal& force, const Contact& before, const Contact& after,
+                  double vibration) {
   constexpr double half_a_period = 0.4e-3;  // s, of the slowest core vibration
-  if (after.touch.value - before.release.value > half_a_period) return false;
+  if (after.touch.value - before.release.value > half_a_period) return 0;
   const double amplitude =
       std::max(vibration, swing_below(quiet, force, before.release.value, after.touch.value));
-  if (!(amplitude > 0)) return false;
+  if (!(amplitude > 0)) return 0;
   const std::size_t first = force.index_at(before.release.value), last = force.index_at(after.touch.value);
   double low = 1e300,
          high = -1e300;  // lowest so far; highest since the force has come up by most of the amplitude
@@ -71,9 +72,10 @@ bool one_trough(const CalmForce& quiet, const Signal& force, const Contact& befo
     const double v = quiet.value[i];
     if (v < low) low = v, up = last;
     if (v > low + 0.7 * amplitude) high = std::max(high, v), up = std::min(up, i);
-    if (v < high - 0.5 * amplitude) return false;
+    if (v < high - 0.5 * amplitude) return 0;
   }
-  return 4 * (last - up) < last - first;  // a pad that pulls when it breaks leaves zero behind it
+  // a pad that pulls when it breaks leaves zero behind it
+  return 4 * (last - up) < last - first ? amplitude : 0;
 }
 
 /// An opening shows no force. What the levels took for one is looked at again: one smooth indentation through both
@@ -98,7 +100,13 @@ std::vector<Grazing> close_dips(std::vector<Contact>& contacts, const CalmForce&
           locate_extreme(force, a.release.value - margin, b.touch.value + margin, -1, noise);
       opened = least.known() && least.value > least.u + 2 * wander ? 0 : 1;
     }
-    if (one_trough(quiet, force, a, b, vibration)) opened = std::clamp(opened, trough, 1 - trough);
+    if (const double moved = one_trough(quiet, force, a, b, vibration); moved > 0) {
+      // an opening beyond doubt, though the vibration moves the zero of the dip, is no trough of it
+      const Dip with =
+          look_at_dip(force, a.release.value, b.touch.value, closed, noise, std::hypot(wander, moved));
+      if (!(dip.known && dip.sure && with.known && with.sure))
+        opened = std::clamp(opened, trough, 1 - trough);
+    }
     // where the noise hides how the force bends, what two levels saw apart stays apart unless the dip speaks against it
     const bool listed = opened >= (dip.noise > loud ? trough : 0.5);
     const bool uncertain = std::min(opened, 1 - opened) > sure;
@@ -335,6 +343,11 @@ std::vector<Grazing> refine_contacts(std::vector<Contact>& contacts, const EdgeF
   return grazing;
 }
 
+double hidden_by_vibration(const EdgeForce& film, double edge, int side, double amplitude,
+                           const ExtractOptions& o) {
+  return time_to(calm_force(film.signal, film.white, o), film.signal, edge, side, amplitude);
+}
+
 void doubt_stripping(std::vector<Contact>& contacts, const Signal& unaided, const EdgeForce& film,
                      const Ring& ring, const ExtractOptions& o) {
   const Signal& stripped = film.signal;
@@ -350,6 +363,9 @@ void doubt_stripping(std::vector<Contact>& contacts, const Signal& unaided, cons
       return std::max(left * ring.amplitude_at(std::max(t, ring.onset)),
                       swing_below(calm, stripped, t - near, t + near));
     };
+    const auto hidden_by = [&](double t, int side) {
+      return time_to(calm, stripped, t, side, ring.amplitude_at(std::max(t, ring.onset)));
+    };
     const auto doubt = [&](Measured& edge, int side, double free) {
       if (!edge.known() || edge.value < ring.onset - early) return;
       double moved = time_to(calm, stripped, edge.value, side, residue(edge.value));
@@ -360,7 +376,8 @@ void doubt_stripping(std::vector<Contact>& contacts, const Signal& unaided, cons
                            film.noise,
                            film.delay};
       if (const EdgeAnswer with = locate_edge(unaided, q); with.known)
-        moved = std::hypot(moved, with.time.value - edge.value);
+        moved =
+            std::hypot(moved, std::min(std::abs(with.time.value - edge.value), hidden_by(edge.value, side)));
       moved /= std::sqrt(3.0);
       if (moved > std::max(edge.u, worth_a_flag)) c.flags |= flag_ring_overlap;
       edge.u = std::hypot(edge.u, moved);

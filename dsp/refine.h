@@ -42,10 +42,14 @@ struct EdgeForce {
 /// flag_grazing.
 std::vector<Grazing> refine_contacts(std::vector<Contact>&, const EdgeForce&, const ExtractOptions&);
 
+/// s from an edge inwards (`side` +1: later) until the force, vibration taken out, stands above `amplitude` (N) for
+/// good, at most 0.5 ms: a vibration of that amplitude, were all of it still there, could hide no more of the edge.
+double hidden_by_vibration(const EdgeForce&, double edge, int side, double amplitude, const ExtractOptions&);
+
 /// A vibration that was taken out without explaining the record to its noise may have moved edges behind its onset.
-/// The force as it came, `unaided`, dates them differently; and what may be left of the vibration (a seventh, or as
-/// far as the stripped force still swings below zero) may hide the rise up to there. Both, over sqrt(3), go into u;
-/// peaks take on what may be left.
+/// The force as it came, `unaided`, dates them differently, which counts as far as the vibration could hide the edge
+/// (as `hidden_by_vibration`); and what may be left of the vibration (a seventh, or as far as the stripped force still
+/// swings below zero) may hide the rise up to there. Both, over sqrt(3), go into u; peaks take on what may be left.
 void doubt_stripping(std::vector<Contact>&, const Signal& unaided, const EdgeForce& stripped, const Ring&,
                      const ExtractOptions&);
 

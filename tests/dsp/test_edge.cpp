@@ -187,6 +187,32 @@ TEST_CASE("vibration that starts just before a touch, with the same sign, stands
   CHECK(all.spread() > 0.3);
 }
 
+TEST_CASE("an opening far beyond the vibration that is left in it is no trough", "[edge]") {
+  Random random(31);
+  // on the simulated rig such openings had the probability 0.7, and settled an uncertainty of 160 us
+  const Signal s = sampled(
+      [](double t) {
+        return std::max(0.0, 20 * (std::pow(t / 0.2e-3, 2) - 0.16)) - 0.08 * std::cos(2 * pi * 800 * t);
+      },
+      random);
+  std::vector<Contact> c(2);
+  c[0].touch = {-0.38e-3, 1e-5}, c[0].release = {-80e-6, 1e-5}, c[0].peak = {50, 0.1};
+  c[1].touch = {80e-6, 1e-5}, c[1].peak = {50, 0.1};
+  refine_contacts(c, {s, noise, noise, 0}, {});
+  REQUIRE(c.size() == 2);
+  CHECK(c[1].probability > 0.99);
+  CHECK((c[1].flags & flag_grazing) == 0);
+}
+
+TEST_CASE("a vibration hides an edge no longer than the force takes to rise above it", "[edge]") {
+  Random random(37);
+  const Signal s = sampled([](double t) { return t > 0 ? std::min(t / 50e-6, 1.0) * 5 : 0.0; }, random, 1e-3);
+  const EdgeForce film{s, 1e-3, 1e-3};
+  // 1 N after 10 us and 4 N after 40 us, to a sample and the width of the mean
+  CHECK(hidden_by_vibration(film, 0, +1, 1, {}) == Approx(10e-6).margin(10e-6));
+  CHECK(hidden_by_vibration(film, 0, +1, 4, {}) == Approx(40e-6).margin(10e-6));
+}
+
 TEST_CASE("a trough of vibration in a low contact force is an opening only perhaps", "[edge]") {
   Random random(29);
   const Signal s = sampled(
