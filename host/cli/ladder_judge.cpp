@@ -139,6 +139,7 @@ void print_angle(const JudgedAngle& a) {
                  std::isnan(a.input[q]) ? "?" : fmt::format("{:.0f}", a.input[q] * 1e6),
                  verdict_text(s.by_time[q]));
     fmt::print("\n");
+    if (!s.stopped.empty()) fmt::print("{:>5} not computable: {}\n", "", s.stopped);
   }
 }
 
@@ -159,7 +160,7 @@ void measure_cost(const sim::SceneAxes& axes, const sim::Case& c, std::vector<si
   constexpr double dear = 1;  // s
   for (std::size_t k = 0; k < pairs.size(); ++k) {
     sim::LadderRun& run = pairs[k].run;
-    if (run.cpu > dear) continue;
+    if (run.cpu > dear || !pairs[k].stopped.empty()) continue;
     const sim::Rung rung = axes.rung(k / axes.mechanics.size(), k % axes.mechanics.size());
     run.cpu = sim::run_rung(std::span(&rung, 1), 0, c, judged_span, run.tolerance, thread_cpu_seconds, 2).cpu;
   }

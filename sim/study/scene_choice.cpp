@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdio>
 #include <map>
+#include <optional>
 #include <stdexcept>
 
 namespace powbench::sim {
@@ -25,11 +26,12 @@ void check(const SceneAxes& axes, const WantedTimes& wanted) {
   if (!any) throw std::invalid_argument("wanted: at least one of touch, seat, settled");
 }
 
-/// A pair, refined until its step contributes little.
+/// A pair, refined until its step contributes little. A run that its guards stop tells nothing: a finer one is tried.
 struct Refined {
   Rung rung;
   LadderRun run;
-  LadderTimes step_error{};
+  LadderTimes step_error{nan_times};
+  std::string stopped;  ///< no run came to its end: why
 };
 
 class Chooser {
@@ -71,10 +73,20 @@ class Chooser {
   }
 
  private:
-  LadderRun run_once(const Rung& rung, const Case& c, double setting) {
-    const LadderRun run = run_rung(std::span(&rung, 1), 0, c, duration_, setting, clock_);
-    spent_ += run.cpu;
-    return run;
+  /// The run at the first of these settings from `at` on that comes to its end; `at` is then its place.
+  std::optional<LadderRun> run_from(Refined& r, const std::vector<double>& settings, std::size_t& at) {
+    for (; at < settings.size(); ++at) {
+      const double begun = clock_();
+      try {
+        const LadderRun run = run_rung(std::span(&r.rung, 1), 0, case_, duration_, settings[at], clock_);
+        spent_ += run.cpu;
+        return run;
+      } catch (const std::runtime_error& e) {
+        spent_ += clock_() - begun;
+        r.stopped = e.what();
+      }
+    }
+    return std::nullopt;
   }
 
   /// What shares are of: the touch time.
@@ -96,12 +108,20 @@ class Chooser {
     Refined r;
     r.rung = axes_.rung(f, m);
     const auto settings = settings_of(r.rung, coarsest, finest);
-    r.run = run_once(r.rung, case_, settings.front());
-    for (std::size_t k = 1; k < settings.size(); ++k) {
-      const LadderRun finer = run_once(r.rung, case_, settings[k]);
-      r.step_error = error_estimate(r.run, finer);
-      if (excess(r.step_error, finer) <= step_share || k + 1 == settings.size()) break;
-      r.run = finer;
+    std::size_t k = 0;
+    r.run.times = nan_times;
+    r.run.tolerance = settings.front();
+    if (const auto first = run_from(r, settings, k)) {
+      r.run = *first;
+      r.stopped.clear();
+    }
+    while (++k < settings.size()) {
+      const auto finer = run_from(r, settings, k);
+      r.stopped.clear();
+      if (!finer) break;
+      r.step_error = error_estimate(r.run, *finer);
+      if (excess(r.step_error, *finer) <= step_share || k + 1 == settings.size()) break;
+      r.run = *finer;
     }
     return known_.emplace(std::pair{f, m}, std::move(r)).first->second;
   }
@@ -115,6 +135,7 @@ class Chooser {
     s.step_error = here.step_error;
     const auto to = [&](std::size_t other_f, std::size_t other_m) {
       const Refined& other = refined(other_f, other_m);
+      if (!here.stopped.empty() || !other.stopped.empty()) return nan_times;
       return model_difference(here.run, other.run, other.step_error);
     };
     if (f + 1 < axes_.fields.size()) s.fields.next = to(f + 1, m);
@@ -125,6 +146,7 @@ class Chooser {
     if (m + 1 < axes_.mechanics.size()) s.mechanics.next = to(f, m + 1);
     if (m > 0) s.mechanics.below = to(f, m - 1);
     s.model_error = model_error(s);
+    s.stopped = here.stopped;
     judge(s);
     return s;
   }
@@ -157,7 +179,9 @@ class Chooser {
     const bool too_large = sum > allowed;
     const std::size_t before = s.unknown.size();
     const std::string time(ladder_quantities[q]);
-    if (std::isnan(s.run.times[q])) {
+    if (!s.stopped.empty()) {
+      s.unknown.push_back(time + ": not computable, " + s.stopped);
+    } else if (std::isnan(s.run.times[q])) {
       s.unknown.push_back(time + ": does not happen");
     } else {
       if (std::isnan(s.step_error[q])) s.unknown.push_back(time + ": error of the step");

@@ -65,6 +65,7 @@ struct SceneStep {
                                  Reached::not_known};  ///< where wanted
   Reached reached = Reached::not_known;                ///< of all that are wanted
   std::vector<std::string> unknown;                    ///< what is not known, a clause each
+  std::string stopped;                                 ///< why no run came to its end; empty: one did
 };
 
 struct SceneChoice {

@@ -3,6 +3,7 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <limits>
+#include <stdexcept>
 
 #include "core/units.h"
 #include "sim/fields/table_build.h"
@@ -67,6 +68,35 @@ TEST_CASE("a scene climbs along the axis that is furthest off, and stops where i
   // what is not wanted does not climb
   CHECK(choose_scene(known_axes(3, 2), at(0), {unwanted, 1e-6, unwanted}, 0.08, {}, no_clock).rung.name() ==
         "field0+mechanics0");
+}
+
+TEST_CASE("a run that its guards stop is not computable, and stops nothing else", "[scene]") {
+  // mechanics1 stops at every step, or at its coarsest alone
+  for (const double stops_from : {0.0, 5e-5}) {
+    SceneAxes axes = known_axes(1, 2);
+    axes.rung = [axes, stops_from](std::size_t f, std::size_t m) {
+      Rung r = axes.rung(f, m);
+      if (m == 1)
+        r.run = [run = r.run, stops_from](const Case& c, double duration, double tolerance, double dt) {
+          if (tolerance > stops_from) throw std::runtime_error("energy residual");
+          return run(c, duration, tolerance, dt);
+        };
+      return r;
+    };
+    const auto all = look_at_all(axes, at(0), {0.06, unwanted, unwanted}, 0.08, no_clock);
+    REQUIRE(all.size() == 2);
+    const bool never = stops_from == 0;
+    CHECK(all[0].stopped.empty());
+    CHECK(std::isnan(all[0].mechanics.next[0]) == never);
+    CHECK(all[1].stopped == (never ? "energy residual" : ""));
+    CHECK(std::isnan(all[1].run.times[0]) == never);
+    CHECK(std::isnan(all[1].step_error[0]) == never);
+    CHECK(all[1].by_time[0] == Reached::not_known);
+    if (never)
+      CHECK(all[1].unknown == std::vector<std::string>{"touch: not computable, energy residual"});
+    else
+      CHECK(all[1].run.tolerance < 5e-5);
+  }
 }
 
 TEST_CASE("an unknown error is no zero: met, not met and not known are three answers", "[scene]") {
