@@ -126,6 +126,33 @@ TEST_CASE("live page: what was said of an older request goes with the next one",
   for (const std::string& error : tab.errors()) CHECK_THAT(error, Contains("409"));  // the refusal itself
 }
 
+TEST_CASE(
+    "live page: the answer to a STOP that comes behind the next closing does not say that the coil is off",
+    "[.slow]") {
+  const Folder folder;
+  LiveBench bench(folder);
+  Browser browser(folder);
+  Tab tab = browser.open(bench.url);
+  tab.until("!document.getElementById('fire').disabled");
+  const std::string hidden = "document.getElementById('alarm').hidden";
+  tab.value(
+      "(()=>{const send=window.fetch;window.answered=0;window.fetch=(path,options)=>path!=='/api/stop'?"
+      "send(path,options):send(path,options).then(r=>new Promise(go=>setTimeout(()=>{go(r);"
+      "setTimeout(()=>{++window.answered},50)},2500)))})()");
+  press(tab, "stop");
+  tab.until(says("coil off, confirmed by the rig"));  // by the stream of states
+  press(tab, "fire");
+  tab.until("/^Shot 1 /.test(document.getElementById('shot-title').textContent) && " + hidden);
+  tab.until("window.answered === 1");
+  CHECK(tab.value(hidden) == true);
+  // two in one second have one text; the second is answered all the same
+  press(tab, "stop");
+  press(tab, "stop");
+  tab.until("window.answered === 3");
+  CHECK(tab.value(says("coil off, confirmed by the rig")) == true);
+  CHECK(tab.errors() == std::vector<std::string>());
+}
+
 TEST_CASE("live page: openings are counted, and two simulated values have two names", "[.slow]") {
   const Folder folder;
   LiveBench bench(folder);

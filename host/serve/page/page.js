@@ -19,19 +19,22 @@ let socket = null;
 const clock = () => new Date().toISOString().slice(11, 19) + ' UTC';
 /** When a stop was asked for that nothing has confirmed yet; unheard: the bench program has not even got it. */
 let unconfirmed = '', unheard = false;
+/** The confirmation that a state has brought since the last press: its answer may come behind the next closing. */
+let said = '';
 
 /** @param {{text: string, ms: number}} answer */
 const stopWords = (answer) => 'STOP: ' + answer.text + ' (' + (answer.ms < 1 ? 'in less than 1' : 'in ' + Math.round(answer.ms)) + ' ms)';
 
 async function stop() {
   unconfirmed = clock();
+  said = '';
   documents.noLongerAsked();
   alarm('stopping …');
   try {
     const answer = await call('POST', '/api/stop');
     unheard = false;
     if (answer.off) unconfirmed = '';
-    alarm(stopWords(answer), answer.off);
+    if (answer.text !== said) alarm(stopWords(answer), answer.off);
   } catch (e) {
     unheard = true;
     alarm('STOP FAILED: the bench program does not answer. Use the emergency switch of the rig.');
@@ -227,6 +230,7 @@ function show(next) {
   if (next.stop && next.stop.text !== before?.stop?.text) {
     documents.noLongerAsked();
     if (!next.stop.off && !unconfirmed) unconfirmed = clock();
+    said = next.stop.text;
     alarm(stopWords(next.stop), next.stop.off);
   }
   if (!next.stop && before && before.stop) alarm('');
