@@ -81,6 +81,10 @@ bool DrawnMagnet::has_ring() const {
                      [](const DrawnPart& p) { return p.role == DrawnRole::ring; });
 }
 
+std::vector<Steel> air_steels(const DrawnMagnet& d) {
+  return std::vector<Steel>(d.steels.size(), Steel::linear(1));
+}
+
 double DrawnMagnet::turns() const {
   double out = 0, in = 0;
   for (const auto& p : parts)
@@ -101,6 +105,10 @@ DrawnField::DrawnField(const DrawnField& other)
       problem_(other.problem_),
       newton_(problem_),
       layer_(other.layer_) {}
+
+DrawnField::DrawnField(const DrawnField& other, std::vector<Steel> steels) : DrawnField(other) {
+  problem_.set_steels(std::move(steels));
+}
 
 void DrawnField::set_gap(double gap) {
   if (!(gap >= 0))
@@ -126,7 +134,8 @@ FieldPoint DrawnField::solve(const std::vector<Circuit>& circuits, std::vector<d
   r.pull = quadratic(pull_, a, a);
   p.stress_pull = quadratic(rough_, a, a);
   p.largest_field = problem_.largest_field(a.data());
-  for (const auto& s : drawing_->steels) p.beyond_data = p.beyond_data || p.largest_field > s.data_end();
+  for (const auto& s : problem_.setup().steels)
+    p.beyond_data = p.beyond_data || p.largest_field > s.data_end();
   p.beyond_data = p.beyond_data && problem_.share_beyond_data(a.data()) > 0;
   p.a = std::move(a);
   return p;
@@ -203,10 +212,37 @@ DrawnMagnet refined(const DrawnMagnet& d) {
   return out;
 }
 
+std::vector<double> on_refined(const FieldSpace& coarse, const std::vector<double>& a,
+                               const FieldSpace& fine) {
+  // corners of the four parts in the order of `refined`: those of the triangle, then the middles of 01, 12, 20
+  constexpr std::array<std::array<double, 3>, 6> node{
+      {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {0.5, 0.5, 0}, {0, 0.5, 0.5}, {0.5, 0, 0.5}}};
+  constexpr std::array<std::array<int, 3>, 4> parts{{{0, 3, 5}, {3, 1, 4}, {5, 4, 2}, {3, 4, 5}}};
+  std::vector<double> out(place(fine.size()) + 1, 0);
+  for (std::size_t t = 0; t < fine.mesh.triangle.size(); ++t) {
+    const auto& corner = parts[t % 4];
+    for (std::size_t n = 0; n < place(fine.nodes); ++n) {
+      const auto &p = node[place(corner[n % 3])], &q = node[place(corner[n < 3 ? n : (n + 1) % 3])];
+      const auto shape =
+          shape_at(coarse, t / 4, {0.5 * (p[0] + q[0]), 0.5 * (p[1] + q[1]), 0.5 * (p[2] + q[2])});
+      double sum = 0;
+      for (std::size_t k = 0; k < place(coarse.nodes); ++k)
+        sum += shape.value[k] * a[place(coarse.unknowns(t / 4)[k])];
+      out[place(fine.unknowns(t)[n])] = sum;
+    }
+  }
+  out.back() = 0;
+  return out;
+}
+
 double saturated_flux(const std::shared_ptr<const DrawnMagnet>& drawing) {
-  auto bare = std::make_shared<DrawnMagnet>(*drawing);
-  for (auto& s : bare->steels) s = Steel::linear(1);
-  DrawnField air(bare, {}), field(drawing, {});
+  const DrawnField field(drawing, {});
+  return saturated_flux(field);
+}
+
+double saturated_flux(const DrawnField& prototype) {
+  const auto* const drawing = &prototype.drawing();
+  DrawnField air(prototype, air_steels(*drawing)), field(prototype);
   air.set_gap(0);
   field.set_gap(0);
   const double wanted = air.at_flux(1e-3, 0, {}, true).response.current_psi / 1.25;
@@ -214,11 +250,15 @@ double saturated_flux(const std::shared_ptr<const DrawnMagnet>& drawing) {
   const auto [x0, x1] = std::minmax_element(drawing->mesh.x.begin(), drawing->mesh.x.end());
   double low = drawing->turns() * 1e-4 * (*x1 - *x0) * (drawing->axisymmetric ? *x1 : drawing->depth),
          high = low;
-  std::vector<double> start;
+  std::vector<double> a, tangent;
+  double at = 0;
   const auto stiff = [&](double psi) {
-    const auto p = field.at_flux(psi, 0, start, true);
+    for (std::size_t k = 0; k < a.size(); ++k) a[k] += (psi - at) * tangent[k];
+    auto p = field.at_flux(psi, 0, std::move(a), true);
     if (!p.newton.converged) throw std::runtime_error("field: no convergence on the way to saturation");
-    start = p.a;
+    a = std::move(p.a);
+    tangent = field.tangent(0);
+    at = psi;
     return p.response.current_psi >= wanted;
   };
   constexpr double stride = 1.6;

@@ -72,6 +72,8 @@ class DrawnField {
  public:
   DrawnField(std::shared_ptr<const DrawnMagnet>, const NewtonOptions&);
   DrawnField(const DrawnField&);  ///< for another thread; shares only the drawing
+  /// The same mesh with other steels, as many: shares the order of elimination, which takes as long as 20 states.
+  DrawnField(const DrawnField&, std::vector<Steel>);
   DrawnField& operator=(const DrawnField&) = delete;
 
   int unknowns() const { return problem_.size(); }
@@ -109,13 +111,21 @@ class DrawnField {
       rough_;  ///< at this gap: the pull as a quadratic form, by `motion` and by `layer_`
 };
 
+/// As many steels as the drawing has, all of them air.
+std::vector<Steel> air_steels(const DrawnMagnet&);
+
 /// The same drawing with every triangle cut into four.
 DrawnMagnet refined(const DrawnMagnet&);
+
+/// A solution of the drawing on that: the same function of the place, a start for the finer mesh.
+std::vector<double> on_refined(const FieldSpace& coarse, const std::vector<double>& a,
+                               const FieldSpace& fine);
 
 /// Flux linkage, Wb, at which the closed magnet's differential inductance has come down to 1.25 times that of air:
 /// with steel beyond saturation everywhere on the path. Throws std::invalid_argument where the steel does not
 /// saturate.
 double saturated_flux(const std::shared_ptr<const DrawnMagnet>&);
+double saturated_flux(const DrawnField&);  ///< the field at any gap
 
 /// W(psi, gap) or W(psi, ring, gap) of a drawn magnet. `largest_field` and the sizes of `options` do not count: the
 /// mesh is that of the drawing. `mesh_error` is what one halving of all triangles changes in current and pull of the

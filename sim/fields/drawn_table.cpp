@@ -1,7 +1,7 @@
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstdio>
+#include <optional>
 #include <stdexcept>
 
 #include "sim/fields/drawn_magnet.h"
@@ -11,25 +11,24 @@ namespace powbench::sim {
 namespace {
 
 /// What the halving of all triangles changes at one flux and at two gaps: the larger of current and pull, relative.
-double halving_error(const std::shared_ptr<const DrawnMagnet>& drawing, double psi, double open, Team& team) {
-  const auto fine = std::make_shared<const DrawnMagnet>(refined(*drawing));
-  std::array<double, 2> worst{};
-  for_each_index(team, 2, [&](int k) {
-    DrawnField coarse_field(drawing, {}), fine_field(fine, {});
-    const double gap = k == 0 ? 0 : open;
-    coarse_field.set_gap(gap);
-    fine_field.set_gap(gap);
-    const auto a = coarse_field.at_flux(psi, 0, {}, true).response,
-               b = fine_field.at_flux(psi, 0, {}, true).response;
-    worst[static_cast<std::size_t>(k)] =
-        std::max(std::fabs(a.current / b.current - 1), std::fabs(a.pull / b.pull - 1));
-  });
-  return std::max(worst[0], worst[1]);
+double halving_error(const DrawnField& prototype, DrawnField& fine, double psi, double open) {
+  DrawnField coarse(prototype);
+  double worst = 0;
+  for (const double gap : {0.0, open}) {
+    coarse.set_gap(gap);
+    fine.set_gap(gap);
+    const auto a = coarse.at_flux(psi, 0, {}, true);
+    const auto b =
+        fine.at_flux(psi, 0, on_refined(coarse.problem().space(), a.a, fine.problem().space()), true);
+    worst = std::max({worst, std::fabs(a.response.current / b.response.current - 1),
+                      std::fabs(a.response.pull / b.response.pull - 1)});
+  }
+  return worst;
 }
 
 /// Flux through the open ring of the closed magnet, Wb: without its current no more passes it.
-double open_ring_flux(const std::shared_ptr<const DrawnMagnet>& drawing, double psi) {
-  DrawnField field(drawing, {});
+double open_ring_flux(const DrawnField& prototype, double psi) {
+  DrawnField field(prototype);
   field.set_gap(0);
   const double flux = std::fabs(field.fluxes(field.at_flux(psi, 0, {}, true)).second);
   if (!(flux > 0)) throw std::invalid_argument("the ring links no flux of the coil");
@@ -53,24 +52,43 @@ void check_reach(const DrawnMagnet& d, double largest_gap) {
 PotentialTable build_table(const std::shared_ptr<const DrawnMagnet>& d, const TableOptions& o, Team& team,
                            TableReport* report) {
   check_reach(*d, o.largest_gap);
-  const double largest = d->largest_flux > 0 ? d->largest_flux : saturated_flux(d);
-  TablePlan plan = plan_table(o, largest);
+  // The steps of the sweep are so short that one Newton step is mostly enough. The mixed derivatives are those before
+  // the last step, and err by about its relative size, the root of the tolerance; that of three variables is made of
+  // their differences.
   const bool ring = o.ring && d->has_ring();
+  const NewtonOptions newton{std::clamp(o.accuracy * o.accuracy / (ring ? 250 : 25), 1e-8, 1e-6)};
+  double largest = d->largest_flux;
+  std::optional<DrawnField> prototype, fine;
+  for_each_index(team, 2, [&](int k) {
+    if (k == 0) {
+      prototype.emplace(d, newton);
+      if (!(largest > 0)) largest = saturated_flux(*prototype);
+    } else {
+      fine.emplace(std::make_shared<const DrawnMagnet>(refined(*d)), NewtonOptions{});
+    }
+  });
+  TablePlan plan = plan_table(o, largest);
   if (ring) {
-    const double reach = 1.15 * open_ring_flux(d, largest);
+    const double reach = 1.15 * open_ring_flux(*prototype, largest);
     const int count =
         o.ring_nodes != 0 ? o.ring_nodes : std::max(8, static_cast<int>(plan.psi.size()) * 2 / 3);
     for (int k = 0; k < count; ++k) plan.ring.push_back(reach * (2.0 * k / (count - 1) - 1));
   }
-  auto bare = std::make_shared<DrawnMagnet>(*d);
-  for (auto& s : bare->steels) s = Steel::linear(1);
-  const DrawnField prototype(d, plan.field.newton), air(std::move(bare), plan.field.newton);
+  const double states =
+      static_cast<double>(plan.psi.size() * std::max<std::size_t>(1, plan.ring.size()) * plan.gap.size());
+  constexpr double most_kept = 1e8;  // numbers of four bytes; a little more than half of the states are kept
+  double mesh_error = 0;
+  table_sweep::Filling filling;
+  filling.from_neighbours = 0.6 * states * prototype->unknowns() < most_kept;
+  filling.beside = [&] { mesh_error = halving_error(*prototype, *fine, largest / 2, d->travel); };
+  const auto air = air_steels(*d);
   TableReport sum;
   auto t = table_sweep::fill_table(
-      plan, ring, team, [&] { return DrawnField(prototype); }, [&] { return DrawnField(air); }, &sum);
+      plan, ring, team, [&] { return DrawnField(*prototype); }, [&] { return DrawnField(*prototype, air); },
+      &sum, filling);
   if (ring) fill_triple(t);
   estimate_errors(t);
-  t.mesh_error = halving_error(d, largest / 2, d->travel, team);
+  t.mesh_error = mesh_error;
   for (const auto& s : d->steels)
     t.data_end = t.data_end == 0 ? s.data_end() : std::min(t.data_end, s.data_end());
   t.design_hash = table_hash(*d, o);

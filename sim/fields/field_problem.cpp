@@ -1,6 +1,7 @@
 #include "sim/fields/field_problem.h"
 
 #include <algorithm>
+#include <cassert>
 #include <cmath>
 #include <stdexcept>
 #include <string>
@@ -43,6 +44,11 @@ FieldProblem::FieldProblem(Mesh mesh, FieldSetup setup)
   build_linear();
   build_windings();
   set_gap(setup_.strip_height);
+}
+
+void FieldProblem::set_steels(std::vector<Steel> steels) {
+  assert(steels.size() == setup_.steels.size());
+  setup_.steels = std::move(steels);
 }
 
 void FieldProblem::move_vertices(std::vector<double> x, std::vector<double> y) {

@@ -40,6 +40,9 @@ class FieldProblem {
  public:
   FieldProblem(Mesh mesh, FieldSetup setup);
 
+  /// Puts other steels in place of those of the setup, as many.
+  void set_steels(std::vector<Steel> steels);
+
   int size() const { return space_.size(); }
   const FieldSpace& space() const { return space_; }
   const FieldSetup& setup() const { return setup_; }

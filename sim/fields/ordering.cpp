@@ -3,6 +3,7 @@
 #include <cholmod.h>
 
 #include <algorithm>
+#include <mutex>
 #include <stdexcept>
 
 namespace powbench::sim {
@@ -46,6 +47,9 @@ int position(const Pattern& p, int i, int j) {
 }
 
 std::vector<int> fill_reducing_order(const Pattern& p) {
+  // nested dissection draws from rand(), seeded at its start: two at a time would make the order one of chance
+  static std::mutex alone;
+  const std::lock_guard lock(alone);
   cholmod_common common;
   cholmod_start(&common);
   common.supernodal = CHOLMOD_SIMPLICIAL;

@@ -91,7 +91,7 @@ PotentialTable build_table(const MagnetDesign& d, const TableOptions& o, Team& t
   const MagnetField air_prototype(bare, plan.field);
   auto t = fill_table(
       plan, ring, team, [&] { return MagnetField(prototype); }, [&] { return MagnetField(air_prototype); },
-      report, source);
+      report, {source});
   if (t.nodes.empty()) return t;
   if (ring) fill_triple(t);
   estimate_errors(t);

@@ -1,8 +1,11 @@
 #pragma once
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <cstdio>
+#include <functional>
+#include <memory>
 #include <stdexcept>
 #include <utility>
 #include <vector>
@@ -15,12 +18,24 @@
 
 namespace powbench::sim::table_sweep {
 
-/// Solves all fluxes of one gap. Starts follow the tangent of the point before.
+/// By how much the extrapolated start of each state of one gap missed the solution. It changes little from gap to gap.
+using Misses = std::vector<std::vector<float>>;
+
+/// Misses of two gaps that are solved already, and the share of the upper one in a mean.
+struct Neighbours {
+  const Misses* below = nullptr;
+  const Misses* above = nullptr;
+  double share = 0;
+};
+
+/// Solves all fluxes of one gap. Starts follow the tangent of the point before, corrected by what that missed at the
+/// neighbours.
 template <class Field>
 class Sweep {
  public:
-  Sweep(Field& field, const TablePlan& plan, bool ring, double gap)
-      : field_(field), plan_(plan), ring_(ring) {
+  Sweep(Field& field, const TablePlan& plan, bool ring, double gap, Neighbours neighbours = {},
+        Misses* misses = nullptr)
+      : field_(field), plan_(plan), ring_(ring), neighbours_(neighbours), misses_(misses) {
     field_.set_gap(gap);
     gap_ = gap;
   }
@@ -33,7 +48,7 @@ class Sweep {
       std::vector<double> start = line_start;
       std::vector<double> before;  // tangent one node earlier
       for (std::size_t p = 0; p < plan_.psi.size(); ++p) {
-        const FieldPoint point = solve(plan_.psi[p], rings[r], std::move(start));
+        const FieldPoint point = solve(plan_.psi[p], rings[r], start);
         store(point);
         if (p + 1 < plan_.psi.size()) {
           const double step = plan_.psi[p + 1] - plan_.psi[p];
@@ -56,8 +71,26 @@ class Sweep {
   }
 
  private:
-  FieldPoint solve(double psi, double ring, std::vector<double> start) {
+  void correct(std::vector<double>& start) const {
+    if (!neighbours_.below || start.empty()) return;
+    const auto state = static_cast<std::size_t>(slice_.report.solutions);
+    const auto &below = (*neighbours_.below)[state], &above = (*neighbours_.above)[state];
+    for (std::size_t k = 0; k < start.size(); ++k)
+      start[k] += (1 - neighbours_.share) * static_cast<double>(below[k]) +
+                  neighbours_.share * static_cast<double>(above[k]);
+  }
+
+  void keep_miss(const std::vector<double>& start, const FieldPoint& point) {
+    if (!misses_) return;
+    auto& miss = misses_->emplace_back(start.size());
+    for (std::size_t k = 0; k < start.size(); ++k) miss[k] = static_cast<float>(point.a[k] - start[k]);
+  }
+
+  FieldPoint solve(double psi, double ring, const std::vector<double>& extrapolated) {
+    auto start = extrapolated;
+    correct(start);
     auto point = field_.at_flux(psi, ring, std::move(start), !ring_);
+    keep_miss(extrapolated, point);
     ++slice_.report.solutions;
     slice_.report.iterations += point.newton.iterations;
     slice_.report.beyond_data += point.beyond_data;
@@ -86,9 +119,26 @@ class Sweep {
   Field& field_;
   const TablePlan& plan_;
   bool ring_;
+  Neighbours neighbours_;
+  Misses* misses_;
   double gap_ = 0;
   TableSlice slice_;
 };
+
+/// How a table is filled.
+struct Filling {
+  SliceSource source{};            ///< see build_table
+  bool from_neighbours = false;    ///< starts are corrected by gaps that are solved already
+  std::function<void()> beside{};  ///< one more job, done by one worker while others fill
+};
+
+/// Gaps in the order of filling: all at once, or every fourth and the last, then those half way between, then the
+/// rest. A pass uses only what the passes before it have solved, so that it does not matter which worker solves what.
+std::vector<std::vector<std::size_t>> filling_passes(std::size_t gaps, bool from_neighbours);
+
+/// Misses at the nearest gaps below and above that are known, by the numbers of the gaps, which are even in what the
+/// field depends on. Nothing in the first pass.
+Neighbours known_neighbours(const std::vector<Misses>&, std::size_t gap);
 
 /// Inverse inductances with air in place of steel.
 template <class Field>
@@ -101,25 +151,42 @@ std::vector<double> air_of(Field& air, bool ring, double gap) {
 }
 
 /// A table without its estimates, hash and description. `make` and `make_air` return a worker's own field, the second
-/// with air in place of steel; gaps are shared out over the team. Empty where `source` leaves out a gap.
+/// with air in place of steel; gaps are shared out over the team. Empty where the source leaves out a gap.
 template <class Make, class MakeAir>
 PotentialTable fill_table(const TablePlan& plan, bool ring, Team& team, const Make& make,
-                          const MakeAir& make_air, TableReport* report, const SliceSource& source = {}) {
+                          const MakeAir& make_air, TableReport* report, const Filling& filling = {}) {
+  struct Own {
+    decltype(make()) field;
+    decltype(make_air()) air;
+  };
+  std::vector<std::unique_ptr<Own>> own(static_cast<std::size_t>(team.workers()));
   std::vector<std::optional<TableSlice>> slices(plan.gap.size());
-  team.run([&](int worker) {
-    auto field = make();
-    auto air = make_air();
-    for (auto g = static_cast<std::size_t>(worker); g < slices.size();
-         g += static_cast<std::size_t>(team.workers())) {
-      const auto solve = [&] {
-        TableSlice slice = Sweep(field, plan, ring, plan.gap[g]).run();
-        slice.report.unknowns = field.unknowns();
-        slice.air = air_of(air, ring, plan.gap[g]);
-        return slice;
-      };
-      slices[g] = source ? source(g, solve) : solve();
-    }
-  });
+  std::vector<Misses> misses(plan.gap.size());
+  const auto fill = [&](Own& o, std::size_t g, Misses* missed) {
+    const auto solve = [&] {
+      TableSlice slice = Sweep(o.field, plan, ring, plan.gap[g], known_neighbours(misses, g), missed).run();
+      slice.report.unknowns = o.field.unknowns();
+      slice.air = air_of(o.air, ring, plan.gap[g]);
+      return slice;
+    };
+    slices[g] = filling.source ? filling.source(g, solve) : solve();
+  };
+  const auto passes = filling_passes(plan.gap.size(), filling.from_neighbours);
+  for (const auto& pass : passes) {
+    const bool last = &pass == &passes.back();
+    std::vector<Misses> fresh(pass.size());
+    std::atomic<std::size_t> next{0};
+    std::atomic<bool> alone{&pass == &passes.front() && filling.beside};
+    team.run([&](int worker) {
+      if (alone.exchange(false)) filling.beside();
+      auto& mine = own[static_cast<std::size_t>(worker)];
+      for (std::size_t k = next++; k < pass.size(); k = next++) {
+        if (!mine) mine.reset(new Own{make(), make_air()});
+        fill(*mine, pass[k], last ? nullptr : &fresh[k]);
+      }
+    });
+    for (std::size_t k = 0; k < pass.size(); ++k) misses[pass[k]] = std::move(fresh[k]);
+  }
   if (!std::all_of(slices.begin(), slices.end(), [](const auto& s) { return s.has_value(); })) return {};
   PotentialTable t;
   t.psi = plan.psi;
