@@ -42,7 +42,8 @@ Cholesky::Cholesky(const Pattern& pattern) : pattern_(pattern) {
   }
   panels_.assign(panel + dense_slack, 0);
   stack_.assign(deepest + dense_slack, 0);
-  work_.assign(index(widest) + dense_slack, 0);
+  work_rows_ = padded(widest) + dense_slack;
+  work_.assign(2 * index(work_rows_), 0);
 }
 
 void Cholesky::analyse_structure(const Pattern& p) {
@@ -134,42 +135,33 @@ bool Cholesky::factor(const double* values) {
   return true;
 }
 
-void Cholesky::solve(double* b) const {
+void Cholesky::solve(const std::vector<double*>& b) const {
+  for (std::size_t k = 0; k < b.size(); k += 2) solve_some(b.data() + k, k + 1 < b.size() ? 2 : 1);
+}
+
+void Cholesky::solve_some(double* const* b, int vectors) const {
+  const DenseKernel& kernel = best_dense_kernel();
+  double* const work = work_.data();
   for (const auto& n : nodes_) {
-    const double* const panel = panels_.data() + n.panel;
     const int* const rows = rows_.data() + n.structure;
-    const int below = n.rows - n.columns;
-    double* const sum = work_.data();
-    double* const x = b + n.first;
-    std::fill(sum, sum + below, 0.0);
-    for (int j = 0; j < n.columns; ++j) {
-      const double* const column = panel + area(n.ld, j);
-      const double value = x[j] / column[j];
-      x[j] = value;
-      for (int i = j + 1; i < n.columns; ++i) x[i] -= column[i] * value;
-      for (int i = 0; i < below; ++i) sum[i] += column[n.columns + i] * value;
+    for (int v = 0; v < vectors; ++v) {
+      double* const x = work + area(work_rows_, v);
+      std::copy_n(b[v] + n.first, n.columns, x);
+      std::fill(x + n.columns, x + n.rows, 0.0);
     }
-    for (int i = 0; i < below; ++i) b[rows[n.columns + i]] -= sum[i];
+    kernel.forward(panels_.data() + n.panel, n.ld, n.rows, n.columns, work, work_rows_, vectors);
+    for (int v = 0; v < vectors; ++v) {
+      const double* const x = work + area(work_rows_, v);
+      std::copy_n(x, n.columns, b[v] + n.first);
+      for (int i = n.columns; i < n.rows; ++i) b[v][rows[i]] += x[i];
+    }
   }
-  for (auto node = nodes_.rbegin(); node != nodes_.rend(); ++node) {
-    const double* const panel = panels_.data() + node->panel;
-    const int* const rows = rows_.data() + node->structure;
-    double* const x = work_.data();
-    for (int i = 0; i < node->rows; ++i) x[i] = b[rows[i]];
-    for (int j = node->columns - 1; j >= 0; --j) {
-      const double* const column = panel + area(node->ld, j);
-      double dot0 = 0, dot1 = 0, dot2 = 0, dot3 = 0;
-      int i = j + 1;
-      for (; i + 3 < node->rows; i += 4) {
-        dot0 += column[i] * x[i];
-        dot1 += column[i + 1] * x[i + 1];
-        dot2 += column[i + 2] * x[i + 2];
-        dot3 += column[i + 3] * x[i + 3];
-      }
-      for (; i < node->rows; ++i) dot0 += column[i] * x[i];
-      x[j] = (x[j] - ((dot0 + dot1) + (dot2 + dot3))) / column[j];
-      b[node->first + j] = x[j];
-    }
+  for (auto n = nodes_.rbegin(); n != nodes_.rend(); ++n) {
+    const int* const rows = rows_.data() + n->structure;
+    for (int v = 0; v < vectors; ++v)
+      for (int i = 0; i < n->rows; ++i) work[area(work_rows_, v) + index(i)] = b[v][rows[i]];
+    kernel.backward(panels_.data() + n->panel, n->ld, n->rows, n->columns, work, work_rows_, vectors);
+    for (int v = 0; v < vectors; ++v) std::copy_n(work + area(work_rows_, v), n->columns, b[v] + n->first);
   }
 }
 

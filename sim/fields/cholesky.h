@@ -18,8 +18,9 @@ class Cholesky {
   /// `values` belong to the rows of the pattern. False where A is not positive definite; then no solve is allowed.
   bool factor(const double* values);
 
-  /// b becomes A^-1 b.
-  void solve(double* b) const;
+  /// b becomes A^-1 b, for each of several: two at a time cost little more than one.
+  void solve(const std::vector<double*>& b) const;
+  void solve(double* b) const { solve(std::vector{b}); }
 
   std::size_t factor_entries() const { return panels_.size(); }  ///< doubles held, padding included
   double flops() const { return flops_; }                        ///< of one factorisation, products and sums
@@ -36,6 +37,7 @@ class Cholesky {
     std::vector<int> children;
   };
   void analyse_structure(const Pattern&);
+  void solve_some(double* const* b, int vectors) const;
   void add_child(const Node& parent, const Node& child, const double* from, double* update, int ldu);
 
   Pattern pattern_;
@@ -45,7 +47,8 @@ class Cholesky {
   std::vector<int> local_;  ///< for each entry of the pattern, its offset within the panel of its node
   std::vector<double> panels_;
   std::vector<double> stack_;
-  mutable std::vector<double> work_;
+  mutable std::vector<double> work_;  ///< two vectors of a front
+  int work_rows_ = 0;
   double flops_ = 0;
 };
 

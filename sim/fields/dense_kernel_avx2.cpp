@@ -10,7 +10,7 @@ constexpr int columns = 4;
 namespace powbench::sim {
 
 const DenseKernel& avx2_dense_kernel() {
-  static const DenseKernel kernel{"avx2", subtract_square, factor_panel};
+  static const DenseKernel kernel{"avx2", subtract_square, factor_panel, forward, backward};
   return kernel;
 }
 

@@ -10,7 +10,7 @@ constexpr int columns = 8;
 namespace powbench::sim {
 
 const DenseKernel& avx512_dense_kernel() {
-  static const DenseKernel kernel{"avx512", subtract_square, factor_panel};
+  static const DenseKernel kernel{"avx512", subtract_square, factor_panel, forward, backward};
   return kernel;
 }
 

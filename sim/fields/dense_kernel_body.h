@@ -107,6 +107,82 @@ int factor_panel(double* a, int lda, int m, int n) {
   return -1;
 }
 
+constexpr int group = 4;  // columns of a panel that a solve takes at a time
+
+template <int R, int W>
+inline void forward_group(const double* a, std::ptrdiff_t lda, int m, double* x, std::ptrdiff_t ldx) {
+  double value[R][W];
+  for (int r = 0; r < R; ++r)
+    for (int c = 0; c < W; ++c) {
+      double rest = x[c + r * ldx];
+      for (int d = 0; d < c; ++d) rest -= a[c + d * lda] * value[r][d];
+      x[c + r * ldx] = value[r][c] = rest / a[c + c * lda];
+    }
+  for (int i = W; i < m; i += lanes) {
+    Vector y[R];
+    for (int r = 0; r < R; ++r) y[r] = load(x + i + r * ldx);
+    for (int c = 0; c < W; ++c) {
+      const Vector l = load(a + i + c * lda);
+      for (int r = 0; r < R; ++r) y[r] -= l * value[r][c];
+    }
+    for (int r = 0; r < R; ++r) *reinterpret_cast<Unaligned*>(x + i + r * ldx) = y[r];
+  }
+}
+
+template <int R, int W>
+inline void backward_group(const double* a, std::ptrdiff_t lda, int m, double* x, std::ptrdiff_t ldx) {
+  Vector sum[R][W];
+  for (int r = 0; r < R; ++r)
+    for (int c = 0; c < W; ++c) sum[r][c] = Vector{};
+  for (int i = W; i < m; i += lanes)
+    for (int c = 0; c < W; ++c) {
+      const Vector l = load(a + i + c * lda);
+      for (int r = 0; r < R; ++r) sum[r][c] += l * load(x + i + r * ldx);
+    }
+  for (int r = 0; r < R; ++r)
+    for (int c = W - 1; c >= 0; --c) {
+      double rest = x[c + r * ldx];
+      for (int k = 0; k < lanes; ++k) rest -= sum[r][c][k];
+      for (int d = c + 1; d < W; ++d) rest -= a[d + c * lda] * x[d + r * ldx];
+      x[c + r * ldx] = rest / a[c + c * lda];
+    }
+}
+
+template <int R>
+void forward_by(const double* a, std::ptrdiff_t lda, int m, int n, double* x, std::ptrdiff_t ldx) {
+  for (int j = 0; j < n; j += group) {
+    const double* const block = a + j + j * lda;
+    if (n - j >= group)
+      forward_group<R, group>(block, lda, m - j, x + j, ldx);
+    else if (n - j == 3)
+      forward_group<R, 3>(block, lda, m - j, x + j, ldx);
+    else if (n - j == 2)
+      forward_group<R, 2>(block, lda, m - j, x + j, ldx);
+    else
+      forward_group<R, 1>(block, lda, m - j, x + j, ldx);
+  }
+}
+
+template <int R>
+void backward_by(const double* a, std::ptrdiff_t lda, int m, int n, double* x, std::ptrdiff_t ldx) {
+  for (int r = 0; r < R; ++r)
+    for (int k = 0; k < dense_slack; ++k) x[m + k + r * ldx] = 0;
+  int j = n / group * group;
+  const double* const block = a + j + j * lda;
+  if (n - j == 3) backward_group<R, 3>(block, lda, m - j, x + j, ldx);
+  if (n - j == 2) backward_group<R, 2>(block, lda, m - j, x + j, ldx);
+  if (n - j == 1) backward_group<R, 1>(block, lda, m - j, x + j, ldx);
+  for (j -= group; j >= 0; j -= group) backward_group<R, group>(a + j + j * lda, lda, m - j, x + j, ldx);
+}
+
+void forward(const double* a, int lda, int m, int n, double* x, int ldx, int vectors) {
+  vectors == 2 ? forward_by<2>(a, lda, m, n, x, ldx) : forward_by<1>(a, lda, m, n, x, ldx);
+}
+
+void backward(const double* a, int lda, int m, int n, double* x, int ldx, int vectors) {
+  vectors == 2 ? backward_by<2>(a, lda, m, n, x, ldx) : backward_by<1>(a, lda, m, n, x, ldx);
+}
+
 }  // namespace
 
 }  // namespace powbench::sim

@@ -10,7 +10,7 @@ constexpr int columns = 4;
 namespace powbench::sim {
 
 const DenseKernel& portable_dense_kernel() {
-  static const DenseKernel kernel{"portable", subtract_square, factor_panel};
+  static const DenseKernel kernel{"portable", subtract_square, factor_panel, forward, backward};
   return kernel;
 }
 

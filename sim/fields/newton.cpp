@@ -89,14 +89,15 @@ bool Newton::direction(const std::vector<Circuit>& circuits, const std::vector<d
     for (std::size_t k = 0; k + 1 < a.size(); ++k) step.da[k] += current[c] * w[k];
     if (circuits[c].flux_given) bordered_.push_back(c);
   }
-  cholesky_.solve(step.da.data());
   const std::size_t n = bordered_.size();
   border_.resize(n);
   std::vector<double> schur(n * n), rest(n);
+  std::vector<double*> sides{step.da.data()};
   for (std::size_t k = 0; k < n; ++k) {
     border_[k] = problem_.winding(bordered_[k]);
-    cholesky_.solve(border_[k].data());
+    sides.push_back(border_[k].data());
   }
+  cholesky_.solve(sides);
   for (std::size_t k = 0; k < n; ++k) {
     const auto& w = problem_.winding(bordered_[k]);
     const auto& circuit = circuits[bordered_[k]];
@@ -182,14 +183,15 @@ NewtonReport Newton::solve(const std::vector<Circuit>& circuits, std::vector<dou
 FieldDerivatives Newton::derivatives(const std::vector<double>& a) {
   FieldDerivatives d;
   const std::size_t n = bordered_.size();
+  d.flux_flux = inverse_;
+  d.flux_gap.assign(n, 0);
+  if (problem_.setup().strip_region < 0) return d;
   std::vector<double> force(a.size());
   problem_.gap_gradient(a.data(), force.data());
   d.gap = problem_.gap_slope(a.data());
-  d.flux_flux = inverse_;
   auto moved = force;
   cholesky_.solve(moved.data());
   moved.back() = 0;
-  d.flux_gap.assign(n, 0);
   d.gap_gap = problem_.gap_curvature(a.data()) - scalar_product(force, moved);
   for (std::size_t k = 0; k < n; ++k) {
     for (std::size_t l = 0; l < n; ++l)

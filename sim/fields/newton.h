@@ -58,7 +58,7 @@ class Newton {
   /// Energy at the solution, J: with `set_quadratic` that of the changed functional.
   double energy() const { return energy_; }
 
-  /// Of the last solution, all circuits with given flux. One back-solve.
+  /// Of the last solution, all circuits with given flux. One back-solve; those by the gap are 0 without a strip.
   FieldDerivatives derivatives(const std::vector<double>& a);
 
   /// da/dpsi_k at the last solution, for starts by extrapolation.

@@ -4,6 +4,7 @@
 
 #include "core/random.h"
 #include "sim/fields/cholesky.h"
+#include "sim/fields/dense_kernel.h"
 
 using powbench::sim::Cholesky;
 using powbench::sim::Pattern;
@@ -66,6 +67,16 @@ TEST_CASE("the factorisation solves a Laplacian of any size to round-off, again 
       double worst = 0;
       for (std::size_t k = 0; k < x.size(); ++k) worst = std::max(worst, std::fabs(b[k] - x[k]));
       CHECK(worst < 1e-11);
+      auto one = product(a, x), two = one, three = one;
+      for (auto& value : two) value *= -2;
+      for (auto& value : three) value *= 4;
+      cholesky.solve({one.data(), two.data(), three.data()});
+      for (std::size_t k = 0; k < x.size(); ++k) {
+        worst = std::max(worst, std::fabs(one[k] - x[k]));
+        worst = std::max(worst, std::fabs(two[k] + 2 * x[k]));
+        worst = std::max(worst, std::fabs(three[k] - 4 * x[k]));
+      }
+      CHECK(worst < 4e-11);
       for (auto& value : a.values) value *= 3;
     }
   }
@@ -75,4 +86,51 @@ TEST_CASE("a matrix that is not positive definite is refused") {
   Square a = square(10, -4.5);
   Cholesky cholesky(a.pattern);
   CHECK_FALSE(cholesky.factor(a.values.data()));
+}
+
+TEST_CASE("each instruction set solves with a panel as plain loops do") {
+  using namespace powbench::sim;
+  std::vector<const DenseKernel*> kernels{&portable_dense_kernel()};
+#ifdef __x86_64__
+  if (__builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma"))
+    kernels.push_back(&avx2_dense_kernel());
+  if (__builtin_cpu_supports("avx512f")) kernels.push_back(&avx512_dense_kernel());
+#endif
+  const auto at = [](int i) { return static_cast<std::size_t>(i); };
+  for (const auto* kernel : kernels)
+    for (int m = 1; m < 40; m += 3)
+      for (int n = 1; n <= m; n += n < 9 ? 1 : 7) {
+        INFO(kernel->name << ", " << m << " x " << n);
+        powbench::Random random(static_cast<std::uint64_t>(m * 100 + n));
+        const int lda = (m + 7) / 8 * 8, ldx = lda + dense_slack;
+        std::vector<double> a(at(lda * n + dense_slack), 0), x(at(2 * ldx), 0);
+        for (int j = 0; j < n; ++j)
+          for (int i = j; i < m; ++i) a[at(i + j * lda)] = random.uniform() - 0.5 + (i == j ? 2 : 0);
+        for (int v = 0; v < 2; ++v)
+          for (int i = 0; i < m; ++i) x[at(i + v * ldx)] = random.uniform();
+        auto down = x, up = x;
+        for (int v = 0; v < 2; ++v) {
+          double *const d = down.data() + v * ldx, *const u = up.data() + v * ldx;
+          for (int j = 0; j < n; ++j) {
+            d[j] /= a[at(j + j * lda)];
+            for (int i = j + 1; i < m; ++i) d[i] -= a[at(i + j * lda)] * d[j];
+          }
+          for (int j = n - 1; j >= 0; --j) {
+            for (int i = j + 1; i < m; ++i) u[j] -= a[at(i + j * lda)] * u[i];
+            u[j] /= a[at(j + j * lda)];
+          }
+        }
+        for (const int vectors : {1, 2}) {
+          auto forward = x, backward = x;
+          kernel->forward(a.data(), lda, m, n, forward.data(), ldx, vectors);
+          kernel->backward(a.data(), lda, m, n, backward.data(), ldx, vectors);
+          double worst = 0;
+          for (int v = 0; v < vectors; ++v)
+            for (int i = 0; i < m; ++i) {
+              worst = std::max(worst, std::fabs(forward[at(i + v * ldx)] - down[at(i + v * ldx)]));
+              worst = std::max(worst, std::fabs(backward[at(i + v * ldx)] - up[at(i + v * ldx)]));
+            }
+          CHECK(worst < 1e-13);
+        }
+      }
 }
