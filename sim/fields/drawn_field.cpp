@@ -41,15 +41,34 @@ std::vector<double> whole_only(const std::vector<double>& motion) {
   return out;
 }
 
-double linked_flux(const std::vector<double>& winding, const std::vector<double>& a) {
+/// Entries other than 0.
+std::vector<FormEntry> entries_of(const Pattern& p, const std::vector<double>& values) {
+  std::vector<FormEntry> out;
+  for (int j = 0; j < p.size; ++j)
+    for (int at = p.start[place(j)]; at < p.start[place(j) + 1]; ++at)
+      if (const double v = values[place(at)]; v != 0) out.push_back({p.row[place(at)], j, v});
+  return out;
+}
+
+/// (form) a. Sums by rows: the entries of one row nearly cancel.
+std::vector<double> product(const std::vector<FormEntry>& form, const std::vector<double>& a) {
+  std::vector<double> y(a.size(), 0);
+  for (const auto& e : form) {
+    y[place(e.row)] += e.value * a[place(e.column)];
+    if (e.row != e.column) y[place(e.column)] += e.value * a[place(e.row)];
+  }
+  return y;
+}
+
+double dot_product(const std::vector<double>& a, const std::vector<double>& b) {
   double sum = 0;
-  for (std::size_t k = 0; k < a.size(); ++k) sum += winding[k] * a[k];
+  for (std::size_t k = 0; k < a.size(); ++k) sum += a[k] * b[k];
   return sum;
 }
 
 /// Maxwell's stress in the air where `weight` varies, F = a^T (values) a with the lower triangle by `space.pattern`:
 /// the force against y on what has the weight 1.
-std::vector<double> pull_form(const FieldSpace& space, const std::vector<double>& weight) {
+std::vector<FormEntry> pull_form(const FieldSpace& space, const std::vector<double>& weight) {
   const Mesh& m = space.mesh;
   std::vector<double> values(space.pattern.row.size() + 1, 0);
   for (std::size_t t = 0; t < m.triangle.size(); ++t) {
@@ -62,7 +81,7 @@ std::vector<double> pull_form(const FieldSpace& space, const std::vector<double>
       dx += w[k] * (m.y[p] - m.y[q]) / twice_area(m, v);
       dy += w[k] * (m.x[q] - m.x[p]) / twice_area(m, v);
     }
-    const auto to = element_positions(space, t);
+    const int* const to = element_positions(space, t);
     for (const auto& p : shape_points(space, t, space.axisymmetric ? 4 : space.order)) {
       const double scale = 0.5 * p.weight / mu0;
       for (std::size_t i = 0, next = 0; i < place(space.nodes); ++i)
@@ -71,7 +90,7 @@ std::vector<double> pull_form(const FieldSpace& space, const std::vector<double>
                                               (p.curl_x[i] * p.curl_y[j] + p.curl_y[i] * p.curl_x[j]) * dx);
     }
   }
-  return values;
+  return entries_of(space.pattern, values);
 }
 
 }  // namespace
@@ -131,23 +150,15 @@ FieldPoint DrawnField::solve(const std::vector<Circuit>& circuits, std::vector<d
   r.energy = newton_.energy();
   r.current = current[0];
   if (has_ring()) r.ring_current = current[1];
-  r.pull = quadratic(pull_, a, a);
-  p.stress_pull = quadratic(rough_, a, a);
+  pulled_ = product(pull_, a);
+  r.pull = dot_product(pulled_, a);
+  p.stress_pull = dot_product(product(rough_, a), a);
   p.largest_field = problem_.largest_field(a.data());
   for (const auto& s : problem_.setup().steels)
     p.beyond_data = p.beyond_data || p.largest_field > s.data_end();
   p.beyond_data = p.beyond_data && problem_.share_beyond_data(a.data()) > 0;
   p.a = std::move(a);
   return p;
-}
-
-/// a^T values b.
-double DrawnField::quadratic(const std::vector<double>& values, const std::vector<double>& a,
-                             const std::vector<double>& b) const {
-  std::vector<double> y(a.size(), 0);
-  multiply(problem_.space().pattern, values, a.data(), y.data());
-  y.back() = 0;
-  return linked_flux(y, b);
 }
 
 FieldPoint DrawnField::at_flux(double psi, double ring, std::vector<double> start, bool ring_open) {
@@ -158,11 +169,11 @@ FieldPoint DrawnField::at_flux(double psi, double ring, std::vector<double> star
   const auto d = newton_.derivatives(p.a);
   auto& r = p.response;
   r.current_psi = d.flux_flux[0];
-  r.current_gap = 2 * quadratic(pull_, p.a, tangent(0));
+  r.current_gap = 2 * dot_product(pulled_, tangent(0));
   if (bound) {
     r.current_ring = d.flux_flux[1];
     r.ring_ring = d.flux_flux[3];
-    r.ring_gap = 2 * quadratic(pull_, p.a, tangent(1));
+    r.ring_gap = 2 * dot_product(pulled_, tangent(1));
   }
   return p;
 }
@@ -174,7 +185,7 @@ FieldPoint DrawnField::at_current(double current, double ring_current, std::vect
 }
 
 std::pair<double, double> DrawnField::fluxes(const FieldPoint& p) const {
-  return {linked_flux(problem_.winding(0), p.a), has_ring() ? linked_flux(problem_.winding(1), p.a) : 0};
+  return {dot_product(problem_.winding(0), p.a), has_ring() ? dot_product(problem_.winding(1), p.a) : 0};
 }
 
 DrawnMagnet refined(const DrawnMagnet& d) {

@@ -66,6 +66,12 @@ std::pair<double, double> usable_gaps(const DrawnMagnet&);
 /// Least angle of the triangles that stretch at such a gap, rad.
 double least_angle(const DrawnMagnet&, double face_gap);
 
+/// One entry of the lower triangle of a quadratic form, row >= column.
+struct FormEntry {
+  int row, column;
+  double value;
+};
+
 /// States of a drawn magnet. The pull is the exact derivative of the discrete energy: Maxwell's stress weighted with
 /// `motion`.
 class DrawnField {
@@ -99,16 +105,14 @@ class DrawnField {
 
  private:
   FieldPoint solve(const std::vector<Circuit>&, std::vector<double> start);
-  double quadratic(const std::vector<double>& values, const std::vector<double>& a,
-                   const std::vector<double>& b) const;
 
   std::shared_ptr<const DrawnMagnet> drawing_;
   NewtonOptions options_;
   FieldProblem problem_;
   Newton newton_;
-  std::vector<double> layer_;  ///< 1 on the armature and what moves with it, 0 elsewhere
-  std::vector<double> pull_,
-      rough_;  ///< at this gap: the pull as a quadratic form, by `motion` and by `layer_`
+  std::vector<double> layer_;            ///< 1 on the armature and what moves with it, 0 elsewhere
+  std::vector<FormEntry> pull_, rough_;  ///< at this gap: the pull, by `motion` and by `layer_`
+  std::vector<double> pulled_;           ///< (pull_) a of the last solution
 };
 
 /// As many steels as the drawing has, all of them air.

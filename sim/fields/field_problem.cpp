@@ -72,20 +72,20 @@ void FieldProblem::sort_elements() {
   for (std::size_t t = 0; t < region.size(); ++t)
     if (const int steel = of_region(setup_.steel_of_region, region[t], -1); steel >= 0)
       elements_.push_back({t, steel});
-  for (const auto& e : elements_) {
-    const auto positions = element_positions(space_, e.triangle);
-    positions_.insert(positions_.end(), positions.begin(), positions.end());
-  }
 }
 
 void FieldProblem::build_steel() {
   curls_.clear();
   weights_.clear();
+  centre_curls_.clear();
   const int degree = setup_.axisymmetric ? 4 : setup_.order;
   const auto lanes = index(space_.lanes);
   for (const auto& e : elements_) {
     const auto points = shape_points(space_, e.triangle, degree);
     points_ = static_cast<int>(points.size());
+    const auto centre = shape_at(space_, e.triangle, {1. / 3, 1. / 3, 1. / 3});
+    for (std::size_t n = 0; n < index(space_.nodes); ++n)
+      centre_curls_.insert(centre_curls_.end(), {centre.curl_x[n], centre.curl_y[n]});
     for (const auto& p : points) {
       weights_.push_back(p.weight);
       curls_.insert(curls_.end(), p.curl_x.begin(), p.curl_x.begin() + static_cast<std::ptrdiff_t>(lanes));
@@ -113,12 +113,12 @@ void FieldProblem::build_linear() {
     const double conductivity = of_region(setup_.conductivity, region, 0.0);
     const bool strip = region == setup_.strip_region;
     if (!linear && conductivity <= 0) continue;
-    const auto to = element_positions(space_, t);
+    const int* const to = element_positions(space_, t);
     const auto add = [&](const ShapePoint& p, const std::array<double, 8>& f, std::vector<double>& values,
                          double scale) {
       for (int i = 0, at = 0; i < space_.nodes; ++i)
         for (int j = 0; j <= i; ++j, ++at)
-          values[index(to[index(at)])] += p.weight * scale * f[index(i)] * f[index(j)];
+          values[index(to[at])] += p.weight * scale * f[index(i)] * f[index(j)];
     };
     for (const auto& p : shape_points(space_, t, degree)) {
       if (!linear) break;
@@ -154,7 +154,6 @@ template <int nodes, int lanes>
 double FieldProblem::add_steel_by(const double* a, double* gradient, double* values) const {
   using Vector = typename Lanes<lanes>::Vector;
   using Unaligned = typename Lanes<lanes>::Unaligned;
-  constexpr int entries = nodes * (nodes + 1) / 2;
   double energy = 0;
   for (std::size_t e = 0; e < elements_.size(); ++e) {
     const int* const u = space_.unknowns(elements_[e].triangle);
@@ -189,7 +188,7 @@ double FieldProblem::add_steel_by(const double* a, double* gradient, double* val
     }
     for (int n = 0; n < nodes; ++n) gradient[u[n]] += force[n];
     if (!values) continue;
-    const int* to = positions_.data() + e * entries;
+    const int* to = element_positions(space_, elements_[e].triangle);
     for (int i = 0; i < nodes; ++i)
       for (int j = 0; j <= i; ++j) values[*to++] += hessian[i][j];
   }
@@ -231,13 +230,25 @@ double FieldProblem::Ray::steel_energy(double s) const {
   return energy;
 }
 
+/// Square of B in the middle of a steel element.
+double FieldProblem::centre_square(std::size_t element, const double* a) const {
+  const std::size_t triangle = elements_[element].triangle;
+  const int* const u = space_.unknowns(triangle);
+  const double* curls = centre_curls_.data() + element * 2 * index(space_.nodes);
+  double bx = 0, by = 0;
+  for (int n = 0; n < space_.nodes; ++n) {
+    bx += *curls++ * a[u[n]];
+    by += *curls++ * a[u[n]];
+  }
+  if (setup_.strip_steel_region >= 0 && space_.mesh.region[triangle] == setup_.strip_steel_region)
+    bx *= setup_.strip_height / gap_;
+  return bx * bx + by * by;
+}
+
 double FieldProblem::largest_field(const double* a) const {
   double largest = 0;
-  for (const auto& e : elements_) {
-    const auto [bx, by] = field(e.triangle, {1. / 3, 1. / 3, 1. / 3}, a);
-    largest = std::max(largest, std::hypot(bx, by));
-  }
-  return largest;
+  for (std::size_t e = 0; e < elements_.size(); ++e) largest = std::max(largest, centre_square(e, a));
+  return std::sqrt(largest);
 }
 
 double FieldProblem::share_beyond_data(const double* a) const {
@@ -245,9 +256,9 @@ double FieldProblem::share_beyond_data(const double* a) const {
   for (std::size_t e = 0; e < elements_.size(); ++e) {
     double volume = 0;
     for (int q = 0; q < points_; ++q) volume += weights_[e * index(points_) + index(q)];
-    const auto [bx, by] = field(elements_[e].triangle, {1. / 3, 1. / 3, 1. / 3}, a);
     whole += volume;
-    if (std::hypot(bx, by) > setup_.steels[index(elements_[e].steel)].data_end()) above += volume;
+    const double end = setup_.steels[index(elements_[e].steel)].data_end();
+    if (centre_square(e, a) > end * end) above += volume;
   }
   return whole > 0 ? above / whole : 0;
 }

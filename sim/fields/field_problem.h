@@ -100,6 +100,7 @@ class FieldProblem {
 
  private:
   void sort_elements();
+  double centre_square(std::size_t element, const double* a) const;
   void build_steel();
   void build_linear();
   void build_windings();
@@ -121,7 +122,7 @@ class FieldProblem {
   std::vector<double> curls_;    ///< by element and point: lanes x curl_x, lanes x curl_y
   std::vector<double> weights_;  ///< by element and point
   std::vector<double> meshed_curls_, meshed_weights_;  ///< of all steel, where some goes through the strip
-  std::vector<int> positions_;                         ///< by element, see element_positions
+  std::vector<double> centre_curls_;                   ///< by element and node: curl_x, curl_y in the middle
   std::vector<double> fixed_, strip_x_, strip_y_, linear_, mass_;
   std::vector<std::vector<double>> windings_;
   double gap_ = 0;

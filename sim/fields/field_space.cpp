@@ -109,6 +109,14 @@ void number_unknowns(FieldSpace& s) {
   s.pattern = pattern_of(count, s.unknown, s.nodes);
   for (int& u : s.unknown)
     if (u < 0) u = count;
+  for (std::size_t k = 0; k < m.triangle.size(); ++k) {
+    const int* const u = s.unknowns(k);
+    for (int i = 0; i < s.nodes; ++i)
+      for (int j = 0; j <= i; ++j)
+        s.position.push_back(u[i] == count || u[j] == count
+                                 ? static_cast<int>(s.pattern.row.size())
+                                 : position(s.pattern, std::max(u[i], u[j]), std::min(u[i], u[j])));
+  }
   place_unknowns(s);
 }
 
@@ -195,17 +203,6 @@ std::vector<ShapePoint> shape_points(const FieldSpace& s, std::size_t triangle, 
     p.weight = rule.weight[k] * area * (s.axisymmetric ? 2 * pi * p.r : s.depth);
   }
   return points;
-}
-
-std::vector<int> element_positions(const FieldSpace& s, std::size_t triangle) {
-  std::vector<int> all;
-  const int* u = s.unknowns(triangle);
-  for (int i = 0; i < s.nodes; ++i)
-    for (int j = 0; j <= i; ++j)
-      all.push_back(u[i] == s.size() || u[j] == s.size()
-                        ? static_cast<int>(s.pattern.row.size())
-                        : position(s.pattern, std::max(u[i], u[j]), std::min(u[i], u[j])));
-  return all;
 }
 
 void multiply(const Pattern& p, const std::vector<double>& values, const double* x, double* y) {

@@ -26,6 +26,7 @@ struct FieldSpace {
   Mesh mesh;
   Pattern pattern;
   std::vector<int> unknown;            ///< nodes a triangle
+  std::vector<int> position;           ///< of the entries of each triangle's matrix, see element_positions
   std::vector<double> node_x, node_y;  ///< place of each unknown, m
 
   int size() const { return pattern.size; }
@@ -54,7 +55,9 @@ ShapePoint shape_at(const FieldSpace&, std::size_t triangle, const std::array<do
 
 /// Where the entries (i, j) of an element's matrix, i >= j by local number, go in the values of the pattern; entries of
 /// a fixed node go behind the last one. Row by row of the local lower triangle.
-std::vector<int> element_positions(const FieldSpace&, std::size_t triangle);
+inline const int* element_positions(const FieldSpace& s, std::size_t triangle) {
+  return s.position.data() + triangle * static_cast<std::size_t>(s.nodes * (s.nodes + 1) / 2);
+}
 
 /// y = A x for a symmetric matrix given by its lower triangle.
 void multiply(const Pattern&, const std::vector<double>& values, const double* x, double* y);

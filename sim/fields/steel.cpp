@@ -128,6 +128,10 @@ Steel::Steel(std::string name, std::vector<Knot> knots, double data_end, double 
     auto& b = knots_[k];
     const double width = b.b - a.b;
     b.energy = a.energy + width * (0.5 * (a.h + b.h) + width * (a.slope - b.slope) / 12);
+    const double inverse = 1 / width, chord = (b.h - a.h) * inverse;
+    const double c2 = (3 * chord - 2 * a.slope - b.slope) * inverse;
+    const double c3 = (a.slope + b.slope - 2 * chord) * inverse * inverse;
+    pieces_.push_back({a.b, b.b, a.h, a.slope, c2, c3, a.energy, c2 / 3, c3 / 4});
   }
   constexpr double least_bins = 512;
   const double end = knots_.back().b;
@@ -212,17 +216,11 @@ SteelPoint Steel::at(double b) const {
     const double over = b - end.b;
     return {end.h + last_slope_ * over, last_slope_, end.energy + over * (end.h + 0.5 * last_slope_ * over)};
   }
-  auto k = static_cast<std::size_t>(bin_[static_cast<std::size_t>(b * bins_per_tesla_)]);
-  while (knots_[k + 1].b <= b) ++k;
-  const auto& l = knots_[k];
-  const auto& r = knots_[k + 1];
-  const double width = 1 / (r.b - l.b);
-  const double chord = (r.h - l.h) * width;
-  const double c2 = (3 * chord - 2 * l.slope - r.slope) * width;
-  const double c3 = (l.slope + r.slope - 2 * chord) * width * width;
-  const double t = b - l.b;
-  return {l.h + t * (l.slope + t * (c2 + t * c3)), l.slope + t * (2 * c2 + 3 * t * c3),
-          l.energy + t * (l.h + t * (l.slope / 2 + t * (c2 / 3 + t * c3 / 4)))};
+  const Piece* p = pieces_.data() + bin_[static_cast<std::size_t>(b * bins_per_tesla_)];
+  while (p->end <= b) ++p;
+  const double t = b - p->b;
+  return {p->h + t * (p->slope + t * (p->c2 + t * p->c3)), p->slope + t * (2 * p->c2 + 3 * t * p->c3),
+          p->energy + t * (p->h + t * (p->slope / 2 + t * (p->third_c2 + t * p->quarter_c3)))};
 }
 
 double Steel::h(double b) const {

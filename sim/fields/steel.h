@@ -70,9 +70,15 @@ class Steel {
  private:
   Steel(std::string name, std::vector<Knot> knots, double data_end, double last_slope);
 
+  /// One cubic: H = h + t (slope + t (c2 + t c3)) with t = B - b, up to B = end.
+  struct Piece {
+    double b, end, h, slope, c2, c3, energy, third_c2, quarter_c3;
+  };
+
   std::string name_;
-  std::vector<Knot> knots_;  ///< from b = 0; energies are those of the cubics
-  std::vector<int> bin_;     ///< first knot interval of each bin of B
+  std::vector<Knot> knots_;    ///< from b = 0; energies are those of the cubics
+  std::vector<Piece> pieces_;  ///< between the knots
+  std::vector<int> bin_;       ///< first knot interval of each bin of B
   double bins_per_tesla_ = 0;
   double data_end_ = 0;
   double last_slope_ = 0;
