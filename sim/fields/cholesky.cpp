@@ -109,29 +109,55 @@ void Cholesky::add_child(const Node& parent, const Node& child, const double* fr
   }
 }
 
-bool Cholesky::factor(const double* values) {
+void Cholesky::set_changing(const std::vector<char>& columns) {
+  std::size_t kept = 0;
+  for (auto& n : nodes_) {
+    const auto first = columns.begin() + n.first;
+    n.constant =
+        std::none_of(first, first + n.columns, [](char c) { return c != 0; }) &&
+        std::all_of(n.children.begin(), n.children.end(), [&](int c) { return nodes_[index(c)].constant; });
+    n.handed_over = false;
+    if (n.constant) continue;
+    for (const int c : n.children) {
+      Node& child = nodes_[index(c)];
+      if (!child.constant) continue;
+      child.handed_over = true;
+      child.kept = kept;
+      kept += area(padded(child.rows - child.columns), child.rows - child.columns);
+    }
+  }
+  kept_.assign(kept, 0);
+  kept_valid_ = false;
+}
+
+bool Cholesky::factor(const double* values, bool others_kept) {
   const DenseKernel& kernel = best_dense_kernel();
+  const bool skip = others_kept && kept_valid_;
+  kept_valid_ = false;
   double* top = stack_.data();  // behind the last update matrix
-  std::fill(panels_.begin(), panels_.end(), 0.0);
   for (const auto& n : nodes_) {
+    if (skip && n.constant) continue;
     double* const panel = panels_.data() + n.panel;
     const int below = n.rows - n.columns;
     const int ldu = padded(below);
     double* update = top;
+    std::fill(panel, panel + area(n.ld, n.columns), 0.0);
     std::fill(update, update + area(ldu, below), 0.0);
     for (int at = pattern_.start[index(n.first)]; at < pattern_.start[index(n.first + n.columns)]; ++at)
       panel[local_[index(at)]] = values[at];
     double* lowest = top;
     for (auto c = n.children.rbegin(); c != n.children.rend(); ++c) {
       const Node& child = nodes_[index(*c)];
-      lowest -= area(padded(child.rows - child.columns), child.rows - child.columns);
-      add_child(n, child, lowest, update, ldu);
+      if (!child.handed_over) lowest -= area(padded(child.rows - child.columns), child.rows - child.columns);
+      add_child(n, child, child.handed_over ? kept_.data() + child.kept : lowest, update, ldu);
     }
     if (kernel.factor_panel(panel, n.ld, n.rows, n.columns) >= 0) return false;
     if (below > 0) kernel.subtract_square(update, ldu, panel + n.columns, n.ld, below, below, n.columns);
-    if (lowest != top) std::copy(update, update + area(ldu, below), lowest);
-    top = lowest + area(ldu, below);
+    double* const target = n.handed_over ? kept_.data() + n.kept : lowest;
+    if (target != update) std::copy(update, update + area(ldu, below), target);
+    top = n.handed_over ? lowest : lowest + area(ldu, below);
   }
+  kept_valid_ = true;
   return true;
 }
 

@@ -15,8 +15,13 @@ class Cholesky {
  public:
   explicit Cholesky(const Pattern&);
 
+  /// Which columns have entries that change from one matrix to the next, one flag each. Only their supernodes, and
+  /// those above, are factored anew by `factor(values, true)`.
+  void set_changing(const std::vector<char>& columns);
+
   /// `values` belong to the rows of the pattern. False where A is not positive definite; then no solve is allowed.
-  bool factor(const double* values);
+  /// `others_kept`: columns that do not change have the values of the last call. The factor is the same to the bit.
+  bool factor(const double* values, bool others_kept = false);
 
   /// b becomes A^-1 b, for each of several: two at a time cost little more than one.
   void solve(const std::vector<double*>& b) const;
@@ -34,6 +39,9 @@ class Cholesky {
     std::size_t panel = 0;      ///< offset in panels_
     std::size_t structure = 0;  ///< offset in rows_: the rows of the front, own columns first
     std::size_t relative = 0;   ///< offset in relative_: where the rows below lie in the parent's front
+    bool constant = false;      ///< with all below it
+    bool handed_over = false;   ///< constant, the parent is not: the update matrix is kept
+    std::size_t kept = 0;       ///< its offset in kept_
     std::vector<int> children;
   };
   void analyse_structure(const Pattern&);
@@ -47,6 +55,8 @@ class Cholesky {
   std::vector<int> local_;  ///< for each entry of the pattern, its offset within the panel of its node
   std::vector<double> panels_;
   std::vector<double> stack_;
+  std::vector<double> kept_;
+  bool kept_valid_ = false;
   mutable std::vector<double> work_;  ///< two vectors of a front
   int work_rows_ = 0;
   double flops_ = 0;

@@ -29,6 +29,7 @@ void FieldProblem::set_gap(double height) {
   if (!(height > 0))
     throw std::invalid_argument("gap of the field = " + std::to_string(height) + " m, must be above 0");
   gap_ = height;
+  ++linear_version_;
   linear_ = fixed_;
   stretch_steel();
   if (strip_x_.empty()) return;

@@ -230,6 +230,14 @@ double FieldProblem::Ray::steel_energy(double s) const {
   return energy;
 }
 
+std::vector<char> FieldProblem::steel_unknowns() const {
+  std::vector<char> out(index(size()) + 1, 0);
+  for (const auto& e : elements_)
+    for (int n = 0; n < space_.nodes; ++n) out[index(space_.unknowns(e.triangle)[n])] = 1;
+  out.back() = 0;
+  return out;
+}
+
 /// Square of B in the middle of a steel element.
 double FieldProblem::centre_square(std::size_t element, const double* a) const {
   const std::size_t triangle = elements_[element].triangle;

@@ -60,6 +60,10 @@ class FieldProblem {
   double gap() const { return gap_; }
 
   const std::vector<double>& linear() const { return linear_; }  ///< values of K
+  int linear_version() const { return linear_version_; }         ///< another number for other values
+
+  /// Unknowns of the steel, 1, and all others, 0: only their entries of the Hessian change with a.
+  std::vector<char> steel_unknowns() const;
   const std::vector<double>& mass() const {
     return mass_;
   }  ///< values of int sigma N_i N_j, S m; empty without conductors
@@ -126,6 +130,7 @@ class FieldProblem {
   std::vector<double> fixed_, strip_x_, strip_y_, linear_, mass_;
   std::vector<std::vector<double>> windings_;
   double gap_ = 0;
+  int linear_version_ = 0;
 };
 
 }  // namespace powbench::sim

@@ -53,6 +53,7 @@ Newton::Newton(const FieldProblem& problem) : problem_(problem), cholesky_(probl
   values_.resize(problem.space().pattern.row.size() + 1);
   gradient_.resize(size + 1);
   product_.resize(size + 1);
+  cholesky_.set_changing(problem.steel_unknowns());
 }
 
 void Newton::set_quadratic(const std::vector<double>* matrix, const std::vector<double>* load) {
@@ -78,7 +79,9 @@ double Newton::evaluate(const std::vector<double>& a, bool hessian) {
 
 bool Newton::direction(const std::vector<Circuit>& circuits, const std::vector<double>& a,
                        const std::vector<double>& current, Step& step) {
-  if (!cholesky_.factor(values_.data())) return false;
+  const bool kept = !matrix_ && factored_version_ == problem_.linear_version();
+  factored_version_ = matrix_ ? -1 : problem_.linear_version();
+  if (!cholesky_.factor(values_.data(), kept)) return false;
   bordered_.clear();
   step.da.assign(a.size(), 0);
   step.di.assign(circuits.size(), 0);

@@ -85,6 +85,7 @@ class Newton {
   std::vector<std::vector<double>> border_;  ///< H^-1 c_k of them
   std::vector<double> inverse_;              ///< (C^T H^-1 C + R)^-1, by rows
   double energy_ = 0, quadratic_ = 0;
+  int factored_version_ = -1;  ///< linear_version of the last factorisation; -1: another matrix
 };
 
 }  // namespace powbench::sim

@@ -82,6 +82,39 @@ TEST_CASE("the factorisation solves a Laplacian of any size to round-off, again 
   }
 }
 
+TEST_CASE("a factor of which a part is kept is the whole one to the bit") {
+  for (const int n : {3, 20, 61}) {
+    INFO("n = " << n);
+    Square a = square(n, 0.01);
+    const auto columns = static_cast<std::size_t>(a.pattern.size);
+    powbench::Random random(3);
+    std::vector<char> changing(columns, 0);
+    for (std::size_t k = 0; k < columns; ++k) changing[k] = k % 61 < 3;
+    Cholesky some(a.pattern);
+    some.set_changing(changing);
+    REQUIRE(some.factor(a.values.data(), true));  // nothing to keep yet
+    for (int repeat = 0; repeat < 3; ++repeat) {
+      for (std::size_t j = 0; j < columns; ++j)
+        if (changing[j]) a.values[static_cast<std::size_t>(a.pattern.start[j])] += random.uniform();
+      Cholesky whole(a.pattern);
+      REQUIRE(some.factor(a.values.data(), true));
+      REQUIRE(whole.factor(a.values.data()));
+      std::vector<double> x(columns, 1), y(columns, 1);
+      some.solve(x.data());
+      whole.solve(y.data());
+      CHECK(x == y);
+    }
+    for (auto& value : a.values) value *= 2;  // all of it
+    Cholesky whole(a.pattern);
+    REQUIRE(some.factor(a.values.data()));
+    REQUIRE(whole.factor(a.values.data()));
+    std::vector<double> x(columns, 1), y(columns, 1);
+    some.solve(x.data());
+    whole.solve(y.data());
+    CHECK(x == y);
+  }
+}
+
 TEST_CASE("a matrix that is not positive definite is refused") {
   Square a = square(10, -4.5);
   Cholesky cholesky(a.pattern);
