@@ -178,7 +178,8 @@ Json tables() {
   sim::TableOptions half, tenth, ring;
   half.psi_nodes = half.gap_nodes = tenth.psi_nodes = tenth.gap_nodes = 24;
   tenth.accuracy = 0.001;
-  ring.psi_nodes = ring.gap_nodes = ring.ring_nodes = 16;
+  ring.psi_nodes = 24;
+  ring.gap_nodes = ring.ring_nodes = 16;
   Json list = Json::array();
   list.push_back(table("contactor, 0.5 %", design, half));
   list.push_back(table("contactor, 0.1 %", design, tenth));
