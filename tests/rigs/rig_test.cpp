@@ -38,7 +38,7 @@ TEST_CASE("a shot through libiio gives a whole record", "[rig]") {
   const auto rig = open("sim:", {}, {});
   CHECK(rig->info().kind == "sim");
   CHECK(rig->info().channels.size() == channel_count);
-  const Shot shot = rig->fire(at(90), 5s);
+  const Shot shot = rig->fire(at(90), 60s);
   REQUIRE(shot.outcome == Outcome::pass);
   const Record& r = shot.record;
   CHECK(r.samples() == 14'000);
@@ -67,11 +67,11 @@ TEST_CASE("the rig fires by the tolerance of the plan, and seals it", "[rig]") {
   const auto rig = open("sim:", {}, {});
   Conditions c = at(90);
   c.angle_tolerance = radians(2.5);
-  const Shot wide = rig->fire(c, 5s);
+  const Shot wide = rig->fire(c, 60s);
   REQUIRE(wide.outcome == Outcome::pass);
   CHECK(wide.record.sealed.find(" tolerance_mdeg=2500 ") != std::string::npos);
   c.angle_tolerance = radians(0.01);
-  const Shot narrow = rig->fire(c, 5s);
+  const Shot narrow = rig->fire(c, 60s);
   REQUIRE(narrow.outcome == Outcome::pass);  // a clean source: known to some thousandths
   CHECK(narrow.record.sealed.find(" tolerance_mdeg=10 ") != std::string::npos);
   CHECK(3 * parse_sealed_shot(narrow.record.sealed).angle_u_mdeg <= 10 + 3);  // u is rounded up
@@ -82,7 +82,7 @@ TEST_CASE("a safety relay that does not follow is a fault of its own, and nothin
   SimRigConfig config;
   SECTION("it does not close") {
     config.faults.relay_open = true;
-    const Shot shot = open("sim:", config, {})->fire(at(90), 5s);
+    const Shot shot = open("sim:", config, {})->fire(at(90), 60s);
     CHECK(shot.outcome != Outcome::pass);
     CHECK(shot.interlock);
     INFO(shot.reason);
@@ -91,8 +91,8 @@ TEST_CASE("a safety relay that does not follow is a fault of its own, and nothin
   SECTION("it does not open: the first shot is whole, the second is refused") {
     config.faults.relay_welded = true;
     const auto rig = open("sim:", config, {});
-    CHECK(rig->fire(at(90), 5s).outcome == Outcome::pass);
-    const Shot second = rig->fire(at(90), 5s);
+    CHECK(rig->fire(at(90), 60s).outcome == Outcome::pass);
+    const Shot second = rig->fire(at(90), 60s);
     CHECK(second.outcome != Outcome::pass);
     CHECK(second.interlock);
     INFO(second.reason);
@@ -102,11 +102,11 @@ TEST_CASE("a safety relay that does not follow is a fault of its own, and nothin
 
 TEST_CASE("equal conditions and seed give equal records, on one rig and on two", "[rig]") {
   const auto first = open("sim:", {}, {});
-  const Shot a = first->fire(at(60, 3), 5s);
-  const Shot other = first->fire(at(60, 4), 5s);
-  const Shot b = first->fire(at(60, 3), 5s);
+  const Shot a = first->fire(at(60, 3), 60s);
+  const Shot other = first->fire(at(60, 4), 60s);
+  const Shot b = first->fire(at(60, 3), 60s);
   const auto second = open("sim:", {}, {});
-  const Shot c = second->fire(at(60, 3), 5s);
+  const Shot c = second->fire(at(60, 3), 60s);
   REQUIRE(a.outcome == Outcome::pass);
   CHECK(same(a.record, b.record));
   CHECK(same(a.record, c.record));
@@ -119,26 +119,26 @@ TEST_CASE("faults on request end in a sentence, and the rig works again afterwar
     config.faults.coil_open = true;
     const auto rig = open("sim:", config, {});
     for (int i = 0; i < 2; ++i) {
-      const Shot shot = rig->fire(at(0), 5s);
+      const Shot shot = rig->fire(at(0), 60s);
       CHECK(shot.outcome == Outcome::error);
       CHECK(shot.interlock);
       CHECK(shot.latched);  // a fault of the coil's circuit is not ended by whoever fires
       CHECK(shot.reason.find("no coil current") != std::string::npos);
     }
     CHECK(rig->abort());  // acknowledged: the next shot is tried
-    CHECK(rig->fire(at(0), 5s).reason.find("the rig tripped: no coil current") != std::string::npos);
+    CHECK(rig->fire(at(0), 60s).reason.find("the rig tripped: no coil current") != std::string::npos);
   }
   SECTION("lost samples") {
     config.faults.lost_samples = 3;
     const auto rig = open("sim:", config, {});
-    const Shot shot = rig->fire(at(0), 5s);
+    const Shot shot = rig->fire(at(0), 60s);
     CHECK(shot.outcome == Outcome::error);
     CHECK(shot.reason.find("samples were lost") != std::string::npos);
   }
   SECTION("mains far too low") {
     config.faults.mains_dip = 0.4;
     const auto rig = open("sim:", config, {});
-    const Shot shot = rig->fire(at(0), 5s);
+    const Shot shot = rig->fire(at(0), 60s);
     CHECK(shot.outcome == Outcome::error);
     CHECK(shot.reason.find("phase not valid") != std::string::npos);
   }
@@ -159,7 +159,7 @@ TEST_CASE("a late answer costs the connection, not the shot, which is fired once
   LocalRig server({}, {});
   test::Proxy line(server.address());
   const auto rig = connect_iio("ip:" + line.address());
-  const Shot good = rig->fire(at(30), 5s);
+  const Shot good = rig->fire(at(30), 60s);
   REQUIRE(good.outcome == Outcome::pass);
 
   line.hold_next_answer();
@@ -173,7 +173,7 @@ TEST_CASE("a server that vanishes is noticed and found again", "[rig]") {
   LocalRig server({}, {});
   test::Proxy line(server.address());
   const auto rig = connect_iio("ip:" + line.address());
-  REQUIRE(rig->fire(at(30), 5s).outcome == Outcome::pass);
+  REQUIRE(rig->fire(at(30), 60s).outcome == Outcome::pass);
   line.cut(true);
   const Shot gone = rig->fire(at(30), 5s);
   CHECK(gone.outcome == Outcome::error);
@@ -181,7 +181,7 @@ TEST_CASE("a server that vanishes is noticed and found again", "[rig]") {
   CHECK_FALSE(rig->reconnect());
   line.cut(false);
   REQUIRE(rig->reconnect());
-  CHECK(rig->fire(at(30), 5s).outcome == Outcome::pass);
+  CHECK(rig->fire(at(30), 60s).outcome == Outcome::pass);
 }
 
 TEST_CASE("behind its limit a shot is not fired", "[rig]") {
@@ -203,7 +203,7 @@ TEST_CASE("behind its limit a record that is there is fetched, not fired again",
   const auto rig = connect_iio("ip:" + line.address());
   // somewhere in the 126 kB of the record the line ends, and stays away for as long as the shot may take
   line.at_answer_byte(100'000, [&] { line.cut(true); });
-  const Shot gone = rig->fire(at(30), 500ms);
+  const Shot gone = rig->fire(at(30), 3s);
   CHECK(gone.rig_lost);
   line.cut(false);
   REQUIRE(rig->reconnect());
