@@ -1,4 +1,4 @@
-#include "host/store/in_flight.h"
+#include "host/store/store.h"
 
 #include <filesystem>
 #include <set>
