@@ -106,7 +106,7 @@ std::string design_text(const SweepArgs& args, const Study& s) {
 
 constexpr std::int64_t block = 500;  ///< points
 
-/// What a stop or a kill loses: closings of this time and those in flight, s.
+/// What a kill loses: closings of this time, s, and of the blocks that are not whole; a stop only the latter.
 constexpr double between_puts = 0.25;
 
 /// Stores the blocks of a sweep as they become whole.
