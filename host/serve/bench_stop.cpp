@@ -86,8 +86,8 @@ StopAnswer Bench::Impl::stop() {
         answer.off = true;
         looker->coil_is_off(state);
         answer.ms = 1e3 * seconds_since(begun);
-        answer.text = fmt::format("coil off, confirmed by the rig: gate off (its state: {}), {}, at {}{}",
-                                  state, coil_current(stop_line, expected), time_of_day(), late);
+        answer.text = fmt::format("coil off, confirmed by the rig: gate off, {}, at {}{}",
+                                  coil_current(stop_line, expected), time_of_day(), late);
         break;
       }
     } catch (const rigs::RigError& e) {

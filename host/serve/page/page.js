@@ -34,7 +34,7 @@ async function stop() {
     const answer = await call('POST', '/api/stop');
     unheard = false;
     if (answer.off) unconfirmed = '';
-    if (answer.text !== said) alarm(stopWords(answer), answer.off);
+    if (answer.text !== said) alarm(stopWords(answer), answer.off ? 'done' : '');
   } catch (e) {
     unheard = true;
     alarm('STOP FAILED: the bench program does not answer. Use the emergency switch of the rig.');
@@ -47,19 +47,19 @@ function stopAgain(s) {
     unheard = false;
     stop();
   } else if (s.stop && !s.stop.off && s.status && !s.status.live) {
-    alarm('The STOP of ' + unconfirmed + ' was not confirmed in time. The rig answers again: ' + stateWord(s.status.state) + ', its coil is off.', true);
+    alarm('The STOP of ' + unconfirmed + ' was not confirmed in time. The rig answers again: ' + stateWord(s.status.state) + ', its coil is off.', 'done');
     unconfirmed = '';
   }
 }
-/** @param {string} text @param {boolean} [done] */
-function alarm(text, done) {
+/** Red asks for an act; green is a coil confirmed off; amber is to be known. @param {string} text @param {'' | 'done' | 'notice'} [kind] */
+function alarm(text, kind = '') {
   $('alarm').hidden = !text;
   $('alarm').textContent = text;
-  $('alarm').classList.toggle('done', !!done);
+  $('alarm').className = kind;
 }
 /** What the rig confirmed was true while it was seen. */
 function confirmationEnds() {
-  if ($('alarm').classList.contains('done')) alarm('');
+  if ($('alarm').className) alarm('');
 }
 $('stop').addEventListener('click', stop);
 // before anything on the page can take the key for itself
@@ -214,7 +214,7 @@ function seenAgain(s) {
   seen = true;
   if (!lostLive || !s.status || s.status.live || s.status.gate) return;
   alarm('The bench answers again, which it did not since ' + lostLive + ': the rig is ' + (s.job ? 'at work' : stateWord(s.status.state)) + ', its coil is off.' +
-    (s.job ? '' : interruptedText(s)), true);
+    (s.job ? '' : interruptedText(s)), !s.job && s.interrupted.length ? 'notice' : 'done');
   lostLive = '';
 }
 
@@ -231,12 +231,12 @@ function show(next) {
     documents.noLongerAsked();
     if (!next.stop.off && !unconfirmed) unconfirmed = clock();
     said = next.stop.text;
-    alarm(stopWords(next.stop), next.stop.off);
+    alarm(stopWords(next.stop), next.stop.off ? 'done' : '');
   }
   if (!next.stop && before && before.stop) alarm('');
   if (!next.status) confirmationEnds();
   if (next.job && before && !before.job) confirmationEnds();
-  if (!before && next.interrupted.length && !next.newest_campaign && !next.stop) alarm(interruptedText(next).trim(), true);
+  if (!before && next.interrupted.length && !next.newest_campaign && !next.stop) alarm(interruptedText(next).trim(), 'notice');
   stopAgain(next);
   seenAgain(next);
   // stays until the next job begins: a stop or a pause takes nothing back
