@@ -1,11 +1,12 @@
 #include "sim/field3d/cholesky3.h"
 
-#include <cholmod.h>
 #include <dlfcn.h>
 
 #include <cassert>
 #include <cstring>
 #include <new>
+
+#include "sim/fields/cholmod.h"
 
 namespace powbench::sim {
 namespace {
@@ -41,7 +42,7 @@ struct Cholesky3::Impl {
   cholmod_factor* factor = nullptr;
 
   Impl() {
-    cholmod_start(&common);
+    cholmod().cholmod_start(&common);
     common.supernodal = CHOLMOD_SUPERNODAL;
     common.final_ll = 1;
     common.print = 0;
@@ -51,8 +52,8 @@ struct Cholesky3::Impl {
     common.postorder = 1;
   }
   ~Impl() {
-    cholmod_free_factor(&factor, &common);
-    cholmod_finish(&common);
+    cholmod().cholmod_free_factor(&factor, &common);
+    cholmod().cholmod_finish(&common);
   }
 
   /// CHOLMOD's view of the matrix; it is not changed through it.
@@ -75,7 +76,7 @@ struct Cholesky3::Impl {
 
 Cholesky3::Cholesky3(const SymmetricMatrix& pattern) : impl_(std::make_unique<Impl>()) {
   auto view = Impl::view(pattern);
-  impl_->factor = cholmod_analyze(&view, &impl_->common);
+  impl_->factor = cholmod().cholmod_analyze(&view, &impl_->common);
   if (!impl_->factor) throw std::bad_alloc();
 }
 
@@ -84,7 +85,7 @@ Cholesky3::~Cholesky3() = default;
 bool Cholesky3::factor(const SymmetricMatrix& matrix) {
   stay_on_this_thread();
   auto view = Impl::view(matrix);
-  cholmod_factorize(&view, impl_->factor, &impl_->common);
+  cholmod().cholmod_factorize(&view, impl_->factor, &impl_->common);
   if (impl_->common.status == CHOLMOD_OUT_OF_MEMORY) throw std::bad_alloc();
   return impl_->common.status == CHOLMOD_OK;
 }
@@ -97,11 +98,11 @@ std::vector<double> Cholesky3::solve(const std::vector<double>& b) const {
   right.x = const_cast<double*>(b.data());
   right.xtype = CHOLMOD_REAL;
   right.dtype = CHOLMOD_DOUBLE;
-  cholmod_dense* x = cholmod_solve(CHOLMOD_A, impl_->factor, &right, &impl_->common);
+  cholmod_dense* x = cholmod().cholmod_solve(CHOLMOD_A, impl_->factor, &right, &impl_->common);
   if (!x) throw std::bad_alloc();
   std::vector<double> out(b.size());
   std::memcpy(out.data(), x->x, b.size() * sizeof(double));
-  cholmod_free_dense(&x, &impl_->common);
+  cholmod().cholmod_free_dense(&x, &impl_->common);
   return out;
 }
 

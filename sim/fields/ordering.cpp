@@ -1,10 +1,10 @@
 #include "sim/fields/ordering.h"
 
-#include <cholmod.h>
-
 #include <algorithm>
 #include <mutex>
 #include <stdexcept>
+
+#include "sim/fields/cholmod.h"
 
 namespace powbench::sim {
 
@@ -51,7 +51,7 @@ std::vector<int> fill_reducing_order(const Pattern& p) {
   static std::mutex alone;
   const std::lock_guard lock(alone);
   cholmod_common common;
-  cholmod_start(&common);
+  cholmod().cholmod_start(&common);
   common.supernodal = CHOLMOD_SIMPLICIAL;
   common.print = 0;
   common.nmethods = 2;
@@ -69,14 +69,14 @@ std::vector<int> fill_reducing_order(const Pattern& p) {
   a.dtype = CHOLMOD_DOUBLE;
   a.sorted = 1;
   a.packed = 1;
-  cholmod_factor* factor = cholmod_analyze(&a, &common);
+  cholmod_factor* factor = cholmod().cholmod_analyze(&a, &common);
   std::vector<int> order;
   if (factor) {
     const int* const permutation = static_cast<const int*>(factor->Perm);
     order.assign(permutation, permutation + p.size);
   }
-  cholmod_free_factor(&factor, &common);
-  cholmod_finish(&common);
+  cholmod().cholmod_free_factor(&factor, &common);
+  cholmod().cholmod_finish(&common);
   if (order.empty() && p.size > 0) throw std::runtime_error("no memory for the order of elimination");
   return order;
 }

@@ -1,7 +1,5 @@
 #include "host/store/central/postgres.h"
 
-#include <libpq-fe.h>
-
 #include <algorithm>
 #include <array>
 #include <bit>
@@ -12,6 +10,7 @@
 
 #include "host/store/central/central.h"
 #include "host/store/central/migrations.h"
+#include "host/store/central/pq.h"
 
 namespace powbench::host::postgres {
 
@@ -39,7 +38,7 @@ PGconn* line(const std::shared_ptr<void>& connection) {
   return static_cast<PGconn*>(connection.get());
 }
 std::shared_ptr<void> owned(PGresult* result) {
-  return {result, [](void* r) { PQclear(static_cast<PGresult*>(r)); }};
+  return {result, [](void* r) { pq().PQclear(static_cast<PGresult*>(r)); }};
 }
 
 /// A message of libpq or of the server in one line.
@@ -69,15 +68,15 @@ void check_address(const std::string& address) {
   if (!address.starts_with("postgresql://") && !address.starts_with("postgres://"))
     throw WrongStore(harmless(address) + ": not the address of a database; " + form);
   char* message = nullptr;
-  PQconninfoOption* options = PQconninfoParse(address.c_str(), &message);
+  PQconninfoOption* options = pq().PQconninfoParse(address.c_str(), &message);
   if (options == nullptr) {
-    PQfreemem(message);  // it may repeat a password
+    pq().PQfreemem(message);  // it may repeat a password
     throw WrongStore(harmless(address) + ": cannot be read as the address of a database; " + form);
   }
   bool secret = false;
   for (const PQconninfoOption* o = options; o->keyword != nullptr; ++o)
     secret = secret || (std::strstr(o->keyword, "password") != nullptr && o->val != nullptr);
-  PQconninfoFree(options);
+  pq().PQconninfoFree(options);
   if (secret)
     throw WrongStore(harmless(address) +
                      ": a password in the address is seen by others on this machine; leave it out and set "
@@ -119,11 +118,11 @@ Values& Values::flag(bool value) {
 }
 
 int Rows::size() const {
-  return PQntuples(raw(result_));
+  return pq().PQntuples(raw(result_));
 }
 std::span<const std::uint8_t> Rows::bytes(int row, int column) const {
-  return {reinterpret_cast<const std::uint8_t*>(PQgetvalue(raw(result_), row, column)),
-          static_cast<std::size_t>(PQgetlength(raw(result_), row, column))};
+  return {reinterpret_cast<const std::uint8_t*>(pq().PQgetvalue(raw(result_), row, column)),
+          static_cast<std::size_t>(pq().PQgetlength(raw(result_), row, column))};
 }
 std::int64_t Rows::integer(int row, int column) const {
   const auto b = bytes(row, column);
@@ -131,7 +130,7 @@ std::int64_t Rows::integer(int row, int column) const {
   return b.size() == 4 ? static_cast<std::int32_t>(bits) : static_cast<std::int64_t>(bits);
 }
 double Rows::real(int row, int column) const {
-  if (PQgetisnull(raw(result_), row, column) != 0) return std::numeric_limits<double>::quiet_NaN();
+  if (pq().PQgetisnull(raw(result_), row, column) != 0) return std::numeric_limits<double>::quiet_NaN();
   return std::bit_cast<double>(from_big_endian(bytes(row, column)));
 }
 std::string Rows::text(int row, int column) const {
@@ -146,17 +145,17 @@ Connection::Connection(const std::string& address) : address_(address) {
   check_address(address);
   const Parameters p(address_);
   const auto connect = [&] {
-    connection_ = {PQconnectdbParams(p.keys.data(), p.values.data(), 1),
-                   [](void* x) { PQfinish(static_cast<PGconn*>(x)); }};
-    return PQstatus(line(connection_)) == CONNECTION_OK;
+    connection_ = {pq().PQconnectdbParams(p.keys.data(), p.values.data(), 1),
+                   [](void* x) { pq().PQfinish(static_cast<PGconn*>(x)); }};
+    return pq().PQstatus(line(connection_)) == CONNECTION_OK;
   };
   if (!connect()) {
     Parameters short_wait(address_);
     short_wait.values[0] = "3";
-    const PGPing answer = PQpingParams(short_wait.keys.data(), short_wait.values.data(), 1);
+    const PGPing answer = pq().PQpingParams(short_wait.keys.data(), short_wait.values.data(), 1);
     // one that has just finished its start answers by now
     const bool refused = answer == PQPING_OK && !connect();
-    const std::string why = sentence(PQerrorMessage(line(connection_)));
+    const std::string why = sentence(pq().PQerrorMessage(line(connection_)));
     const bool full = why.find("too many") != std::string::npos || why.find("slots") != std::string::npos;
     if (answer == PQPING_REJECT || (refused && full))
       throw ServerError(address_ + ": the server takes no connections now: " + why);
@@ -166,9 +165,9 @@ Connection::Connection(const std::string& address) : address_(address) {
     if (answer != PQPING_OK) throw ServerError(address_ + ": the server cannot be reached: " + why);
   }
   PGconn* c = line(connection_);
-  PQsetNoticeProcessor(
+  pq().PQsetNoticeProcessor(
       c, [](void*, const char*) {}, nullptr);
-  const char* encoding = PQparameterStatus(c, "server_encoding");
+  const char* encoding = pq().PQparameterStatus(c, "server_encoding");
   if (encoding == nullptr || std::strcmp(encoding, "UTF8") != 0)
     throw WrongStore(address_ + ": the database keeps text as " + (encoding != nullptr ? encoding : "?") +
                      "; make one with ENCODING 'UTF8'");
@@ -179,19 +178,20 @@ Connection::Connection(const std::string& address) : address_(address) {
 }
 
 void Connection::lost() const {
-  const std::string why = sentence(PQerrorMessage(line(connection_)));
+  const std::string why = sentence(pq().PQerrorMessage(line(connection_)));
   throw ServerError(address_ + ": the connection was lost: " + (why.empty() ? "closed by the server" : why) +
                     "; the same command again goes on where it stopped");
 }
 
 void Connection::fail(void* result) const {
   const auto* r = static_cast<const PGresult*>(result);
-  const char* field = PQresultErrorField(r, PG_DIAG_SQLSTATE);
+  const char* field = pq().PQresultErrorField(r, PG_DIAG_SQLSTATE);
   const std::string state = field != nullptr ? field : "", kind = state.substr(0, 2);
   // operator_intervention: shut down, or ended by its administrator
-  if (state.empty() || kind == "08" || kind == "57" || PQstatus(line(connection_)) == CONNECTION_BAD) lost();
-  const char* primary = PQresultErrorField(r, PG_DIAG_MESSAGE_PRIMARY);
-  const std::string why = sentence(primary != nullptr ? primary : PQresultErrorMessage(r));
+  if (state.empty() || kind == "08" || kind == "57" || pq().PQstatus(line(connection_)) == CONNECTION_BAD)
+    lost();
+  const char* primary = pq().PQresultErrorField(r, PG_DIAG_MESSAGE_PRIMARY);
+  const std::string why = sentence(primary != nullptr ? primary : pq().PQresultErrorMessage(r));
   if (state == "42501")
     throw WrongStore(address_ + ": the user lacks a right: " + why +
                      "; grant it as docs/how-to/central.md says");
@@ -207,8 +207,8 @@ void Connection::fail(void* result) const {
 }
 
 void Connection::script(const std::string& sql) {
-  const auto r = owned(PQexec(line(connection_), sql.c_str()));
-  const auto status = PQresultStatus(raw(r));
+  const auto r = owned(pq().PQexec(line(connection_), sql.c_str()));
+  const auto status = pq().PQresultStatus(raw(r));
   if (status != PGRES_COMMAND_OK && status != PGRES_TUPLES_OK) fail(r.get());
 }
 
@@ -222,8 +222,8 @@ const std::string& Connection::prepared(const std::string& sql, const Values& va
   if (!fresh) return at->second;
   std::vector<Oid> types;
   for (const auto& v : values.list_) types.push_back(v.type);
-  if (PQsendPrepare(line(connection_), at->second.c_str(), sql.c_str(), static_cast<int>(types.size()),
-                    types.data()) != 1)
+  if (pq().PQsendPrepare(line(connection_), at->second.c_str(), sql.c_str(), static_cast<int>(types.size()),
+                         types.data()) != 1)
     lost();
   queued_.push_back(false);
   return at->second;
@@ -231,7 +231,7 @@ const std::string& Connection::prepared(const std::string& sql, const Values& va
 
 void Connection::queue(const std::string& sql, const Values& values) {
   PGconn* c = line(connection_);
-  if (queued_.empty() && PQenterPipelineMode(c) != 1) lost();
+  if (queued_.empty() && pq().PQenterPipelineMode(c) != 1) lost();
   const std::string& name = prepared(sql, values);
   const std::size_t n = values.list_.size();
   std::vector<const char*> contents(n);
@@ -240,8 +240,8 @@ void Connection::queue(const std::string& sql, const Values& values) {
     contents[i] = values.list_[i].null ? nullptr : values.list_[i].content.data();
     lengths[i] = static_cast<int>(values.list_[i].content.size());
   }
-  if (PQsendQueryPrepared(c, name.c_str(), static_cast<int>(n), contents.data(), lengths.data(),
-                          formats.data(), 1) != 1)
+  if (pq().PQsendQueryPrepared(c, name.c_str(), static_cast<int>(n), contents.data(), lengths.data(),
+                               formats.data(), 1) != 1)
     lost();
   queued_.push_back(true);
 }
@@ -250,18 +250,18 @@ std::vector<Rows> Connection::finish() {
   std::vector<Rows> list;
   if (queued_.empty()) return list;
   PGconn* c = line(connection_);
-  if (PQpipelineSync(c) != 1) lost();
+  if (pq().PQpipelineSync(c) != 1) lost();
   for (const bool statement : queued_) {
-    auto r = owned(PQgetResult(c));
+    auto r = owned(pq().PQgetResult(c));
     if (!r) lost();
-    const auto status = PQresultStatus(raw(r));
+    const auto status = pq().PQresultStatus(raw(r));
     if (status != PGRES_COMMAND_OK && status != PGRES_TUPLES_OK) fail(r.get());
-    PQclear(PQgetResult(c));  // the end of this statement
+    pq().PQclear(pq().PQgetResult(c));  // the end of this statement
     if (statement) list.emplace_back(std::move(r));
   }
   queued_.clear();
-  const auto end = owned(PQgetResult(c));
-  if (!end || PQresultStatus(raw(end)) != PGRES_PIPELINE_SYNC || PQexitPipelineMode(c) != 1) lost();
+  const auto end = owned(pq().PQgetResult(c));
+  if (!end || pq().PQresultStatus(raw(end)) != PGRES_PIPELINE_SYNC || pq().PQexitPipelineMode(c) != 1) lost();
   return list;
 }
 

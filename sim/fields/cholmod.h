@@ -1,0 +1,27 @@
+#pragma once
+
+#include <cholmod.h>
+
+#include "core/late_library.h"
+
+namespace powbench::sim {
+
+/// CHOLMOD of SuiteSparse, which brings METIS and BLAS with it: loaded by the first field, not by a circuit.
+struct Cholmod {
+  LateLibrary library{POWBENCH_CHOLMOD};
+  POWBENCH_LATE(cholmod_start);
+  POWBENCH_LATE(cholmod_finish);
+  POWBENCH_LATE(cholmod_analyze);
+  POWBENCH_LATE(cholmod_factorize);
+  POWBENCH_LATE(cholmod_solve);
+  POWBENCH_LATE(cholmod_free_factor);
+  POWBENCH_LATE(cholmod_free_dense);
+};
+
+/// Throws std::runtime_error if it is not installed.
+inline const Cholmod& cholmod() {
+  static const Cholmod one;
+  return one;
+}
+
+}  // namespace powbench::sim
