@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
 # What a sweep in shards costs without any cluster's own waits: pairs of the serial run on two threads and of SHARDS shards, two at a time,
-# with the merge and the run that collects, in wall time. Only the content is asserted. Closes with `N passed, N failed`.
+# with the merge and the run that collects, in wall time and in CPU time, which other work on the machine moves less. Only the content is
+# asserted. Closes with `N passed, N failed`.
 #   shard_rate.sh POWBENCH [POINTS [SHARDS [PAIRS]]]
 set -uo pipefail
 powbench=$(realpath "$1")
@@ -10,7 +11,8 @@ trap 'rm -rf "$folder"' EXIT
 cd "$folder" || exit
 words=(sweep --vary angle_deg=0:180 --vary supply_volts~230:2 --points "$points" --seed 7 --progress none)
 hash_of() { "$powbench" db check --db "$1" --json | python3 -c 'import json, sys; print(json.load(sys.stdin)["hash"])'; }
-now() { date +%s.%N; }
+# wall time, and the CPU time of all commands that have ended, s
+now() { echo "$(date +%s.%N) $(awk '{ print ($16 + $17) / 100 }' /proc/$$/stat)"; }
 passed=0 failed=0
 for ((pair = 1; pair <= pairs; ++pair)); do
   rm -f ./*.db
@@ -21,11 +23,11 @@ for ((pair = 1; pair <= pairs; ++pair)); do
   "$powbench" db merge -o all.db part*.db >/dev/null 2>&1
   "$powbench" "${words[@]}" --db all.db -j 2 >/dev/null 2>&1
   end=$(now)
-  awk -v a="$start" -v b="$serial" -v c="$end" 'BEGIN { printf "serial %.2f s, in shards %.2f s, rate %.3f\n", b - a, c - b, (b - a) / (c - b) }' |
-    tee -a rates
+  awk -v pair="$start $serial $end" 'BEGIN { split(pair, t); printf "serial %.2f s, in shards %.2f s, rate %.3f; CPU %.2f s, %.2f s, rate %.3f\n",
+    t[3] - t[1], t[5] - t[3], (t[3] - t[1]) / (t[5] - t[3]), t[4] - t[2], t[6] - t[4], (t[4] - t[2]) / (t[6] - t[4]) }' | tee -a rates
   if [[ $(hash_of all.db) == "$(hash_of serial.db)" ]]; then passed=$((passed + 1)); else failed=$((failed + 1)); fi
 done
-printf '%s points in %s shards: median rate %s of %s pairs\n' "$points" "$shards" \
-  "$(awk '{ print $NF }' rates | sort -n | sed -n "$(((pairs + 1) / 2))p")" "$pairs"
+median() { awk -v k="$1" '{ print $k + 0 }' rates | sort -n | sed -n "$(((pairs + 1) / 2))p"; }
+printf '%s points in %s shards: median rate %s by wall time, %s by CPU time, of %s pairs\n' "$points" "$shards" "$(median 9)" "$(median 16)" "$pairs"
 printf '%d passed, %d failed\n' "$passed" "$failed"
 ((failed == 0))
