@@ -1,4 +1,7 @@
+#include <array>
 #include <catch2/catch.hpp>
+#include <cstdio>
+#include <memory>
 #include <nlohmann/json.hpp>
 
 #include "tests/system/program.h"
@@ -66,4 +69,14 @@ TEST_CASE("a shard that is none, and the script for a cluster", "[system]") {
   CHECK_THAT(script.out,
              Contains("export POWBENCH_DB='a b.db' POWBENCH_SHARDS=97") &&
                  Contains("exec powbench sweep --vary 'supply_volts~230:2' --points 3000 --shard"));
+}
+
+TEST_CASE("a shard starts without the libraries that only other commands need", "[system]") {
+  const std::unique_ptr<FILE, int (*)(FILE*)> ldd(popen(("ldd " + program()).c_str(), "r"), pclose);
+  REQUIRE(ldd);
+  std::string linked;
+  std::array<char, 256> line;
+  while (fgets(line.data(), line.size(), ldd.get()) != nullptr) linked += line.data();
+  CHECK_THAT(linked, Contains("libsqlite3.so"));
+  for (const char* late : {"libcholmod.so", "libpq.so", "libhdf5"}) CHECK_THAT(linked, !Contains(late));
 }
