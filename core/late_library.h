@@ -14,15 +14,20 @@ namespace powbench {
 class LateLibrary {
  public:
   /// Throws std::runtime_error that names the file if it is not installed.
-  explicit LateLibrary(const char* soname) : handle_(dlopen(soname, RTLD_NOW | RTLD_GLOBAL)) {
+  explicit LateLibrary(const char* soname) : handle_(dlopen(soname, RTLD_NOW | RTLD_LOCAL)) {
     if (handle_ == nullptr) throw std::runtime_error("cannot be loaded: " + std::string(dlerror()));
   }
-  /// Function or variable of that name. Throws std::runtime_error where the library has none.
+  /// Function or variable of that name, also of the libraries that this one brings with it; nullptr: there is none.
+  template <class Pointer>
+  Pointer look_for(const char* name) const {
+    return reinterpret_cast<Pointer>(dlsym(handle_, name));
+  }
+  /// The same. Throws std::runtime_error where there is none.
   template <class Pointer>
   Pointer find(const char* name) const {
-    void* const found = dlsym(handle_, name);
+    const auto found = look_for<Pointer>(name);
     if (found == nullptr) throw std::runtime_error("cannot be loaded: " + std::string(dlerror()));
-    return reinterpret_cast<Pointer>(found);
+    return found;
   }
 
  private:

@@ -1,7 +1,5 @@
 #include "sim/field3d/cholesky3.h"
 
-#include <dlfcn.h>
-
 #include <cassert>
 #include <cstring>
 #include <new>
@@ -14,9 +12,7 @@ namespace {
 /// Keeps this thread's factorisations on it. CHOLMOD asks OpenMP for four threads for every supernode, however many
 /// cores there are: with blocks of this size they wait for each other longer than they work.
 void stay_on_this_thread() {
-  using Set = void (*)(int);
-  static const auto levels = reinterpret_cast<Set>(dlsym(RTLD_DEFAULT, "omp_set_max_active_levels"));
-  if (levels) levels(0);  // CHOLMOD without OpenMP: nothing to do
+  if (cholmod().omp_set_max_active_levels) cholmod().omp_set_max_active_levels(0);
 }
 
 }  // namespace

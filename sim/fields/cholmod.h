@@ -16,6 +16,8 @@ struct Cholmod {
   POWBENCH_LATE(cholmod_solve);
   POWBENCH_LATE(cholmod_free_factor);
   POWBENCH_LATE(cholmod_free_dense);
+  /// nullptr: a CHOLMOD without OpenMP
+  void (*omp_set_max_active_levels)(int) = library.look_for<void (*)(int)>("omp_set_max_active_levels");
 };
 
 /// Throws std::runtime_error if it is not installed.

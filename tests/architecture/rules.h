@@ -49,7 +49,6 @@ inline const std::vector<Allowance>& allowances() {
       {"thread", "sim/team.cpp", true, "standard library"},
       {"cholmod.h", "sim/fields/cholmod.h", false, "SuiteSparse"},
       {"dlfcn.h", "core/late_library.h", false, "standard library"},
-      {"dlfcn.h", "sim/field3d/cholesky3.cpp", true, "SuiteSparse"},
       {"fftw3.h", "dsp/fft.cpp", true, "FFTW"},
       {"iio.h", "rigs/iio_link.cpp", true, "libiio"},
       {"boost/asio", "rigs/iiod_server.cpp", true, "Boost.Asio"},
