@@ -118,7 +118,8 @@ Exit check(const DbArgs& args) {
 
 Exit migrate(const DbArgs& args) {
   const double before = megabytes(args.database);
-  if (before == 0.0) throw WrongStore(args.database + ": no such store; run a plan first");
+  if (before == 0.0)
+    throw WrongStore(args.database + ": no such store; check its name, or make it by run, sim or import");
   Steps steps("migrate", args.progress);
   const Migrated m = migrate_store(args.database, args.compact, steps.step());
   if (args.json)

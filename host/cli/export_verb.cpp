@@ -1,14 +1,17 @@
 #include <fmt/format.h>
 
+#include <array>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
 
 #include "core/counted.h"
 #include "core/quantities.h"
+#include "core/units.h"
 #include "core/version.h"
 #include "host/cli/verbs.h"
 #include "host/config/bad_input.h"
+#include "host/export/contact_table.h"
 #include "host/export/csv.h"
 #include "host/export/event_table.h"
 #include "host/export/waveforms.h"
@@ -41,12 +44,33 @@ About about(const Store& store, const CampaignInfo& campaign, const StoredShot& 
   return list;
 }
 
+/// The format that was asked for: by its name, else by the extension of the file.
+std::string format_of(const ExportArgs& args) {
+  constexpr std::array<std::pair<std::string_view, std::string_view>, 7> formats{{{".csv", "csv"},
+                                                                                  {".nc", "nc"},
+                                                                                  {".cfg", "comtrade"},
+                                                                                  {".dat", "comtrade"},
+                                                                                  {".xlsx", "xlsx"},
+                                                                                  {".arrow", "arrow"},
+                                                                                  {".feather", "arrow"}}};
+  const std::string extension = std::filesystem::path(args.file).extension().string();
+  for (const auto& [end, format] : formats) {
+    if (extension != end) continue;
+    if (args.to.empty() || args.to == format) return std::string(format);
+    throw BadInput(
+        {fmt::format("export --to {} -o {}: a file of that name is {}; leave --to out, or name another file",
+                     args.to, args.file, format)});
+  }
+  return args.to.empty() ? "csv" : args.to;
+}
+
 struct Numbers {
   std::vector<double> value, u;
 };
 
-/// One row a shot: what was asked, what came out; NaN where it is not known.
-Table campaign_events(const Store& store, std::int64_t campaign) {
+/// One row a shot: what was asked, what came out; NaN where it is not known. `seen` gets the events behind it.
+Table campaign_events(const Store& store, std::int64_t campaign,
+                      std::vector<std::pair<std::int64_t, Events>>& seen) {
   std::vector<std::int64_t> id, number, repeat;
   std::vector<std::string> kind, outcome, reason, started;
   std::vector<double> asked;
@@ -59,14 +83,15 @@ Table campaign_events(const Store& store, std::int64_t campaign) {
     asked.push_back(s.angle_deg);
     const auto events = store.load_events(s.id);
     const Measured angle = events ? events->coil.closing_angle : Measured{};
-    reached.value.push_back(angle.value), reached.u.push_back(angle.u);
+    reached.value.push_back(degrees(angle.value)), reached.u.push_back(degrees(angle.u));
     for (std::size_t q = 0; q < quantities.size(); ++q) {
       const Measured m = events ? quantity_table[q].of(*events) : Measured{};
       quantities[q].value.push_back(m.value), quantities[q].u.push_back(m.u);
     }
+    if (events) seen.emplace_back(s.id, *events);
   }
   Table t{{"shot", id}, {"kind", kind}, {"number", number}, {"repeat", repeat}, {"angle_deg", asked}};
-  t.push_back({"reached_rad", reached.value}), t.push_back({"u_reached_rad", reached.u});
+  t.push_back({"reached_deg", reached.value}), t.push_back({"u_reached_deg", reached.u});
   for (std::size_t q = 0; q < quantities.size(); ++q) {
     std::string unit(quantity_table[q].unit);
     if (unit == "m/s") unit = "m_per_s";
@@ -81,22 +106,26 @@ Sheet about_sheet(const About& list) {
   std::vector<std::string> keys, texts;
   for (const auto& [key, text] : list)
     if (key != "events") keys.push_back(key), texts.push_back(text);
+  keys.emplace_back("u_..."), texts.emplace_back("standard uncertainty of the column of that name, k = 1");
   return {"about", {{"key", keys}, {"text", texts}}};
 }
 
-Exit export_campaign(const ExportArgs& args) {
-  if (args.to != "arrow" && args.to != "xlsx")
-    throw BadInput({"export --to " + args.to +
-                    ": name a shot; without one the events of a campaign go to arrow or xlsx"});
+Exit export_campaign(const ExportArgs& args, const std::string& to) {
+  if (to != "arrow" && to != "xlsx")
+    throw BadInput(
+        {"export --to " + to + ": name a shot; without one the events of a campaign go to arrow or xlsx"});
   const Store store(args.database, Store::Mode::read_only);
   const CampaignInfo campaign = store.campaign(args.campaign);
-  const Table table = campaign_events(store, campaign.id);
+  std::vector<std::pair<std::int64_t, Events>> seen;
+  const Table table = campaign_events(store, campaign.id, seen);
   const About list{{"campaign", fmt::format("{}, {}", campaign.id, campaign.name)},
                    {"origin", std::string(name(campaign.origin))},
                    {"created", campaign.created},
                    {"program", fmt::format("powbench {}", program_version)}};
   write_file(args.file,
-             args.to == "arrow" ? to_arrow(table, list) : to_xlsx({{"events", table}, about_sheet(list)}));
+             to == "arrow"
+                 ? to_arrow(table, list)
+                 : to_xlsx({{"events", table}, {"contacts", contact_table(seen)}, about_sheet(list)}));
   fmt::print(stderr, "{}: {} of campaign {}\n", args.file, counted(rows(table), "shot"), campaign.id);
   return Exit::pass;
 }
@@ -122,27 +151,31 @@ Exit export_csv(const ExportArgs& args, const CampaignInfo& campaign, const Stor
 }  // namespace
 
 Exit export_shot(const ExportArgs& args) {
-  if (args.to == "vtu" || args.to == "gltf") {
-    if (args.shot == 0)
-      throw BadInput({"export --to " + args.to + ": name a shot, as `powbench shots` lists it"});
+  const std::string to = format_of(args);
+  if (to == "vtu" || to == "gltf") {
+    if (args.shot == 0) throw BadInput({"export --to " + to + ": name a shot, as `powbench shots` lists it"});
     return export_closing(args);
   }
-  if (args.file.empty() && args.to != "csv")
-    throw BadInput({"export --to " + args.to + ": name the file to write with -o"});
-  if (args.shot == 0) return export_campaign(args);
+  if (args.file.empty() && to != "csv")
+    throw BadInput({"export --to " + to + ": name the file to write with -o"});
+  if (args.shot == 0) return export_campaign(args, to);
   const Store store(args.database, Store::Mode::read_only);
   const Record record = store.load_record(args.shot);
   const StoredShot shot = store.shot(args.shot);
   const CampaignInfo campaign = store.campaign(shot.campaign);
-  if (args.to == "csv") return export_csv(args, campaign, shot, record);
-  if (args.to == "arrow")
+  if (to == "csv") return export_csv(args, campaign, shot, record);
+  if (to == "arrow")
     throw BadInput({"export --to arrow: writes the events of a campaign; leave the shot out"});
   const About list = about(store, campaign, shot, record);
   std::filesystem::path file = args.file;
-  if (args.to == "nc") {
+  if (to == "nc") {
     write_netcdf(record, list, args.file);
-  } else if (args.to == "xlsx") {
-    write_file(file, to_xlsx({{"record", waveform_table(record)}, about_sheet(list)}));
+  } else if (to == "xlsx") {
+    std::vector<Sheet> sheets{{"record", waveform_table(record)}};
+    if (const auto events = store.load_events(args.shot))
+      sheets.push_back({"contacts", contact_table({{args.shot, *events}})});
+    sheets.push_back(about_sheet(list));
+    write_file(file, to_xlsx(sheets));
   } else {
     const ComtradeText text = to_comtrade(record, list[1].second);
     write_file(file.replace_extension(".cfg"), text.configuration);

@@ -225,16 +225,15 @@ void add_result_verbs(CLI::App& app) {
            export_shot);
   out->add_option("shot", exported->shot, "shot id; left out for the events of a campaign (arrow, xlsx)");
   add_result_options(out, *exported);
-  out->add_option("--to", exported->to, "format")
-      ->check(CLI::IsMember({"csv", "nc", "comtrade", "xlsx", "arrow", "vtu", "gltf"}))
-      ->capture_default_str();
+  out->add_option("--to", exported->to, "format; left out: as the file's extension says, else csv")
+      ->check(CLI::IsMember({"csv", "nc", "comtrade", "xlsx", "arrow", "vtu", "gltf"}));
   out->add_option("-o,--output", exported->file, "file; stdout if left out (csv). vtu, gltf: folder");
   out->footer(
       "csv        waveforms as text, with a calibration file beside: powbench import reads both back\n"
       "nc         waveforms as netCDF-4 (HDF5): xarray.open_dataset\n"
       "comtrade   waveforms as x.cfg and x.dat, for relay test sets and fault recorders\n"
-      "xlsx       waveforms of a shot, or without a shot the events of a campaign\n"
-      "arrow      events of a campaign as Arrow IPC: pandas.read_feather, polars.read_ipc\n"
+      "xlsx       waveforms and contacts of a shot, or without a shot the events and contacts of a campaign\n"
+      "arrow      events of a campaign as Arrow IPC: polars.read_ipc, pyarrow, apache-arrow of npm\n"
       "vtu, gltf  motion and stress of the shot's closing, simulated once more");
   out->add_option("--cell-mm", exported->cell_mm, "vtu, gltf: largest cell of the bodies")
       ->capture_default_str();

@@ -65,6 +65,8 @@ std::string slurm_script(const ShardArgs& args, const std::string& database) {
 # {0} shards of one study, as job arrays no longer than this cluster allows, and a job that puts them together.
 # More for every job, such as a partition or a time limit: SBATCH_PARTITION, SBATCH_TIMELIMIT and their like.
 set -euo pipefail
+command -v sbatch scontrol >/dev/null ||
+  {{ echo "no sbatch here: run this on a machine that submits to Slurm" >&2; exit 1; }}
 export POWBENCH_DB={1} POWBENCH_SHARDS={0}
 folder=$POWBENCH_DB.shards
 mkdir -p "$folder"
@@ -82,7 +84,8 @@ JOB
 )
   jobs=$jobs:${{job%%;*}}
 done
-last=$(sbatch --parsable --requeue --export=ALL --dependency="afterok$jobs" --job-name=powbench-merge \
+last=$(sbatch --parsable --requeue --export=ALL --dependency="afterok$jobs" --kill-on-invalid-dep=yes \
+  --job-name=powbench-merge \
   --output="$folder/result.txt" <<'JOB'
 #!/bin/bash
 set -euo pipefail

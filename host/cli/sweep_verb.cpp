@@ -149,11 +149,15 @@ class BlockWriter {
   std::chrono::steady_clock::time_point put_ = std::chrono::steady_clock::now();
 };
 
-Exit run_sweep(const SweepArgs& args, const Study& s, sim::Team& team) {
+sim::Design design_of(const SweepArgs& args, const Study& s) {
   const std::map<std::string, sim::Sampling> samplings{{"grid", sim::Sampling::grid},
                                                        {"latin", sim::Sampling::latin},
                                                        {"monte-carlo", sim::Sampling::monte_carlo}};
-  const sim::Design design(s.axes, samplings.at(args.sampling), args.points, args.seed);
+  return {s.axes, samplings.at(args.sampling), args.points, args.seed};
+}
+
+Exit run_sweep(const SweepArgs& args, const Study& s, sim::Team& team) {
+  const sim::Design design = design_of(args, s);
   for (const double end : {0.0, 1.0}) {  // corners: an impossible specimen is refused before anything runs
     std::vector<double> corner;
     for (const auto& a : s.axes) corner.push_back(a.at(end));
@@ -194,7 +198,8 @@ Exit run_sweep(const SweepArgs& args, const Study& s, sim::Team& team) {
     else
       wanted.push_back(first);
   }
-  Progress progress("sweep", static_cast<std::size_t>(points), progress_style(args.progress));
+  Progress progress("sweep", static_cast<std::size_t>(points), progress_style(args.progress),
+                    static_cast<std::size_t>(done));
   BlockWriter writer(store, id, wanted, design.size());
   const auto numbers = writer.numbers();
   sim::stream_points(
@@ -262,6 +267,9 @@ Exit sweep(const SweepArgs& args) {
     throw BadInput({"--shard and --slurm are of sweeps, not of --sensitivity and --best-angle"});
   const Study s = prepare(args);
   if (args.shards.slurm > 0) {
+    if (const std::int64_t most = (design_of(args, s).size() + block - 1) / block; args.shards.slurm > most)
+      throw BadInput({fmt::format("--slurm {}: allowed 1 .. {}: a shard takes whole blocks of {} points",
+                                  args.shards.slurm, most, block)});
     fmt::print("{}", slurm_script(args.shards, args.database));
     return Exit::pass;
   }

@@ -98,7 +98,14 @@ std::string parse_failure(const CLI::App* app, const CLI::Error& error) {
         fmt::format("'{}' is {} of this verb", word, word.starts_with("-") ? "no option" : "a word too many");
     if (const std::string meant = word.starts_with("--") ? nearest(word, options) : ""; !meant.empty())
       text += fmt::format("; did you mean '{}'?", meant);
+    if (word.ends_with(".db") && at->get_option_no_throw("--db"))
+      text += fmt::format("; name a store with --db {}", word);
   }
+  // what is missing, in the words of its help
+  if (error.get_exit_code() == static_cast<int>(CLI::ExitCodes::RequiredError))
+    for (const CLI::Option* option : at->get_options())
+      if (option->get_positional() && text.starts_with(option->get_name(true) + " is required"))
+        text += " (" + option->get_description() + ")";
   for (char& c : text)
     if (c == '\n') c = ' ';
   return fmt::format("powbench{}: {}; powbench{} --help explains\n", verbs, text, verbs);

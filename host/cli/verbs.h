@@ -158,8 +158,8 @@ struct ReportArgs : ResultArgs {
 Exit write_report(const ReportArgs&);
 
 struct ExportArgs : ResultArgs {
-  std::int64_t shot = 0;  ///< 0: the events of the campaign
-  std::string to = "csv";
+  std::int64_t shot = 0;                  ///< 0: the events of the campaign
+  std::string to;                         ///< "": as the extension of the file says, else csv
   std::string file;                       ///< "" = stdout; for vtu and gltf a folder, "" = closing
   double cell_mm = 4;                     ///< of the bodies in vtu and gltf
   std::optional<double> scale_masses_ns;  ///< selective mass scaling of thin cells; none unless given

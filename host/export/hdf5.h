@@ -58,7 +58,8 @@ const Library& late_hdf5() try {
   static const Library one;
   return one;
 } catch (const std::runtime_error& e) {
-  throw BadInput({std::string("HDF5 ") + e.what() + "; install it, or use csv, comtrade or xlsx"});
+  throw BadInput(
+      {std::string("HDF5 ") + e.what() + "; install libhdf5-hl-100, or use csv, comtrade or xlsx"});
 }
 inline const Hdf5& hdf5() {
   return late_hdf5<Hdf5>();

@@ -174,7 +174,8 @@ Database open_store(const std::string& path, Store::Mode mode) {
   std::error_code ignored;
   if (fs::is_directory(path, ignored)) throw WrongStore(path + ": is a folder; name a file");
   if (!has_content(path)) {
-    if (mode == Store::Mode::read_only) throw WrongStore(path + ": no such store; run a plan first");
+    if (mode == Store::Mode::read_only)
+      throw WrongStore(path + ": no such store; check its name, or make it by run, sim or import");
     create(path);
   }
   inspect(path);

@@ -21,9 +21,11 @@ struct Cholmod {
 };
 
 /// Throws std::runtime_error if it is not installed.
-inline const Cholmod& cholmod() {
+inline const Cholmod& cholmod() try {
   static const Cholmod one;
   return one;
+} catch (const std::runtime_error& e) {
+  throw std::runtime_error(std::string("fields need CHOLMOD, which ") + e.what() + "; install libcholmod3");
 }
 
 }  // namespace powbench::sim

@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 #include <sys/wait.h>
 
+#include <algorithm>
 #include <bit>
 #include <catch2/catch.hpp>
 #include <cmath>
@@ -9,6 +10,7 @@
 
 #include "host/config/bad_input.h"
 #include "host/config/csv_table.h"
+#include "host/export/contact_table.h"
 #include "host/export/csv.h"
 #include "host/export/event_table.h"
 #include "host/export/waveforms.h"
@@ -137,6 +139,32 @@ TEST_CASE("other people's libraries read the same numbers", "[export][python]") 
   CHECK(output_of("/usr/bin/python3 " + powbench::test::source_dir() + "/tests/host/read_back.py " +
                   folder.path().string())
             .first != 0);
+}
+
+TEST_CASE("each closed interval of each contact is a row with its uncertainty", "[export]") {
+  Events events;
+  Contact c;
+  c.touch = {0.011, 2e-6}, c.release = {0.012, 3e-6}, c.flags = flag_grazing | flag_gap;
+  events.contact_voltage.contacts = {c, Contact{}};
+  c.peak = {45.0, 0.5}, c.probability = 0.7;
+  events.pvdf_b.contacts = {c};
+  const Table t = contact_table({{7, events}, {9, Events{}}});
+  REQUIRE(rows(t) == 3);
+  const auto column = [&](const std::string& name) {
+    return std::find_if(t.begin(), t.end(), [&](const TableColumn& x) { return x.name == name; })->values;
+  };
+  using Texts = std::vector<std::string>;
+  using Numbers = std::vector<double>;
+  CHECK(std::get<std::vector<std::int64_t>>(column("shot")) == std::vector<std::int64_t>{7, 7, 7});
+  CHECK(std::get<Texts>(column("channel")) == Texts{"contact_a", "contact_a", "pvdf_b"});
+  CHECK(std::get<std::vector<std::int64_t>>(column("contact")) == std::vector<std::int64_t>{1, 2, 1});
+  CHECK(std::get<Numbers>(column("touch_s"))[0] == 0.011);
+  CHECK(std::isnan(std::get<Numbers>(column("touch_s"))[1]));
+  CHECK(std::get<Numbers>(column("u_release_s"))[2] == 3e-6);
+  CHECK(std::get<Numbers>(column("peak_N"))[2] == 45.0);
+  CHECK(std::get<Numbers>(column("probability")) == Numbers{1.0, 1.0, 0.7});
+  CHECK(std::get<Texts>(column("flags"))[1].empty());
+  CHECK(std::get<Texts>(column("flags"))[0].find("grazing") != std::string::npos);
 }
 
 TEST_CASE("an Arrow file is read by apache-arrow, bit for bit", "[export][arrow]") {

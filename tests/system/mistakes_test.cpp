@@ -63,9 +63,9 @@ TEST_CASE("mistakes on the command line", "[system]") {
       {{"run", plan, "--rig", "sim:", "--db", "."}, "is a folder; name a file"},
       {{"plan", "check", "."}, "is a directory, not a file"},
       {{"plan", "template", "plna"}, "plna not in {plan,rig,specimen,solenoid,calibration}"},
-      {{"report", "--db", folder.file("none.db")}, "no such store; run a plan first"},
+      {{"report", "--db", folder.file("none.db")}, "no such store; check its name"},
       {{"report", "--db", text}, "a text file, not a powbench store"},
-      {{"report", "--db", empty}, "no such store; run a plan first"},
+      {{"report", "--db", empty}, "no such store; check its name"},
       {{"report", "--db", db, "--campaign", "9"}, "no campaign 9"},
       {{"events", "999", "--db", db}, "no shot 999"},
       {{"events", folder.file("none.csv")}, "none.csv: cannot be read"},
@@ -127,8 +127,12 @@ TEST_CASE("mistakes on the command line", "[system]") {
       {{"plot", "1", "--campaign", "2", "--db", db}, "shot 1 is of campaign 1"},
       {{"report", "--db", db, "--pfd"},
        "powbench report: '--pfd' is no option of this verb; did you mean '--pdf'?"},
+      {{"db", "check", db}, "is a word too many of this verb; name a store with --db "},
+      {{"db", "merge", "-o", db}, "sources is required (stores to read"},
+      {{"export", "1", "--db", db, "--to", "csv", "-o", "x.xlsx"},
+       "a file of that name is xlsx; leave --to out"},
       {{"report", "x", "--db", db}, "'x' is a word too many of this verb; powbench report --help explains"},
-      {{"plan", "check"}, "powbench plan check: plan is required; powbench plan check --help explains"},
+      {{"plan", "check"}, "powbench plan check: plan is required (plan file"},
       {{"info", "teapot:"}, "unknown rig 'teapot:'; a rig is named like sim:"}};
   for (const Mistake& m : mistakes) {
     const Finished r = run(folder, m.words);

@@ -63,11 +63,19 @@ TEST_CASE("a shard that is none, and the script for a cluster", "[system]") {
   }
   CHECK_FALSE(std::filesystem::exists(folder.file("x.db")));
   CHECK_THAT(run(folder, {"sweep", "--best-angle", "--shard", "1/2"}).err, Contains("are of sweeps"));
-  const Finished script = run(folder, {"sweep", "--vary", "supply_volts~230:2", "--points", "3000", "--db",
-                                       "a b.db", "--slurm", "97"});
+  const std::vector<std::string> six_blocks{"sweep", "--vary", "supply_volts~230:2", "--points", "3000",
+                                            "--db",  "a b.db"};
+  const auto with = [&](const char* shards) {
+    std::vector<std::string> words = six_blocks;
+    words.insert(words.end(), {"--slurm", shards});
+    return run(folder, words);
+  };
+  CHECK_THAT(with("97").err,
+             Contains("--slurm 97: allowed 1 .. 6: a shard takes whole blocks of 500 points"));
+  const Finished script = with("6");
   CHECK(script.status == 0);
   CHECK_THAT(script.out,
-             Contains("export POWBENCH_DB='a b.db' POWBENCH_SHARDS=97") &&
+             Contains("export POWBENCH_DB='a b.db' POWBENCH_SHARDS=6") &&
                  Contains("exec powbench sweep --vary 'supply_volts~230:2' --points 3000 --shard"));
 }
 

@@ -3,7 +3,7 @@
 #include <libpq-fe.h>
 
 #include "core/late_library.h"
-#include "host/store/store.h"
+#include "host/store/central/central.h"
 
 namespace powbench::host::postgres {
 
@@ -36,12 +36,12 @@ struct Pq {
   POWBENCH_LATE(PQsetNoticeProcessor);
   POWBENCH_LATE(PQstatus);
 };
-/// Throws StoreError if it is not installed.
+/// Throws ServerError if it is not installed.
 inline const Pq& pq() try {
   static const Pq one;
   return one;
 } catch (const std::runtime_error& e) {
-  throw StoreError(std::string("the client of PostgreSQL ") + e.what() + "; install libpq5");
+  throw ServerError(std::string("the client of PostgreSQL ") + e.what() + "; install libpq5");
 }
 
 }  // namespace powbench::host::postgres
