@@ -84,6 +84,12 @@ Projection project(const std::array<Vec3, 4>& p, int count, const Vec3& point) {
   return out;
 }
 
+std::array<Vec3, 4> corners_now(const NodeView& view, const Facet& f) {
+  std::array<Vec3, 4> p{};
+  for (std::size_t k = 0; k < static_cast<std::size_t>(f.corners()); ++k) p[k] = view.place(f.nodes[k]);
+  return p;
+}
+
 bool nearest_on_edges(const Vec3& from1, const Vec3& to1, const Vec3& from2, const Vec3& to2, double& on1,
                       double& on2) {
   const Vec3 d1 = to1 - from1, d2 = to2 - from2, r = from1 - from2;

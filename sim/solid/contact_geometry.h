@@ -24,6 +24,8 @@ struct Projection {
 /// A four-sided face is a fan of four triangles around its middle, so that nothing depends on a choice of diagonal.
 Projection project(const std::array<Vec3, 4>& corners, int count, const Vec3& point);
 
+std::array<Vec3, 4> corners_now(const NodeView&, const Facet&);
+
 /// Nearest points of two lines from..to, as parameters on [0, 1]; false where they are parallel to 0.02 rad or the
 /// nearest point is not inside both.
 bool nearest_on_edges(const Vec3& from1, const Vec3& to1, const Vec3& from2, const Vec3& to2, double& on1,

@@ -24,17 +24,7 @@ Vec3 node_normal(const SolidSurface& s, std::size_t place, const NodeView& view)
   return unit(sum);
 }
 
-double series(double a, double b) {
-  return a * b / (a + b);
-}
-
 }  // namespace
-
-std::array<Vec3, 4> corners_now(const NodeView& view, const Facet& f) {
-  std::array<Vec3, 4> p{};
-  for (std::size_t k = 0; k < static_cast<std::size_t>(f.corners()); ++k) p[k] = view.place(f.nodes[k]);
-  return p;
-}
 
 ContactPass::ContactPass(const ContactPair& pair, const SolidSurface& slave, const SolidSurface& master,
                          const std::vector<double>& inverse_mass)
@@ -278,68 +268,6 @@ void ContactPass::add_damping(std::vector<double>& all) const {
     const double c = std::max(damping(n, slave_->areas[n]), sticking(n, slave_->areas[n]));
     all[static_cast<std::size_t>(slave_->nodes[n])] +=
         4 * c;  // twice, and as much from the nodes that stand on it
-  }
-}
-
-EdgePass::EdgePass(const ContactPair& pair, const SolidSurface& one, const SolidSurface& two)
-    : pair_(&pair), one_(&one), two_(&two) {
-  double other = 0;
-  for (const Facet& f : two.facets) other += f.stiffness / static_cast<double>(two.facets.size());
-  for (const SharpEdge& e : one.edges) {
-    const auto a = static_cast<std::size_t>(one.place_of(e.from)),
-               b = static_cast<std::size_t>(one.place_of(e.to));
-    const double area = 0.5 * (one.areas[a] + one.areas[b]),
-                 stiff = 0.5 * (one.stiffness[a] + one.stiffness[b]);
-    stiffness_.push_back(pair.factor * series(stiff, other) * area);
-  }
-}
-
-void EdgePass::search(const NodeView& view) {
-  const auto boxes = [&](const SolidSurface& s, double share) {
-    std::vector<Box> all(s.edges.size());
-    for (std::size_t k = 0; k < all.size(); ++k) {
-      all[k].include(view.place(s.edges[k].from));
-      all[k].include(view.place(s.edges[k].to));
-      all[k].grow(share * norm(view.place(s.edges[k].to) - view.place(s.edges[k].from)));
-    }
-    return all;
-  };
-  const auto found = overlapping(boxes(*one_, 0), boxes(*two_, 0.5));
-  near_.clear();
-  for (std::size_t k = 0; k < found.size(); ++k)
-    for (const int other : found[k]) near_.emplace_back(static_cast<int>(k), other);
-}
-
-void EdgePass::apply(const NodeView& view, NodeForces& forces, ContactSums& sums,
-                     ContactReport& report) const {
-  constexpr double inward = -0.02;  // so far from lying in a face: flush faces are the nodes' business
-  for (const auto& [k1, k2] : near_) {
-    const SharpEdge& e1 = one_->edges[static_cast<std::size_t>(k1)];
-    const SharpEdge& e2 = two_->edges[static_cast<std::size_t>(k2)];
-    const Vec3 a1 = view.place(e1.from), b1 = view.place(e1.to), a2 = view.place(e2.from),
-               b2 = view.place(e2.to);
-    double s = 0, t = 0;
-    if (!nearest_on_edges(a1, b1, a2, b2, s, t)) continue;
-    const Vec3 d = a2 + t * (b2 - a2) - a1 - s * (b1 - a1);
-    const double depth = norm(d);
-    if (depth <= 0 || depth > 0.5 * std::min(norm(b1 - a1), norm(b2 - a2))) continue;
-    const auto inside = [&](const SolidSurface& surface, int facet, const Vec3& direction) {
-      const Facet& f = surface.facets[static_cast<std::size_t>(facet)];
-      return dot(direction, unit(facet_normal(corners_now(view, f), f.corners()))) < inward * depth;
-    };
-    if (!inside(*one_, e1.left, d) || !inside(*one_, e1.right, d) || !inside(*two_, e2.left, -d) ||
-        !inside(*two_, e2.right, -d))
-      continue;
-    const double stiff = stiffness_[static_cast<std::size_t>(k1)];
-    const Vec3 on_one = stiff * d;
-    forces.add(e1.from, (1 - s) * on_one);
-    forces.add(e1.to, s * on_one);
-    forces.add(e2.from, -(1 - t) * on_one);
-    forces.add(e2.to, -t * on_one);
-    sums.stored += 0.5 * stiff * depth * depth;
-    report.force += on_one;
-    report.force_sum += stiff * depth;
-    ++report.touching;
   }
 }
 

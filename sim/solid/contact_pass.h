@@ -3,8 +3,7 @@
 #include "sim/solid/contact_geometry.h"
 #include "sim/solid/solid_contact.h"
 
-/// One way of one pair: the nodes of `slave` against the faces of `master`. And the edges of one against those of the
-/// other. Private to solid_contact.cpp.
+/// One way of one pair: the nodes of `slave` against the faces of `master`. Private to solid_contact.cpp.
 
 namespace powbench::sim {
 
@@ -13,6 +12,11 @@ struct ContactSums {
   double stored = 0;         ///< J, now
   double friction_lost = 0;  ///< J, so far
 };
+
+/// Of two springs one behind the other.
+inline double series(double a, double b) {
+  return a * b / (a + b);
+}
 
 /// What a node that touches remembers: the tangential force, and the area with which it touched first.
 struct Anchor {
@@ -82,22 +86,5 @@ class ContactPass {
   std::vector<int> active_;     ///< slaves with candidates, by place in slave_->nodes
   std::vector<std::vector<std::pair<int, bool>>> near_;  ///< their facets; true: squarely opposite
 };
-
-/// Sharp edges of `one` against those of `two`.
-class EdgePass {
- public:
-  EdgePass(const ContactPair&, const SolidSurface& one, const SolidSurface& two);
-
-  void search(const NodeView&);
-  void apply(const NodeView&, NodeForces&, ContactSums&, ContactReport&) const;
-
- private:
-  const ContactPair* pair_;
-  const SolidSurface *one_, *two_;
-  std::vector<double> stiffness_;  ///< N/m, of each edge of `one`
-  std::vector<std::pair<int, int>> near_;
-};
-
-std::array<Vec3, 4> corners_now(const NodeView&, const Facet&);
 
 }  // namespace powbench::sim

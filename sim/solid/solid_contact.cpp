@@ -5,7 +5,7 @@
 #include <stdexcept>
 
 #include "sim/solid/cell_batches.h"
-#include "sim/solid/contact_pass.h"
+#include "sim/solid/edge_pass.h"
 
 namespace powbench::sim {
 namespace {

@@ -1,0 +1,24 @@
+#pragma once
+
+#include "sim/solid/contact_pass.h"
+
+/// One pair: the sharp edges of one part against those of the other. Private to solid_contact.cpp.
+
+namespace powbench::sim {
+
+/// Sharp edges of `one` against those of `two`.
+class EdgePass {
+ public:
+  EdgePass(const ContactPair&, const SolidSurface& one, const SolidSurface& two);
+
+  void search(const NodeView&);
+  void apply(const NodeView&, NodeForces&, ContactSums&, ContactReport&) const;
+
+ private:
+  const ContactPair* pair_;
+  const SolidSurface *one_, *two_;
+  std::vector<double> stiffness_;  ///< N/m, of each edge of `one`
+  std::vector<std::pair<int, int>> near_;
+};
+
+}  // namespace powbench::sim
