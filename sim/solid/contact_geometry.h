@@ -26,6 +26,11 @@ Projection project(const std::array<Vec3, 4>& corners, int count, const Vec3& po
 
 std::array<Vec3, 4> corners_now(const NodeView&, const Facet&);
 
+/// m: half the size of a face whose normal has the length of twice its area.
+inline double face_margin(const Vec3& normal) {
+  return 0.5 * std::sqrt(0.5 * norm(normal));
+}
+
 /// Nearest points of two lines from..to, as parameters on [0, 1]; false where they are parallel to 0.02 rad or the
 /// nearest point is not inside both.
 bool nearest_on_edges(const Vec3& from1, const Vec3& to1, const Vec3& from2, const Vec3& to2, double& on1,

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "sim/solid/contact_geometry.h"
+#include "sim/solid/nearest_faces.h"
 #include "sim/solid/solid_contact.h"
 
 /// One way of one pair: the nodes of `slave` against the faces of `master`. Private to solid_contact.cpp.
@@ -28,20 +28,19 @@ struct Anchor {
 
 class ContactPass {
  public:
-  ContactPass(const ContactPair&, const SolidSurface& slave, const SolidSurface& master,
+  ContactPass(const ContactPair&, const NearSurface& slave, const NearSurface& master,
               const std::vector<double>& inverse_mass);
 
-  /// New candidates for nodes within half a face's size of it. Returns the smallest of these distances.
-  double search(const NodeView&);
+  /// New candidates for the nodes within reach (nearest_faces.h).
+  double search(const NodeView& view, bool every);
   /// Smallest gap (negative: depth) of all candidates; for the check at the start.
-  double deepest(const NodeView&) const;
-  /// Travel: how far any two nodes may have moved against each other since the start; nodes that are too far from the
-  /// other part to have come to it are passed over.
-  void set_travel(double travel) { travel_ = travel; }
-  /// `sign`: +1 where the slave is part a of the pair, else -1; `start`: depths there now are meant.
+  double deepest(const NodeView&);
+  /// `sign`: +1 where the slave is part a of the pair, else -1; `start`: depths there now are meant. `travel`: how far
+  /// any two nodes of both parts may have moved against each other in all; nodes that are too far from the other part
+  /// to have come to it are passed over.
   /// The damping forces are added to `forces` and, once more, to `damped`.
-  void apply(const NodeView&, double dt, double sign, bool start, NodeForces& forces, NodeForces& damped,
-             ContactSums&, ContactReport&);
+  void apply(const NodeView&, double dt, double sign, bool start, double travel, NodeForces& forces,
+             NodeForces& damped, ContactSums&, ContactReport&);
   void add_stiffness(std::vector<double>&) const;
   void add_damping(std::vector<double>&) const;
   /// Adds the normal forces of the latest step over the areas, at the nodes of both sides, Pa.
@@ -50,12 +49,24 @@ class ContactPass {
   std::vector<Anchor> anchors;
 
  private:
-  struct Touch {
-    int facet = -1;
-    double away = 0;  ///< m, while it does not touch: a lower bound of the distance
-    double depth = 0;
-    Vec3 normal;
-    std::array<double, 4> weights{};
+  double stiffness(std::size_t slave, double area) const { return penalty_[slave] * area; }
+  double damping(std::size_t slave, double area) const;
+  double sticking(std::size_t slave, double area) const;
+  void release(std::size_t slave, ContactSums&);
+  Anchor fresh_anchor(const NodeView&, std::size_t slave, const Touch&, double dt, bool start) const;
+  void take_in(const NodeView&, std::size_t slave, const Touch&, double dt, bool start);
+  void flush(const NodeView&, double dt, double sign, NodeForces& forces, NodeForces& damped, ContactSums&,
+             ContactReport&);
+  void weigh(std::size_t lane);
+  void press(std::size_t lane, double sign, NodeForces& forces, NodeForces& damped, ContactSums&,
+             ContactReport&);
+
+  /// A node that touches, in a lane of the block that is being filled.
+  struct Entry {
+    std::size_t slave = 0;
+    int facet = 0;
+    double depth = 0;  ///< m, beyond the one that counts as none
+    bool slides = false;
   };
 
   struct Pressed {
@@ -65,26 +76,21 @@ class ContactPass {
     double force = 0;
   };
 
-  bool flat_around(const Facet&, const std::vector<Vec3>& normals) const;
-  Touch nearest(std::size_t active, const NodeView&) const;
-  bool behind_all(const NodeView&, const Facet&, const Projection&) const;
-  double stiffness(std::size_t slave, double area) const;
-  double damping(std::size_t slave, double area) const;
-  double sticking(std::size_t slave, double area) const;
-  void spread(const Touch&, int node, const Vec3& force, NodeForces&) const;
-  Vec3 friction(std::size_t slave, const Touch&, const Vec3& slip, double dt, double normal_force,
-                ContactSums&, Vec3& damped);
-
   const ContactPair* pair_;
   const SolidSurface *slave_, *master_;
   const std::vector<double>* inverse_mass_;
-  double master_stiffness_ = 0, depth_limit_ = 0;
-  double travel_ = 0;
-  std::vector<Pressed> pressed_;
-  std::vector<char> flat_;      ///< faces whose neighbours lie in one plane with them
-  std::vector<double> asleep_;  ///< m, of each active slave: travel before which it cannot touch
-  std::vector<int> active_;     ///< slaves with candidates, by place in slave_->nodes
-  std::vector<std::vector<std::pair<int, bool>>> near_;  ///< their facets; true: squarely opposite
+  const ContactKernel* kernel_;
+  NearestFaces faces_;
+  double master_stiffness_ = 0;
+  bool rubs_ = false, damps_ = false;
+  std::vector<double> penalty_;  ///< Pa/m, of each slave
+  std::array<Entry, contact_lanes> block_;
+  PressedNodes lanes_{};  ///< the numbers of block_
+  std::size_t filled_ = 0;
+  std::vector<Pressed> pressed_;  ///< of the latest step
+  std::vector<double> asleep_;    ///< m, of each active slave: travel before which it cannot touch
+  std::vector<int> awake_;
+  std::vector<std::size_t> lost_;  ///< slaves that touched when a search left them without candidates
 };
 
 }  // namespace powbench::sim

@@ -26,7 +26,7 @@ double meeting_area(const CellBatches& cells, int a, int b, double gap) {
   pair.layer = 1;
   SolidContact contact(cells, inverse_mass, {{pair}, false});
   NodeForces forces(nodes), damped(nodes);
-  contact.apply({&cells.mesh().nodes, u.data(), v.data()}, 0, 0, forces, damped);
+  contact.apply({&cells.mesh().nodes, u.data(), v.data()}, 0, forces, damped);
   return contact.report(0).force_sum / pressed;
 }
 

@@ -4,8 +4,9 @@
 
 namespace powbench::sim {
 
-EdgePass::EdgePass(const ContactPair& pair, const SolidSurface& one, const SolidSurface& two)
-    : pair_(&pair), one_(&one), two_(&two) {
+EdgePass::EdgePass(const ContactPair& pair, const NearSurface& near_one, const NearSurface& near_two)
+    : near_one_(&near_one), near_two_(&near_two), one_(&near_one.skin()), two_(&near_two.skin()) {
+  const SolidSurface &one = *one_, &two = *two_;
   double other = 0;
   for (const Facet& f : two.facets) other += f.stiffness / static_cast<double>(two.facets.size());
   for (const SharpEdge& e : one.edges) {
@@ -17,20 +18,28 @@ EdgePass::EdgePass(const ContactPair& pair, const SolidSurface& one, const Solid
   }
 }
 
-void EdgePass::search(const NodeView& view) {
-  const auto boxes = [&](const SolidSurface& s, double share) {
-    std::vector<Box> all(s.edges.size());
-    for (std::size_t k = 0; k < all.size(); ++k) {
-      all[k].include(view.place(s.edges[k].from));
-      all[k].include(view.place(s.edges[k].to));
-      all[k].grow(share * norm(view.place(s.edges[k].to) - view.place(s.edges[k].from)));
+double EdgePass::search(const NodeView& view, bool every) {
+  double shortest = 1e300;
+  const auto boxes = [&](const NearSurface& near, double share) {
+    std::vector<Box> all;
+    for (const int k : near.edges()) {
+      const SharpEdge& e = near.skin().edges[static_cast<std::size_t>(k)];
+      const double half = 0.5 * norm(view.place(e.to) - view.place(e.from));
+      shortest = std::min(shortest, half);
+      Box box;
+      box.include(view.place(e.from));
+      box.include(view.place(e.to));
+      box.grow(every ? 1e300 : share * half);
+      all.push_back(box);
     }
     return all;
   };
-  const auto found = overlapping(boxes(*one_, 0), boxes(*two_, 0.5));
+  const auto found = overlapping(boxes(*near_one_, 0), boxes(*near_two_, 1));
   near_.clear();
   for (std::size_t k = 0; k < found.size(); ++k)
-    for (const int other : found[k]) near_.emplace_back(static_cast<int>(k), other);
+    for (const int other : found[k])
+      near_.emplace_back(near_one_->edges()[k], near_two_->edges()[static_cast<std::size_t>(other)]);
+  return shortest;
 }
 
 void EdgePass::apply(const NodeView& view, NodeForces& forces, ContactSums& sums,

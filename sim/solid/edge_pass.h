@@ -9,13 +9,14 @@ namespace powbench::sim {
 /// Sharp edges of `one` against those of `two`.
 class EdgePass {
  public:
-  EdgePass(const ContactPair&, const SolidSurface& one, const SolidSurface& two);
+  EdgePass(const ContactPair&, const NearSurface& one, const NearSurface& two);
 
-  void search(const NodeView&);
+  /// New candidates among the edges within reach. Returns half the length of the shortest of them, m.
+  double search(const NodeView&, bool every);
   void apply(const NodeView&, NodeForces&, ContactSums&, ContactReport&) const;
 
  private:
-  const ContactPair* pair_;
+  const NearSurface *near_one_, *near_two_;
   const SolidSurface *one_, *two_;
   std::vector<double> stiffness_;  ///< N/m, of each edge of `one`
   std::vector<std::pair<int, int>> near_;

@@ -172,7 +172,7 @@ void ExplicitSolid::compute_forces() {
 
 void ExplicitSolid::compute_loads() {
   load_store_ = apply_loads({}, springs_, planes_, view(), extra_, damped_, &plane_force_);
-  if (contact_) contact_->apply(view(), dt_before_, dt_, extra_, damped_);
+  if (contact_) contact_->apply(view(), dt_before_, extra_, damped_);
 }
 
 void ExplicitSolid::advance_nodes(double dt, double drift) {

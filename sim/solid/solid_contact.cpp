@@ -30,53 +30,115 @@ void check_pair(const ContactPair& p, std::size_t parts, std::size_t number) {
   need(p.stick_damping >= 0 && p.stick_damping <= 1, "stick_damping", p.stick_damping, "in [0, 1]");
 }
 
+/// m: no point of one box is nearer to any of the other.
+double gap_between(const Box& a, const Box& b) {
+  double gap = 0;
+  for (int i = 0; i < 3; ++i) gap = std::max({gap, a.lo[i] - b.hi[i], b.lo[i] - a.hi[i]});
+  return gap;
+}
+
 }  // namespace
 
 double friction_coefficient(const ContactPair& p, double speed) {
+  if (p.friction_static == p.friction_dynamic) return p.friction_dynamic;
   return p.friction_dynamic + (p.friction_static - p.friction_dynamic) * std::exp(-p.decay * speed);
 }
 
 struct SolidContact::Impl {
+  /// How far the nodes within reach of one pair have moved against each other.
+  struct Course {
+    double travel = 0;    ///< m, all ways added up
+    double check_at = 0;  ///< m, travel before which no search is needed
+  };
+
   ContactOptions options;
   std::map<int, SolidSurface> surfaces;
+  std::map<int, NearSurface> near;  ///< by part, as the surfaces
   std::vector<double> inverse_mass;
   std::vector<ContactPass> passes;  ///< two a pair
   std::vector<EdgePass> edges;
   std::vector<ContactReport> reports;
+  std::vector<Course> courses;  ///< one a pair
   std::size_t nodes = 0;
   ContactSums sums;
-  double margin = 0;               ///< m, within which candidates are known
-  double fastest = 0, travel = 0;  ///< m/s at the latest check; m
-  std::vector<Vec3> places;        ///< of the surface nodes at the latest search
-  long searches = 0, until_check = 0;
+  double reach = 0;  ///< m, beyond which nothing was taken in at the latest survey
+  double margin = 0, largest_margin = 0;
+  long searches = 0;
+  long unwatched = 0;  ///< steps to the next look at what is beyond reach
+  bool known = false;  ///< candidates are
   bool started = false;
+
+  const NearSurface& first(std::size_t pair) const { return near.at(options.pairs[pair].a); }
+  const NearSurface& second(std::size_t pair) const { return near.at(options.pairs[pair].b); }
+
+  /// What is within reach of another part. The rest needs no look until it has moved that far.
+  void survey(const NodeView& view) {
+    std::map<int, Box> boxes;
+    largest_margin = 0;
+    for (auto& [part, s] : near) {
+      s.forget(view);
+      boxes[part] = s.box(view);
+      largest_margin = std::max(largest_margin, s.largest_margin(view, options.edges));
+    }
+    double apart = 1e300;
+    for (const ContactPair& p : options.pairs)
+      apart = std::min(apart, gap_between(boxes.at(p.a), boxes.at(p.b)));
+    reach = options.exhaustive ? 1e300 : std::max(6 * largest_margin, 0.9 * apart);
+    for (auto& [part, box] : boxes) box.grow(reach);
+    for (const ContactPair& p : options.pairs) {
+      near.at(p.a).reach_into(boxes.at(p.b), view);
+      near.at(p.b).reach_into(boxes.at(p.a), view);
+    }
+    for (auto& [part, s] : near) s.settle(view);
+    unwatched = 0;
+  }
 
   void search(const NodeView& view) {
     margin = 1e300;
-    for (auto& p : passes) margin = std::min(margin, p.search(view));
-    for (auto& e : edges) e.search(view);
-    places.clear();
-    for (const auto& [part, s] : surfaces)
-      for (const int n : s.nodes) places.push_back(view.place(n));
+    for (auto& p : passes) margin = std::min(margin, p.search(view, options.exhaustive));
+    for (auto& e : edges) margin = std::min(margin, e.search(view, options.exhaustive));
+    for (auto& [part, s] : near) s.note_search();
+    for (Course& c : courses) c.check_at = c.travel + 0.5 * margin;
+    known = true;
     ++searches;
   }
 
-  /// Searches anew when nodes may have come closer than the margin since the latest search; otherwise counts the steps
-  /// until it could be so.
-  void search_if_due(const NodeView& view, double dt) {
-    if (until_check-- > 0) return;
-    double moved = 0, speed = 0;
-    std::size_t k = 0;
-    const bool fresh = places.empty();
-    for (const auto& [part, s] : surfaces)
-      for (const int n : s.nodes) {
-        if (!fresh) moved = std::max(moved, norm(view.place(n) - places[k++]));
-        speed = std::max(speed, norm(view.velocity(n)));
-      }
-    fastest = speed;
-    constexpr double steps = 8;
-    if (fresh || 2 * (moved + 2 * steps * speed * dt) > margin) search(view);
-    until_check = static_cast<long>(steps) - 1;
+  /// Whether a node may have come into reach, and so near that it could meet a face which is no candidate. While there
+  /// is way left, nobody needs to look: in a step no node moves by more than half of the largest face against another,
+  /// or it would skip the depth in which contact acts.
+  bool survey_due(const NodeView& view) {
+    if (--unwatched > 0) return false;
+    double left = reach - largest_margin;
+    for (std::size_t k = 0; k < courses.size(); ++k)
+      left = std::min(left, reach - largest_margin -
+                                largest_between(first(k).since_reach(view), second(k).since_reach(view)));
+    unwatched = left > largest_margin ? static_cast<long>(left / largest_margin) : 1;
+    return left < 0;
+  }
+
+  /// The same for the nodes within reach. The travel adds up all the ways; only where they could be long enough is it
+  /// measured how far the nodes are from where they were.
+  bool search_due() {
+    for (std::size_t k = 0; k < courses.size(); ++k) {
+      Course& c = courses[k];
+      if (c.travel < c.check_at) continue;
+      const double left = 0.5 * margin - largest_between(first(k).since_search(), second(k).since_search());
+      if (left <= 0) return true;
+      c.check_at = c.travel + left;
+    }
+    return false;
+  }
+
+  void follow(const NodeView& view) {
+    if (!known || options.exhaustive || survey_due(view)) {
+      survey(view);
+      search(view);
+      return;
+    }
+    for (auto& [part, s] : near) s.follow(view);
+    for (std::size_t k = 0; k < courses.size(); ++k)
+      courses[k].travel += largest_between(first(k).step(), second(k).step());
+    if (search_due()) search(view);
   }
 };
 
@@ -93,16 +155,19 @@ SolidContact::SolidContact(const CellBatches& cells, const std::vector<double>& 
     for (const int part : {p.a, p.b})
       if (m.surfaces.count(part) == 0) m.surfaces[part] = surface_of(mesh, part, cells.material(part));
   }
+  for (const auto& [part, s] : m.surfaces) m.near.emplace(part, NearSurface(s));
   for (const ContactPair& p : m.options.pairs) {
-    m.passes.emplace_back(p, m.surfaces.at(p.a), m.surfaces.at(p.b), m.inverse_mass);
-    m.passes.emplace_back(p, m.surfaces.at(p.b), m.surfaces.at(p.a), m.inverse_mass);
-    if (options.edges) m.edges.emplace_back(p, m.surfaces.at(p.a), m.surfaces.at(p.b));
+    const NearSurface &a = m.near.at(p.a), &b = m.near.at(p.b);
+    m.passes.emplace_back(p, a, b, m.inverse_mass);
+    m.passes.emplace_back(p, b, a, m.inverse_mass);
+    if (options.edges) m.edges.emplace_back(p, a, b);
   }
+  m.courses.resize(m.options.pairs.size());
   m.reports.resize(m.options.pairs.size());
   m.nodes = mesh.nodes.size();
   const std::vector<double> rest(4 * mesh.nodes.size(), 0.0);
   const NodeView start{&mesh.nodes, rest.data(), rest.data()};
-  m.search(start);
+  m.follow(start);
   for (std::size_t k = 0; k < m.passes.size(); ++k) {
     const double depth = -m.passes[k].deepest(start);
     const ContactPair& p = m.options.pairs[k / 2];
@@ -112,25 +177,23 @@ SolidContact::SolidContact(const CellBatches& cells, const std::vector<double>& 
                                   std::to_string(depth * 1e6) + " um at the start, allowed are " +
                                   std::to_string(options.allowed_overlap * 1e6));
   }
-  m.places.clear();
+  m.known = false;
   m.searches = 0;
 }
 
 SolidContact::~SolidContact() = default;
 
-void SolidContact::apply(const NodeView& view, double dt, double ahead, NodeForces& forces,
-                         NodeForces& damped) {
+void SolidContact::apply(const NodeView& view, double dt, NodeForces& forces, NodeForces& damped) {
   Impl& m = *impl_;
-  m.search_if_due(view, std::max(dt, ahead));
-  m.travel += 4 * m.fastest *
-              std::max(dt, ahead);  // twice what two nodes do, should they be faster by the next check
-  for (auto& p : m.passes) p.set_travel(m.travel);
+  m.follow(view);
   m.sums.stored = 0;
   for (std::size_t k = 0; k < m.reports.size(); ++k) {
-    m.reports[k] = {};
-    m.passes[2 * k].apply(view, dt, 1, !m.started, forces, damped, m.sums, m.reports[k]);
-    m.passes[2 * k + 1].apply(view, dt, -1, !m.started, forces, damped, m.sums, m.reports[k]);
-    if (m.options.edges) m.edges[k].apply(view, forces, m.sums, m.reports[k]);
+    const double travel = m.courses[k].travel;
+    ContactReport& report = m.reports[k];
+    report = {};
+    m.passes[2 * k].apply(view, dt, 1, !m.started, travel, forces, damped, m.sums, report);
+    m.passes[2 * k + 1].apply(view, dt, -1, !m.started, travel, forces, damped, m.sums, report);
+    if (m.options.edges) m.edges[k].apply(view, forces, m.sums, report);
   }
   m.started = true;
 }
@@ -187,8 +250,7 @@ void SolidContact::restore_memory(const std::vector<double>& all) {
       a = {{from[0], from[1], from[2]}, from[3], from[4], from[5] != 0};
       from += 6;
     }
-  m.places.clear();  // candidates are found anew; which faces are looked at does not change which is nearest
-  m.until_check = 0;
+  m.known = false;  // candidates are found anew; which faces are looked at does not change which is nearest
 }
 
 }  // namespace powbench::sim

@@ -39,6 +39,7 @@ struct ContactOptions {
   std::vector<ContactPair> pairs;
   bool edges = true;
   double allowed_overlap = 1e-9;  ///< m, at the start; more is refused
+  bool exhaustive = false;  ///< every node looks at every face in every step: slow, what tests compare with
 };
 
 /// Coefficient of friction at a sliding speed, m/s.
@@ -59,9 +60,9 @@ class SolidContact {
   SolidContact(const CellBatches&, const std::vector<double>& inverse_mass, const ContactOptions&);
   ~SolidContact();
 
-  /// Adds the forces of this step; `dt` led here (friction moves on by it), `ahead` comes next (bounds the search).
+  /// Adds the forces of this step; `dt` led here (friction moves on by it).
   /// Damping forces are among `forces` and alone in `damped`; whoever moves the nodes books their work.
-  void apply(const NodeView&, double dt, double ahead, NodeForces& forces, NodeForces& damped);
+  void apply(const NodeView&, double dt, NodeForces& forces, NodeForces& damped);
 
   double stored() const;         ///< J, normal and tangential
   double friction_lost() const;  ///< J, so far

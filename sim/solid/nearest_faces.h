@@ -1,0 +1,74 @@
+#pragma once
+
+#include "sim/solid/near_surface.h"
+
+/// Which face of another part a node touches: it takes the nearest of all and only then asks on which side of it it is.
+/// Private to solid_contact.cpp.
+
+namespace powbench::sim {
+
+/// A node and the face it touches.
+struct Touch {
+  int facet = -1;    ///< on the other skin; -1: it touches none
+  double away = 0;   ///< m, while it touches none: it must move so far to touch one
+  double depth = 0;  ///< m
+  Vec3 normal;
+  std::array<double, 4> weights{};
+};
+
+class NearestFaces {
+ public:
+  NearestFaces(const NearSurface& from, const NearSurface& onto);
+
+  /// New candidates for the nodes of `from` within half a face's size of it; `every`: all faces within reach, however
+  /// far. Returns the smallest of these distances, beyond which nothing touches.
+  double search(const NodeView&, bool every);
+
+  /// Nodes with candidates, and each one's place in the nodes of its skin.
+  std::size_t count() const { return active_.size(); }
+  std::size_t place(std::size_t active) const { return static_cast<std::size_t>(active_[active]); }
+  /// Looks for the nearest face of each of the given ones.
+  void look(const std::vector<int>& active);
+  /// What number `q` of them touches.
+  Touch touch(std::size_t q, const NodeView&) const;
+
+ private:
+  struct Candidate {
+    int face = 0;         ///< within reach
+    bool square = false;  ///< squarely opposite, so that the node may stand on its border
+    bool flat = false;    ///< its neighbours lie in one plane with it
+  };
+
+  struct Best {
+    double distance = 0, away = 0;
+    int candidate = -1;
+    int seen = 0;  ///< where the numbers of that candidate are
+  };
+
+  /// A node that has not looked at all its candidates yet.
+  struct Asking {
+    int number = 0;  ///< among those that look
+    int point = 0;
+    int candidate = 0, end = 0;  ///< next one, and one past the last
+  };
+
+  bool flat_around(const Facet&, const std::vector<Vec3>& normals) const;
+  bool behind_all(const NodeView&, const Facet&, const Projection&) const;
+  void see(SeenFaces* out);
+
+  const NearSurface *from_, *onto_;
+  const ContactKernel* kernel_;
+  double depth_limit_ = 0;
+  double ledge_ = 0;  ///< m, so far beyond the border of the largest face a node still stands on it, and more
+  std::vector<int> active_;  ///< by place in the nodes of the skin
+  std::vector<int> point_;   ///< of each active one: 4 times its number within reach
+  std::vector<int> begin_;   ///< of each active one: its first candidate; and the end of the last
+  std::vector<Candidate> candidates_;
+  // of one look
+  std::vector<Best> best_;
+  std::vector<Asking> asking_;
+  std::vector<int> looking_, seeing_, seen_face_;
+  std::vector<SeenFaces> seen_;  ///< of all rounds
+};
+
+}  // namespace powbench::sim
