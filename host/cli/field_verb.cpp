@@ -240,8 +240,6 @@ Exit show_field(const FieldArgs& args) {
     say_points(points, args.shards);
     return Exit::pass;
   }
-  if (args.ends && design.shape.closed_leg != 0)
-    throw BadInput({"--ends: shape.closed_leg = 1, allowed 0 in three dimensions"});
   const auto choice =
       args.ends ? end_table(folder, design, options, team)
                 : obtain_field_table(folder, design, options, team, slices(points, design, options));

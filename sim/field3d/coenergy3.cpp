@@ -18,12 +18,6 @@ int pair_index(int a, int b) {
   return a * (a + 1) / 2 + b;
 }
 
-/// D v for a symmetric D as in MediumPoint.
-Vec3 times(const std::array<double, 6>& d, const Vec3& v) {
-  return {d[0] * v[0] + d[3] * v[1] + d[4] * v[2], d[3] * v[0] + d[1] * v[1] + d[5] * v[2],
-          d[4] * v[0] + d[5] * v[1] + d[2] * v[2]};
-}
-
 }  // namespace
 
 Coenergy3::Coenergy3(const Problem3& problem) : problem_(problem) {

@@ -37,6 +37,11 @@ class Coenergy3 {
   /// Potential of every node, fixed and tied ones included.
   std::vector<double> nodal(const State3&) const;
 
+  /// Of what fills cell `c`.
+  const MediumLaw& law(int c) const {
+    return laws_[static_cast<std::size_t>(problem_.mesh.region[static_cast<std::size_t>(c)])];
+  }
+
   /// Field H at integration point `q` of cell `c`, from the potentials of nodal(); its gradients on the way.
   Vec3 field(int c, int q, const std::vector<double>& nodal, const State3&) const;
 

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <stdexcept>
 
 #include "sim/field3d/grid3.h"
 #include "sim/field3d/winding3.h"
@@ -25,7 +24,8 @@ struct Outline : CoreOutline {
 
   int region(const Vec3& p) const {
     const auto [x, y, z] = p;
-    if (z > 0 && z < face) return CoreRegion3::strip;
+    if (z > 0 && z < face)
+      return closed_leg && x > x2 && x < x3 && y < y1 ? CoreRegion3::iron : CoreRegion3::strip;
     if (x < 0) return -x < x1 ? region({-x, y, z}) : CoreRegion3::air;  // of two legs
     if (x > x3 || y > y1 || z < yoke_bottom || z > yoke_top) return CoreRegion3::air;
     if (z > face) return x > x1 && x < x2 && z < window_top ? CoreRegion3::air : CoreRegion3::iron;
@@ -121,8 +121,6 @@ CoreMeshSizes3 CoreMeshSizes3::scaled(double factor) const {
 
 Problem3 core_problem3(const MagnetDesign& design, const CoreMeshSizes3& sizes, double gap) {
   check_shape(design.shape);
-  if (design.shape.closed_leg != 0)
-    throw std::invalid_argument("shape.closed_leg = 1, allowed 0 in three dimensions");
   const Outline o(design.shape, gap);
   Problem3 p;
   p.mesh = grid_mesh(x_lines(o, sizes), y_lines(o, sizes), z_lines(o, sizes), Cell::hex20,

@@ -29,8 +29,8 @@ struct CoreMeshSizes3 {
 };
 
 /// Windings: the coil with its turns; then, if the shape has them, both rings in series with one turn each. Positive
-/// currents drive flux the same way round the windows. The strip has the height `gap`, m, > 0. Throws
-/// std::invalid_argument by `check_shape`, and for a closed leg, which only the plane has.
+/// currents drive flux the same way round the windows. The strip has the height `gap`, m, > 0; a closed leg goes
+/// through it as iron, which stretches with its nodes. Throws std::invalid_argument by `check_shape`.
 Problem3 core_problem3(const MagnetDesign&, const CoreMeshSizes3&, double gap);
 
 /// How far each node moves with the moving half: 0 up to the fixed pole face, 1 above the moving one. Weight of the

@@ -89,8 +89,7 @@ FieldPoint3 MagnetField3::at_current(double current, double ring_current, const 
   return finish(impl_->newton.solve(drive, start, impl_->options), has_ring() && ring_current != 0);
 }
 
-/// Second derivatives from the tangents: the pull is quadratic in potentials and currents (the strip is air), so its
-/// derivative along a tangent t is pull(s + t) - pull(s) - pull(t).
+/// Second derivatives from the tangents.
 FieldPoint3 MagnetField3::finish(Solution3 solution, bool ring_bound) {
   FieldPoint3 p;
   const State3& s = solution.state;
@@ -111,11 +110,7 @@ FieldPoint3 MagnetField3::finish(Solution3 solution, bool ring_bound) {
   for (std::size_t k = 0; k < m; ++k) {
     State3 t{tangents[k], std::vector<double>(m, 0)};
     t.current[k] = 1;
-    State3 sum = s;
-    for (std::size_t i = 0; i < sum.u.size(); ++i) sum.u[i] += t.u[i];
-    sum.current[k] += 1;
-    pull_by_current.push_back(impl_->pull(sum, impl_->motion) - p.response.pull -
-                              impl_->pull(t, impl_->motion));
+    pull_by_current.push_back(-stress_force_slope(impl_->function, s, t, impl_->motion)[2]);
   }
   if (m == 2 && ring_bound) {
     const double det = inductance[0] * inductance[3] - inductance[1] * inductance[2];

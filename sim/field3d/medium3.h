@@ -34,6 +34,12 @@ struct MediumPoint {
   std::array<double, 6> slope{};  ///< dB/dH: xx, yy, zz, xy, xz, yz, H/m
 };
 
+/// D v for a symmetric D as MediumPoint::slope.
+inline Vec3 times(const std::array<double, 6>& d, const Vec3& v) {
+  return {d[0] * v[0] + d[3] * v[1] + d[4] * v[2], d[3] * v[0] + d[1] * v[1] + d[5] * v[2],
+          d[4] * v[0] + d[5] * v[1] + d[2] * v[2]};
+}
+
 /// B(H) of one steel: the inverse of its H(B), by bisection over the knots and Newton inside, to 1e-13 of B.
 class SteelInverse {
  public:
