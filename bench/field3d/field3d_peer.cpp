@@ -1,6 +1,6 @@
-// TEAM 13, and an E-core with currents in coil and shading ring, by GetDP on meshes of gmsh: vector potential on edges
-// of order 2, from below; one row a mesh.
-//   field3d_peer [--json PATH]
+// TEAM 13, an E-core with currents in coil and shading ring and a C-core, by GetDP on meshes of gmsh: vector potential
+// on edges of order 2, from below; one row a mesh.
+//   field3d_peer [--case team13 | ring | closed_leg] [--json PATH]      without --case: all three
 
 #include <cmath>
 #include <cstdio>
@@ -12,6 +12,7 @@
 #include <sstream>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "bench/field3d/team13.h"
 #include "bench/fields/json_out.h"
@@ -66,22 +67,23 @@ int unknowns_of(const std::string& path) {
   return 0;
 }
 
-/// gmsh and GetDP on NAME.geo and NAME.pro in a folder: CPU seconds of the solution, nothing where one fails.
-std::optional<double> solve(const std::string& folder, const std::string& name, double size) {
+/// gmsh on NAME.geo and GetDP on PROBLEM.pro in a folder: CPU seconds of the solution, nothing where one fails.
+std::optional<double> solve(const std::string& folder, const std::string& name, const std::string& problem,
+                            double size) {
   const std::string in = "cd '" + folder + "' && ";
   const auto mesh =
       bench::cpu_of(in + "gmsh -v 0 -nt 1 -3 -format msh22 -setnumber size " + std::to_string(size) + " " +
                     name + ".geo -o " + name + ".msh > gmsh.log 2>&1");
   if (!mesh) return std::nullopt;
-  return bench::cpu_of(in + "getdp " + name + ".pro -msh " + name +
+  return bench::cpu_of(in + "getdp " + problem + ".pro -msh " + name +
                        ".msh -solve Run -pos Out -v 4 > getdp.log 2>&1");
 }
 
 /// A folder with the input of a case.
-std::string prepared(const std::string& name) {
+std::string prepared(const std::string& name, const std::string& problem) {
   const std::string folder = (std::filesystem::temp_directory_path() / ("powbench-" + name)).string();
   std::filesystem::create_directories(folder);
-  for (const std::string& file : {name + ".geo", name + ".pro", std::string("vector_potential.pro")})
+  for (const std::string& file : {name + ".geo", problem + ".pro", std::string("vector_potential.pro")})
     std::filesystem::copy_file(std::string(POWBENCH_SOURCE_DIR) + "/bench/field3d/peers/" + file,
                                folder + "/" + file, std::filesystem::copy_options::overwrite_existing);
   return folder;
@@ -97,11 +99,11 @@ nlohmann::ordered_json team13_rows(bool installed) {
   for (const auto& row : bench::team13_plate) std::printf(" %4.0f mm", row.z_mm);
   std::printf("\n");
   if (!installed) return list;
-  const std::string folder = prepared("team13");
+  const std::string folder = prepared("team13", "team13");
   bench::write_file(folder + "/steel.pro", steel_lists(sim::builtin_steel("team13")));
   for (const double size : {4.0, 3.0, 2.0}) {
     std::filesystem::remove(folder + "/psi.txt");
-    const auto cpu = solve(folder, "team13", size);
+    const auto cpu = solve(folder, "team13", "team13", size);
     const double psi = mean_of_last(folder + "/psi.txt");
     if (!cpu || !std::isfinite(psi)) {
       std::printf("size %.1f: no result, see %s/getdp.log\n", size, folder.c_str());
@@ -150,40 +152,52 @@ std::string outline(const sim::MagnetDesign& d, double gap, double current, doub
                                                   {"coil_y2", coil_y1 + s.coil_width},
                                                   {"ring_y2", y1 + s.ring_slot}};
   for (const auto& [name, at] : edges) out << name << " = " << at * 1e3 << ";\n";
+  out << "copies = " << (o.half ? 4 : 2) << ";\n";
   out << "turns = " << d.turns << ";\ncurrent = " << current << ";\nring_current = " << ring_current << ";\n";
   return out.str();
 }
 
-/// The reference core, its iron without insulation, at 1 mm: a coil current and a ring current against it. The scalar
+/// A core, its iron without insulation, at 1 mm: a coil current and, if it has rings, a current against it. The scalar
 /// potential bounds the co-energy from above, the vector potential from below, both in the same box.
-nlohmann::ordered_json ring_rows(bool installed) {
-  sim::MagnetDesign d;
-  d.shape.stack_factor = 1;
-  constexpr double gap = 1e-3, current = 0.6, ring_current = -300;
+struct CoreCase {
+  const char* name;
+  const char* geometry;
+  sim::MagnetDesign design;
+  double current, ring_current;
+  std::vector<double> scales, sizes;  ///< of the meshes, own and of gmsh
+};
+
+nlohmann::ordered_json core_rows(const CoreCase& c, bool installed) {
+  constexpr double gap = 1e-3;
+  const sim::MagnetDesign& d = c.design;
+  const bool rings = d.shape.ring_share > 0;
   auto list = nlohmann::ordered_json::array();
-  std::printf(
-      "\nThe reference core at a gap of %g mm, %g A in the coil, %g A in the rings: flux linkages\n%-22s %9s "
-      "%8s %10s %10s\n",
-      gap * 1e3, current, ring_current, "", "unknowns", "CPU s", "coil Wb", "ring mWb");
+  std::printf("\n%s at a gap of %g mm, %g A in the coil", c.name, gap * 1e3, c.current);
+  if (rings) std::printf(", %g A in the rings", c.ring_current);
+  std::printf(": flux linkages\n%-22s %9s %8s %10s%s\n", "", "unknowns", "CPU s", "coil Wb",
+              rings ? "   ring mWb" : "");
   const auto add = [&](const char* code, int unknowns, double cpu, double psi, double ring) {
-    std::printf("%-22s %9d %8.1f %10.6f %10.6f\n", code, unknowns, cpu, psi, ring * 1e3);
+    std::printf("%-22s %9d %8.1f %10.6f", code, unknowns, cpu, psi);
+    if (rings) std::printf(" %10.6f", ring * 1e3);
+    std::printf("\n");
     std::fflush(stdout);
-    list.push_back({{"code", code}, {"unknowns", unknowns}, {"cpu_s", cpu}, {"psi", psi}, {"ring", ring}});
+    list.push_back({{"code", code}, {"unknowns", unknowns}, {"cpu_s", cpu}, {"psi", psi}});
+    if (rings) list.back()["ring"] = ring;
   };
-  for (const double scale : {2.8, 1.4, 1.0}) {
+  for (const double scale : c.scales) {
     const double start = powbench::process_cpu_seconds();
     sim::MagnetField3 field(d, sim::CoreMeshSizes3{}.scaled(scale));
     field.set_gap(gap);
-    const auto p = field.at_current(current, ring_current);
+    const auto p = field.at_current(c.current, c.ring_current);
     add("field3d, from above", field.unknowns(), powbench::process_cpu_seconds() - start, p.psi, p.ring);
   }
   if (!installed) return list;
-  const std::string folder = prepared("ring");
-  bench::write_file(folder + "/outline.pro", outline(d, gap, current, ring_current));
+  const std::string folder = prepared(c.geometry, "core");
+  bench::write_file(folder + "/outline.pro", outline(d, gap, c.current, c.ring_current));
   bench::write_file(folder + "/steel.pro", steel_lists(d.steel));
-  for (const double size : {3.0, 2.0, 1.5}) {
+  for (const double size : c.sizes) {
     for (const char* name : {"/psi.txt", "/ring.txt"}) std::filesystem::remove(folder + name);
-    const auto cpu = solve(folder, "ring", size);
+    const auto cpu = solve(folder, c.geometry, "core", size);
     const double psi = mean_of_last(folder + "/psi.txt"), ring = mean_of_last(folder + "/ring.txt");
     if (cpu && std::isfinite(psi) && std::isfinite(ring))
       add("GetDP, from below", unknowns_of(folder + "/getdp.log"), *cpu, psi, ring);
@@ -193,11 +207,31 @@ nlohmann::ordered_json ring_rows(bool installed) {
   return list;
 }
 
+nlohmann::ordered_json ring_rows(bool installed) {
+  sim::MagnetDesign d;
+  d.shape.stack_factor = 1;
+  return core_rows({"The reference core", "ring", d, 0.6, -300, {2.8, 1.4, 1.0}, {3.0, 2.0, 1.5}}, installed);
+}
+
+/// The closed leg saturates: it has half of the width of the coil's.
+nlohmann::ordered_json closed_leg_rows(bool installed) {
+  sim::MagnetDesign d;
+  d.shape.stack_factor = 1;
+  d.shape.legs = 2;
+  d.shape.closed_leg = 1;
+  d.shape.ring_share = 0;
+  return core_rows({"A C-core", "c_core", d, 1, 0, {2.8, 1.4, 1.0}, {3.0, 2.0, 1.5}}, installed);
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
   const bool installed = bench::have_program("gmsh") && bench::have_program("getdp");
   if (!installed) std::printf("gmsh or getdp is not installed\n");
-  const auto plates = team13_rows(installed), ring = ring_rows(installed);
-  return bench::write_json(argc, argv, {{"rows", plates}, {"ring", ring}});
+  const std::string only = bench::option(argc, argv, "--case");
+  nlohmann::ordered_json all = nlohmann::ordered_json::object();
+  if (only.empty() || only == "team13") all["rows"] = team13_rows(installed);
+  if (only.empty() || only == "ring") all["ring"] = ring_rows(installed);
+  if (only.empty() || only == "closed_leg") all["closed_leg"] = closed_leg_rows(installed);
+  return bench::write_json(argc, argv, all);
 }

@@ -18,7 +18,7 @@ Box(9) = {0, 0, 0, x3, y1, face};
 Box(10) = {0, 0, coil_bottom, coil_right, coil_y2, coil_top - coil_bottom};
 Box(11) = {0, 0, coil_bottom, coil_left, coil_y1, coil_top - coil_bottom};
 Box(12) = {ring_left, 0, ring_bottom, slot_right - ring_left, ring_y2, -ring_bottom};
-Box(20) = {0, 0, yoke_bottom - 3 * x3, 5 * x3, y1 + 4 * x3, yoke_top - yoke_bottom + 6 * x3};
+Box(20) = {0, 0, yoke_bottom - 3 * x3, 5 * x3, coil_y2 + 4 * x3, yoke_top - yoke_bottom + 6 * x3};
 parts() = BooleanFragments{ Volume{20}; Delete; }{ Volume{1 : 12}; Delete; };
 
 e = 0.01;
