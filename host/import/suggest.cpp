@@ -6,6 +6,7 @@
 #include <array>
 #include <cctype>
 #include <cmath>
+#include <limits>
 
 #include "host/import/scope_header.h"
 #include "host/import/trace_shape.h"
@@ -110,21 +111,24 @@ class Chooser {
       return std::nullopt;
     });
     if (time_ < table_.header.size()) {
+      find_coil();
       each(Ground::shape, [&](Suggestion& s) -> std::optional<Channel> {
         if (unit_is_other(s.column)) return std::nullopt;
-        const auto shape = shape_of(seconds_, table_.columns[s.column]);
-        const auto looks = shape ? shaped(*shape) : std::nullopt;
+        const auto looks = looks_of(s.column);
         if (!looks) return std::nullopt;
         s.why = looks->why, s.sure = looks->sure;
         return looks->channel;
       });
-      find_switch_on();
+      find_hold();
     }
     each(Ground::guess, [&](Suggestion& s) -> std::optional<Channel> {
       if (unit_is_other(s.column)) return std::nullopt;
       s.sure = Sureness::unsure;
-      const auto shape =
-          time_ < table_.header.size() ? shape_of(seconds_, table_.columns[s.column]) : std::nullopt;
+      const auto shape = shape_in(s.column);
+      if (shape && shape->is_mains()) {
+        s.why = "a sine of mains frequency: no force; the channels of the mains are taken";
+        return std::nullopt;
+      }
       if (shape && shape->arrives() && shape->rise > slow_rise && !taken_[index(Channel::laser)]) {
         s.why = "rest, then another level: a travel, or the current of a DC coil";
         return Channel::laser;
@@ -137,7 +141,7 @@ class Chooser {
       return std::nullopt;
     });
     for (Suggestion& s : out_.columns)
-      if (!s.channel) s.why = "no channel fits, or it is taken";
+      if (!s.channel && s.why.empty()) s.why = "no channel fits, or it is taken";
     return std::move(out_);
   }
 
@@ -160,28 +164,68 @@ class Chooser {
     return unit != "V" && unit != "mV" && !unit.empty();
   }
 
-  void find_switch_on() {
-    for (const Suggestion& s : out_.columns) {
-      if (s.channel != Channel::coil_voltage) continue;
-      const auto& t = seconds_;
-      const auto& v = table_.columns[s.column];
-      double peak = 0, quiet = 0;
-      for (const double x : v)
-        if (std::isfinite(x)) peak = std::max(peak, std::abs(x));
-      for (std::size_t i = 0; i < v.size() / 20; ++i)
-        if (std::isfinite(v[i])) quiet = std::max(quiet, std::abs(v[i]));
-      if (quiet > 0.1 * peak) return;
-      for (std::size_t i = 0; i < v.size(); ++i)
-        if (std::abs(v[i]) > std::max(3 * quiet, 0.05 * peak)) {
-          out_.switch_on = t[i];
-          return;
+  std::optional<TraceShape> shape_in(std::size_t column) const {
+    if (time_ == table_.header.size()) return std::nullopt;
+    CoilOn on = on_;
+    if (!std::isfinite(on.to)) on.to = returns_at(seconds_, table_.columns[column]);
+    return shape_of(seconds_, table_.columns[column], on);
+  }
+  std::optional<Looks> looks_of(std::size_t column) const {
+    const auto shape = shape_in(column);
+    return shape ? shaped(*shape) : std::nullopt;
+  }
+
+  /// Coil voltage, or without one the current, by name, unit or by what it looks like up to its own end: when it begins,
+  /// and when it ends. All others are judged by the time in between.
+  void find_coil() {
+    for (const Channel wanted : {Channel::coil_voltage, Channel::coil_current})
+      for (const Suggestion& s : out_.columns) {
+        if (s.channel ? s.channel != wanted : unit_is_other(s.column)) continue;
+        const auto& v = table_.columns[s.column];
+        const double from = begins(v), to = returns_at(seconds_, v);
+        if (!s.channel) {
+          const auto shape = shape_of(seconds_, v, {from, to});
+          const auto looks = shape ? shaped(*shape) : std::nullopt;
+          if (!looks || looks->channel != wanted) continue;
         }
-    }
+        on_ = {from, to};
+        off_seen_in_ = wanted;
+        if (wanted == Channel::coil_voltage && std::isfinite(from)) out_.switch_on = from;
+        return;
+      }
+  }
+
+  /// First sample that stands out of the first twentieth; infinite where that is not quiet.
+  double begins(const std::vector<double>& v) const {
+    double peak = 0, quiet = 0;
+    for (const double x : v)
+      if (std::isfinite(x)) peak = std::max(peak, std::abs(x));
+    for (std::size_t i = 0; i < v.size() / 20; ++i)
+      if (std::isfinite(v[i])) quiet = std::max(quiet, std::abs(v[i]));
+    if (quiet <= 0.1 * peak)
+      for (std::size_t i = 0; i < v.size(); ++i)
+        if (std::abs(v[i]) > std::max(3 * quiet, 0.05 * peak)) return seconds_[i];
+    return std::numeric_limits<double>::infinity();
+  }
+
+  /// A column that was looked at as the coil's and became another's by its name says nothing.
+  void find_hold() {
+    const bool there = std::any_of(out_.columns.begin(), out_.columns.end(),
+                                   [&](const Suggestion& s) { return s.channel == off_seen_in_; });
+    if (!there || !std::isfinite(on_.to)) return;
+    const double hold = on_.to - out_.switch_on.value_or(0.0);
+    if (!(hold > 0)) return;
+    out_.hold = hold;
+    out_.hold_why = fmt::format(
+        "{} ends at {:.1f} ms; what comes later is no closing",
+        off_seen_in_ == Channel::coil_voltage ? "the coil voltage" : "the coil current", on_.to * 1e3);
   }
 
   const CsvTable& table_;
   std::size_t time_ = table_.header.size();
   std::vector<double> seconds_;
+  CoilOn on_;
+  Channel off_seen_in_ = Channel::coil_voltage;
   std::array<bool, channel_count> taken_{};
   Suggested out_;
 };
@@ -227,6 +271,10 @@ std::string suggested_file(const CsvTable& table, const Suggested& s, const std:
     out += fmt::format("switch_on_s = {:.9g}  # where the coil voltage begins\n", *s.switch_on);
   else
     out += "# switch_on_s = 0.0   # when the coil was switched on, on the time column\n";
+  if (s.hold)
+    out += fmt::format("hold_ms = {:.6g}  # {}\n", *s.hold * 1e3, s.hold_why);
+  else
+    out += "# hold_ms = 100.0   # how long the coil was on, where the record goes on behind its switch-off\n";
   out +=
       "# closing_angle_deg = 90.0   # where you know it and the record does not show it\n"
       "\n[columns]\n";

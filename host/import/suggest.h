@@ -37,7 +37,9 @@ struct Suggestion {
 struct Suggested {
   std::vector<Suggestion> columns;  ///< one for each column but the time
   std::string time;                 ///< header of the time column; "" = none was found
-  std::optional<double> switch_on;  ///< s, where the switched mains begins
+  std::optional<double> switch_on;  ///< s, where the coil voltage begins
+  std::optional<double> hold;  ///< s, from there, or else from time 0, to where coil voltage or current ends
+  std::string hold_why;        ///< what ends there
 };
 
 Suggested suggest_columns(const CsvTable&);

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "core/phase.h"
+#include "dsp/switch_off.h"
 
 namespace powbench::host {
 namespace {
@@ -82,16 +83,41 @@ constexpr double quickens = 1.0, either = 1.5, slows = 2.0;
 
 }  // namespace
 
-std::optional<TraceShape> shape_of(const std::vector<double>& time, const std::vector<double>& column) {
+double returns_at(const std::vector<double>& time, const std::vector<double>& column) {
+  constexpr double never = std::numeric_limits<double>::infinity();
+  constexpr std::size_t most = 20'000;  // 10 us in a record of 200 ms
+  std::vector<double> t, v;
+  for (std::size_t i = 0; i < column.size(); ++i)
+    if (std::isfinite(column[i]) && std::isfinite(time[i]) && (t.empty() || time[i] > t.back()))
+      t.push_back(time[i]), v.push_back(column[i]);
+  if (t.size() < 60) return never;
+  dsp::Signal s;
+  const std::size_t n = std::min(t.size(), most);
+  s.t0 = t.front(), s.dt = (t.back() - t.front()) / static_cast<double>(n - 1);
+  s.masked.assign(n, 0);
+  for (std::size_t i = 0, k = 0; i < n; ++i) {
+    while (k + 2 < t.size() && t[k + 1] <= s.time(i)) ++k;
+    const double share = std::clamp((s.time(i) - t[k]) / (t[k + 1] - t[k]), 0.0, 1.0);
+    s.value.push_back(v[k] + share * (v[k + 1] - v[k]));
+  }
+  const double at = dsp::left_at(s);
+  return std::isfinite(at) ? at : never;
+}
+
+std::optional<TraceShape> shape_of(const std::vector<double>& time, const std::vector<double>& column,
+                                   const CoilOn& on) {
   std::vector<double> t, v;
   const std::size_t step = std::max<std::size_t>(1, column.size() / 4000);
   for (std::size_t i = 0; i < column.size(); i += step)
-    if (std::isfinite(column[i]) && std::isfinite(time[i])) t.push_back(time[i]), v.push_back(column[i]);
+    if (std::isfinite(column[i]) && std::isfinite(time[i]) && time[i] < on.to)
+      t.push_back(time[i]), v.push_back(column[i]);
   const std::size_t n = v.size();
   if (n < 60) return std::nullopt;
   TraceShape s;
   s.low = *std::min_element(v.begin(), v.end()), s.high = *std::max_element(v.begin(), v.end());
-  s.early = rms(v, 0, n / 5), s.late = rms(v, 2 * n / 3, n);
+  std::size_t rest = n / 5;
+  while (rest > n / 50 + 2 && t[rest - 1] >= on.from) --rest;
+  s.early = rms(v, 0, rest), s.late = rms(v, 2 * n / 3, n);
   s.sine_early = sine_share(t, v, 0, n / 3), s.sine_late = sine_share(t, v, 2 * n / 3, n);
   s.start = mean(v, 0, n / 10), s.end = mean(v, n - n / 10, n);
   s.last = rms(v, n - n / 5, n), s.middle = mean(v, 2 * n / 3, n);
@@ -114,6 +140,7 @@ std::optional<TraceShape> shape_of(const std::vector<double>& time, const std::v
         std::max(s.beyond, std::max(std::min(s.start, s.end) - x, x - std::max(s.start, s.end)) / distance);
   }
   s.between = static_cast<double>(between) / static_cast<double>(n);
+  s.passing = std::min(s.rise, s.between * (t.back() - t.front()));
   return s;
 }
 
@@ -132,10 +159,10 @@ std::optional<Looks> shaped(const TraceShape& s) {
     return Looks{Channel::coil_voltage, sure_if(s.sine_late > nearly_all && s.span() > 200),
                  "rest, then a sine of mains frequency of some volts and more"};
   if (!s.arrives()) return std::nullopt;
-  if (s.rise < slow_rise && std::abs(s.end) < 0.1 * std::abs(s.start) && s.between < 0.03)
-    return Looks{Channel::contact_a, sure_if(s.rise < 0.2 * slow_rise && s.between < 0.01),
+  if (s.passing < slow_rise && std::abs(s.end) < 0.1 * std::abs(s.start) && s.between < 0.03)
+    return Looks{Channel::contact_a, sure_if(s.passing < 0.2 * slow_rise && s.between < 0.01),
                  "one level, then zero, hardly anything between"};
-  if (s.rise < slow_rise || s.beyond > 0.35 || s.between > 0.5) return std::nullopt;
+  if (s.passing < slow_rise || s.beyond > 0.35 || s.between > 0.5) return std::nullopt;
   if (s.slowing < either && s.between < 0.3)
     return Looks{Channel::laser, sure_if(s.slowing < quickens),
                  "rest, then a motion that ends at another level"};

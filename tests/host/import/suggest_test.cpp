@@ -24,13 +24,18 @@ struct Shown {
   std::vector<Channel> truth;
 };
 
-Shown shown(std::uint64_t seed) {
+Shown shown(std::uint64_t seed, bool switched_off = false) {
   Random random(seed);
   Conditions c;
   c.closing_angle = radians(360 * random.uniform());
   c.mains_hertz = seed % 3 == 0 ? 60.0 : 50.0;
   c.supply_volts = 200 + 60 * random.uniform();
   rigs::SimRigConfig rig;
+  if (switched_off) {
+    rig.pretrigger = 0.02 + 0.005 * static_cast<double>(seed % 5);
+    rig.record_length = rig.pretrigger + 0.16 + 0.01 * static_cast<double>(seed % 7);
+    c.hold_time = 0.1 + 0.005 * static_cast<double>(seed % 9);
+  }
   const Record r = rigs::simulate_record({}, c, rig).record;
   std::vector<std::size_t> order(r.channels.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
@@ -75,6 +80,31 @@ TEST_CASE("what a shape says is true, on closings in volts without names", "[imp
   WARN("by shape: " << by_shape << " of " << of_five << " named, " << wrong << " of them wrong");
   CHECK(by_shape > of_five * 3 / 4);
   CHECK(wrong <= by_shape / 50);
+}
+
+TEST_CASE("what a shape says is true, also where the record goes on behind switch-off", "[import][suggest]") {
+  int by_shape = 0, wrong = 0, of_five = 0;
+  for (std::uint64_t seed = 1; seed <= 40; ++seed) {
+    const Shown s = shown(seed, true);
+    const Suggested found = suggest_columns(s.table);
+    for (const Suggestion& x : found.columns) {
+      const Channel truth = s.truth[x.column];
+      INFO("seed " << seed << ", " << s.table.header[x.column] << " is " << info(truth).name);
+      const bool film = x.channel == Channel::pvdf_a || x.channel == Channel::pvdf_b;
+      if (truth == Channel::coil_voltage || truth == Channel::mains_voltage || truth == Channel::contact_a)
+        CHECK_FALSE(film);
+      if (truth == Channel::coil_voltage) CHECK(x.channel == Channel::coil_voltage);
+      if (truth == Channel::contact_a) CHECK(x.channel == Channel::contact_a);
+      if (x.ground != Ground::shape || !x.channel) continue;
+      ++by_shape;
+      CHECK(info(*x.channel).name == info(truth).name);
+      wrong += *x.channel != truth ? 1 : 0;
+    }
+    of_five += 5;
+  }
+  WARN("with switch-off, by shape: " << by_shape << " of " << of_five << " named, " << wrong << " wrong");
+  CHECK(by_shape > of_five * 3 / 4);
+  CHECK(wrong == 0);
 }
 
 namespace {
@@ -181,6 +211,77 @@ TEST_CASE("travels and coil currents of many shapes are told apart, and how sure
   // noise alone says nothing
   const Invented nothing{"nothing", Channel::aux, [](double) { return 0.0; }};
   CHECK(suggested(nothing, 1, 0, 0, 0.005, 8).sure == Sureness::unsure);
+}
+
+TEST_CASE("a column that comes back to its rest is what it was before, also alone in its file",
+          "[import][suggest]") {
+  const auto on = [](double t, double from = 0) { return t >= from && t < 0.1; };
+  const std::vector<Invented> traces{
+      {"contact voltage that falls and comes back", Channel::contact_a,
+       [](double t) { return t < 10e-3 || (t > 11e-3 && t < 12.5e-3) || t > 0.12 ? 6.0 : 0.0; }},
+      {"travel there and back", Channel::laser,
+       [](double t) { return t < 0.11 ? moves(t, 2) : 1 - moves(t - 0.106, 2); }},
+      {"AC current", Channel::coil_current,
+       [&](double t) { return on(t) ? ac_current(t, 50, 4, 5e-3) : 0.0; }},
+      {"coil voltage, 325 V", Channel::coil_voltage,
+       [&](double t) { return on(t) ? 325 * std::sin(2 * pi * 50 * t + 1) : 0.0; }},
+      {"coil voltage, 24 V of 60 Hz", Channel::coil_voltage,
+       [&](double t) { return on(t, 3e-3) ? 34 * std::sin(2 * pi * 60 * t) : 0.0; }},
+      {"coil voltage with what the coil induces", Channel::coil_voltage, [&](double t) {
+         return on(t) ? 325 * std::sin(2 * pi * 50 * t + 1) : t > 0 ? -80 * std::exp(-(t - 0.1) / 6e-3) : 0.0;
+       }}};
+  std::uint64_t seed = 1;
+  for (const Invented& trace : traces)
+    for (const double noise : {0.0, 0.003}) {
+      INFO(trace.name << ", noise " << noise);
+      const Suggestion found = suggested(trace, 1, 0, 0, noise, seed++);
+      REQUIRE(found.channel);
+      CHECK(info(*found.channel).name == info(trace.channel).name);
+      CHECK(found.ground == Ground::shape);
+    }
+}
+
+TEST_CASE("a sine of mains frequency is no force, also where the channels of the mains are taken",
+          "[import][suggest]") {
+  CsvTable t;
+  t.header = {"time [s]", "Netz [V]", "U_coil [V]", "CH3 [V]", "CH4 [V]"};
+  t.columns.resize(5);
+  for (int i = 0; i < 4000; ++i) {
+    const double s = -0.05 + i * 50e-6, v = 325 * std::sin(2 * pi * 50 * s);
+    t.line.push_back(1);
+    t.columns[0].push_back(s);
+    for (int c = 1; c < 4; ++c) t.columns[static_cast<std::size_t>(c)].push_back(c == 2 && s < 0 ? 0 : v);
+    t.columns[4].push_back(s < 0 || s > 0.12 ? 0.0 : v);
+  }
+  const Suggested found = suggest_columns(t);
+  for (const std::size_t c : {2U, 3U}) {
+    CHECK_FALSE(found.columns[c].channel);
+    CHECK_THAT(found.columns[c].why, Contains("a sine of mains frequency: no force"));
+  }
+}
+
+TEST_CASE("the time that the coil is on is suggested, from its voltage or its current", "[import][suggest]") {
+  for (const Channel left : {Channel::coil_voltage, Channel::coil_current}) {
+    Shown s = shown(4, true);
+    for (std::size_t c = 1; c < s.truth.size(); ++c)
+      if (s.truth[c] == Channel::coil_voltage && left != Channel::coil_voltage) {
+        s.table.header.erase(s.table.header.begin() + static_cast<std::ptrdiff_t>(c));
+        s.table.columns.erase(s.table.columns.begin() + static_cast<std::ptrdiff_t>(c));
+      }
+    const Suggested found = suggest_columns(s.table);
+    REQUIRE(found.hold);
+    // commanded 120 ms; a solid-state switch conducts on to the zero of the current, at most half a period
+    CHECK(*found.hold > 0.117);
+    CHECK(*found.hold < 0.131);
+    const std::string text = suggested_file(s.table, found, "x.csv");
+    CHECK_THAT(text, Contains(left == Channel::coil_voltage ? "# the coil voltage ends at "
+                                                            : "# the coil current ends at "));
+    CHECK(parse_calibration(text, "x.toml").hold_time == Approx(*found.hold).epsilon(1e-5));
+  }
+  const Shown closing = shown(4);
+  const Suggested found = suggest_columns(closing.table);
+  CHECK_FALSE(found.hold);
+  CHECK_THAT(suggested_file(closing.table, found, "x.csv"), Contains("# hold_ms = "));
 }
 
 TEST_CASE("names and units decide before shapes, and the file that is written is read back",

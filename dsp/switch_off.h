@@ -1,0 +1,21 @@
+#pragma once
+
+#include "core/record.h"
+#include "dsp/signal.h"
+
+namespace powbench::dsp {
+
+/// When a signal that rests at its beginning and, on the same level, at its end leaves what it did in between: s on the
+/// signal's own time axis. A sine of mains frequency: where it departs from the sine fitted to it, a fifth of its
+/// amplitude over 0.3 ms. A level, a ripple or a pulsation: the last sample within a tenth of the largest of the 25 ms
+/// before it; a pulsation has then gone on to a tenth. NaN: no rest at its beginning (the first hundredth) or at its end (3
+/// ms, behind a pulsation 11 ms, as its pauses are as quiet), or on two levels.
+double left_at(const Signal&);
+
+/// When the coil was switched off, s after switch-on: `left_at` of the coil voltage, without that channel of the coil
+/// current; NaN where neither shows it. An AC coil behind a solid-state switch is on until its current is zero. From the
+/// current it is the last peak and what follows it, up to a quarter of a mains period early; a current that a diode
+/// keeps flowing is off where it begins to fall.
+double seen_switch_off(const Record&);
+
+}  // namespace powbench::dsp
