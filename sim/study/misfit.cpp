@@ -36,7 +36,8 @@ Derived derived(const Specimen& s, double rated_volts) {
   Mains mains;
   mains.volts = rated_volts;
   const double overtravel = s.core.travel - s.bridges.gap;
-  return {inrush_power(s, mains), holding_power(s, mains), overtravel / s.bridges.gap,
+  const SteadyCurrents steady = steady_currents(s, mains);
+  return {mains.volts * steady.open, mains.volts * steady.closed, overtravel / s.bridges.gap,
           0.5 * (s.bridges.preload + s.bridges.rate * overtravel),
           100 / (s.base.mass * std::pow(2 * pi * s.base.hertz, 2))};
 }

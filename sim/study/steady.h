@@ -10,6 +10,12 @@ namespace powbench::sim {
 /// after a switch-on that leaves no offset in a pure inductance. Coil at 20 degC; the mains' fundamental alone.
 double steady_current(const Specimen&, const Mains&, double separation);
 
+struct SteadyCurrents {
+  double open = 0, closed = 0;  ///< A rms
+};
+/// The same with the core held open and closed, to the bit, in hardly more than the time of one.
+SteadyCurrents steady_currents(const Specimen&, const Mains&);
+
 /// Apparent power U I with the core held open, VA.
 inline double inrush_power(const Specimen& s, const Mains& m) {
   return m.volts * steady_current(s, m, s.core.travel);

@@ -66,6 +66,31 @@ TEST_CASE("steady current of a linear coil without ring: U / |R + j w L|") {
   }
 }
 
+TEST_CASE("steady currents side by side are those of each place alone, to the bit") {
+  const Mains mains;
+  const auto compare = [&](const Specimen& s) {
+    const SteadyCurrents both = steady_currents(s, mains);
+    CHECK(both.open == steady_current(s, mains, s.core.travel));
+    CHECK(both.closed == steady_current(s, mains, 0));
+    CHECK(both.open > 2 * both.closed);
+  };
+  Specimen s;  // its ring asks for more steps with the core open
+  compare(s);
+  for (const double exponent : {3.0, 7.4, 9.0}) {
+    s.magnet.bh_exponent = exponent;
+    compare(s);
+  }
+  s.magnet.ring_resistance *= 30;
+  compare(s);
+  s.magnet.shaded_share = 0;
+  compare(s);
+  s = {};
+  s.magnet.steel = "measured";
+  s.magnet.steel_b = {0.5, 1, 1.5, 2};
+  s.magnet.steel_h = {60, 140, 1500, 3e4};
+  compare(s);
+}
+
 TEST_CASE("a device with three numbers off is found again and predicts an angle it has not seen") {
   Specimen device;
   device.coil.resistance *= 1.04;
