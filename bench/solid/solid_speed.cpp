@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <cstring>
 #include <fstream>
+#include <memory>
 #include <nlohmann/json.hpp>
 
 #include "bench/solid/ccx_peer.h"
@@ -56,30 +57,52 @@ Row bar(const std::string& what, int nx, int nz, bool in_float, bool skewed, boo
   return {what, cells, rate(s, cells, std::max(20L, 2000000 / cells)), must, goal};
 }
 
-/// A bar in lasting contact with a plate, with and without the contact: the share it adds.
-double contact_share(double* with, long* cells) {
-  double speed[2] = {0, 0};
-  for (const bool touching : {false, true}) {
-    SolidMesh mesh;
-    const double h = 1e-3;
-    add_box(mesh, mesh.add_part("plate"), {-2 * h, -2 * h, -4 * h}, {12 * h, 12 * h, 0}, 14, 14, 4);
-    add_box(mesh, mesh.add_part("bar"), {0, 0, 0}, {10 * h, 10 * h, 50 * h}, 10, 10, 50);
-    ExplicitSolid s(mesh, {SolidMaterial{}, SolidMaterial{}}, quiet(false));
-    for (int n = 0; n < static_cast<int>(mesh.nodes.size()); ++n)
-      if (mesh.nodes[static_cast<std::size_t>(n)].z < -3.9 * h) s.fix(n, true, true, true);
-    s.add_load({s.whole_part(1), {0, 0, -2e5}});  // keeps it pressed
-    if (touching) {
-      ContactPair pair{0, 1};
-      pair.friction_static = 0.3;
-      pair.friction_dynamic = 0.2;
-      pair.decay = 1;
-      s.set_contact({{pair}});
-    }
-    *cells = static_cast<long>(mesh.cells.size());
-    speed[touching] = rate(s, *cells, 300);
+/// A bar pressed on a plate, held in contact or free of it.
+std::unique_ptr<ExplicitSolid> pressed_bar(bool touching, long* cells) {
+  SolidMesh mesh;
+  const double h = 1e-3;
+  add_box(mesh, mesh.add_part("plate"), {-2 * h, -2 * h, -4 * h}, {12 * h, 12 * h, 0}, 14, 14, 4);
+  add_box(mesh, mesh.add_part("bar"), {0, 0, 0}, {10 * h, 10 * h, 50 * h}, 10, 10, 50);
+  auto s = std::make_unique<ExplicitSolid>(mesh, std::vector<SolidMaterial>{SolidMaterial{}, SolidMaterial{}},
+                                           quiet(false));
+  for (int n = 0; n < static_cast<int>(mesh.nodes.size()); ++n)
+    if (mesh.nodes[static_cast<std::size_t>(n)].z < -3.9 * h) s->fix(n, true, true, true);
+  s->add_load({s->whole_part(1), {0, 0, -2e5}});  // keeps it pressed
+  if (touching) {
+    ContactPair pair{0, 1};
+    pair.friction_static = 0.3;
+    pair.friction_dynamic = 0.2;
+    pair.decay = 1;
+    s->set_contact({{pair}});
   }
-  *with = speed[1];
-  return speed[0] / speed[1] - 1;
+  *cells = static_cast<long>(mesh.cells.size());
+  s->step();
+  return s;
+}
+
+/// The share that contact adds to a step: the median of rounds in which both go by turns, because others use the
+/// machine too, over several pairs, because the share depends by some per cent on where their numbers come to lie.
+double contact_share(double* with, long* cells) {
+  constexpr int pairs = 9, rounds = 11, steps = 60;
+  const auto seconds = [&](ExplicitSolid& s) {
+    const double start = process_cpu_seconds();
+    for (int n = 0; n < steps; ++n) s.step();
+    return process_cpu_seconds() - start;
+  };
+  std::vector<double> shares;
+  std::vector<std::unique_ptr<ExplicitSolid>> kept;  // so that the next ones lie elsewhere
+  *with = 0;
+  for (int pair = 0; pair < pairs; ++pair) {
+    kept.push_back(pressed_bar(false, cells));
+    kept.push_back(pressed_bar(true, cells));
+    for (int k = 0; k < rounds; ++k) {
+      const double without = seconds(*kept[kept.size() - 2]), touching = seconds(*kept.back());
+      shares.push_back(touching / without - 1);
+      *with = std::max(*with, static_cast<double>(*cells * steps) / touching / 1e6);
+    }
+  }
+  std::nth_element(shares.begin(), shares.begin() + pairs * rounds / 2, shares.end());
+  return shares[pairs * rounds / 2];
 }
 
 }  // namespace
@@ -118,7 +141,7 @@ int main(int argc, char** argv) {
                     {"goal", r.goal}});
   };
   for (const Row& r : rows) print(r);
-  std::printf("contact adds %.1f %% to the step (must <= 30 %%)\n", 100 * share);
+  std::printf("contact adds %.1f %% to the step (must <= 15 %%)\n", 100 * share);
   if (bench::ccx_is_here()) {
     for (const char* contact : {"tied", "n2s", "s2s"}) {
       const double end = std::strcmp(contact, "s2s") == 0 ? 1e-5 : 4e-5;

@@ -186,30 +186,17 @@ void NearestFaces::look(const std::vector<int>& active) {
   }
 }
 
-Touch NearestFaces::touch(std::size_t q, const NodeView& view) const {
+/// A node behind the plane of its nearest face, but not above it.
+Touch NearestFaces::beside(std::size_t q, Touch touch, double aside, const NodeView& view) const {
   const Best& best = best_[q];
-  constexpr double rounding = 1e-9;
-  const Touch none{-1, best.away - rounding * depth_limit_, 0, {}, {}};
-  if (best.candidate < 0) return none;
-  const SeenFaces& s = seen_[static_cast<std::size_t>(best.seen) / contact_lanes];
-  const std::size_t lane = static_cast<std::size_t>(best.seen) % contact_lanes;
-  // inside or outside is decided by the nearest face alone: behind a more distant face's plane means nothing
-  if (s.gap[lane] >= 0) return none;
   const Candidate& nearest = candidates_[static_cast<std::size_t>(best.candidate)];
-  const auto face = static_cast<std::size_t>(nearest.face);
-  Touch touch{onto_->faces()[face],
-              0,
-              -s.gap[lane],
-              {s.normal[0][lane], s.normal[1][lane], s.normal[2][lane]},
-              {s.weights[0][lane], s.weights[1][lane], s.weights[2][lane], s.weights[3][lane]}};
-  if (s.aside[lane] == 0) return touch;
   const Facet& facet = onto_->skin().facets[static_cast<std::size_t>(touch.facet)];
-  const auto corners = onto_->corners_now(face);
+  const auto corners = onto_->corners_now(static_cast<std::size_t>(nearest.face));
   const double size = 2 * face_margin(facet_normal(corners, facet.corners()));
-  if (nearest.square && s.aside[lane] <= overhang * size) return touch;
-  const auto point = static_cast<std::size_t>(looking_[q] / 4);
-  const Projection at = project(corners, facet.corners(), from_->place(point));
-  if (!behind_all(view, facet, at)) return none;
+  if (nearest.square && aside <= overhang * size) return touch;
+  const Projection at =
+      project(corners, facet.corners(), from_->place(static_cast<std::size_t>(looking_[q] / 4)));
+  if (!behind_all(view, facet, at)) return nothing(best);
   touch.depth = best.distance;
   touch.normal = -1 / best.distance * at.offset;
   return touch;

@@ -30,7 +30,21 @@ class NearestFaces {
   /// Looks for the nearest face of each of the given ones.
   void look(const std::vector<int>& active);
   /// What number `q` of them touches.
-  Touch touch(std::size_t q, const NodeView&) const;
+  Touch touch(std::size_t q, const NodeView& view) const {
+    const Best& best = best_[q];
+    if (best.candidate < 0) return nothing(best);
+    const SeenFaces& s = seen_[static_cast<std::size_t>(best.seen) / contact_lanes];
+    const std::size_t lane = static_cast<std::size_t>(best.seen) % contact_lanes;
+    // inside or outside is decided by the nearest face alone: behind a more distant face's plane means nothing
+    if (s.gap[lane] >= 0) return nothing(best);
+    const int face = candidates_[static_cast<std::size_t>(best.candidate)].face;
+    const Touch touch{onto_->faces()[static_cast<std::size_t>(face)],
+                      0,
+                      -s.gap[lane],
+                      {s.normal[0][lane], s.normal[1][lane], s.normal[2][lane]},
+                      {s.weights[0][lane], s.weights[1][lane], s.weights[2][lane], s.weights[3][lane]}};
+    return s.aside[lane] == 0 ? touch : beside(q, touch, s.aside[lane], view);
+  }
 
  private:
   struct Candidate {
@@ -55,6 +69,11 @@ class NearestFaces {
   bool flat_around(const Facet&, const std::vector<Vec3>& normals) const;
   bool behind_all(const NodeView&, const Facet&, const Projection&) const;
   void see(SeenFaces* out);
+  Touch nothing(const Best& best) const {
+    constexpr double rounding = 1e-9;
+    return {-1, best.away - rounding * depth_limit_, 0, {}, {}};
+  }
+  Touch beside(std::size_t q, Touch, double aside, const NodeView&) const;
 
   const NearSurface *from_, *onto_;
   const ContactKernel* kernel_;
