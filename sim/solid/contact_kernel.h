@@ -16,8 +16,8 @@ struct MovedBox {
   double lo[4] = {1e300, 1e300, 1e300, 1e300}, hi[4] = {-1e300, -1e300, -1e300, -1e300};
 };
 
-/// Eight nodes, each seen from one four-sided face: the numbers of a `Projection`; and how far a node that does not touch
-/// the face must at least move against it to touch it.
+/// Eight nodes, each seen from one four-sided face: the numbers of a `Projection`; and how far a node that does not
+/// touch the face must at least move against it to touch it.
 struct SeenFaces {
   double distance[contact_lanes], gap[contact_lanes], aside[contact_lanes], way[contact_lanes];
   double normal[3][contact_lanes];

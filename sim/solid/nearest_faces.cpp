@@ -103,7 +103,7 @@ bool NearestFaces::behind_all(const NodeView& view, const Facet& facet, const Pr
   return true;
 }
 
-/// The pairs of seeing_ and seen_face_, four a block. A node that does not touch a face must move at least a certain way
+/// The pairs of seeing_ and seen_face_, eight a block. A node that does not touch a face must move at least a way
 /// against it to touch it: to get from the front to behind it and above it, or from too deep to the limit. Behind its
 /// plane, beside it, nothing is known, for a way in may lead through faces that are no candidates.
 void NearestFaces::see(SeenFaces* out) {
@@ -130,7 +130,7 @@ void NearestFaces::see(SeenFaces* out) {
   }
 }
 
-/// In rounds, so that a block of nodes looks at a time: in each, every node that still asks looks at its next candidate.
+/// In rounds, so that a block of nodes looks at a time: in each, every node that asks looks at its next candidate.
 void NearestFaces::look(const std::vector<int>& active) {
   looking_.resize(active.size());
   best_.assign(active.size(), {depth_limit_, depth_limit_, -1, 0});

@@ -124,7 +124,8 @@ inline const std::vector<SaidOnce>& said_once() {
 
 /// Functions that no product source names: start-up code in assembler or a macro at the beginning of a line calls them.
 inline const std::vector<std::string_view>& called_from_outside() {
-  static const std::vector<std::string_view> table{"hold_gate_low", "POWBENCH_CELL_KERNEL"};
+  static const std::vector<std::string_view> table{"hold_gate_low", "POWBENCH_CELL_KERNEL",
+                                                   "POWBENCH_CONTACT_KERNEL"};
   return table;
 }
 

@@ -153,7 +153,7 @@ TEST_CASE("contact misses nothing of a body that strikes fast, again and again")
   Outcome sum;
   for (unsigned seed = 1; seed <= 6; ++seed) {
     Random random(seed);
-    // up to 0.4 of a face in one step, to and fro, into the table by a tenth of a face, and off to where nothing is near
+    // up to 0.4 of a face in one step, to and fro, into the table by a tenth of a face, and off beyond reach
     Vec3 at{0, 0, 0.004}, speed{0, 0, -4e-4};
     const auto path = [&](long) {
       at += speed;
