@@ -136,4 +136,13 @@ double seen_switch_off(const Record& record) {
   return unknown;
 }
 
+SeenReturn seen_return(const Record& record) {
+  SeenReturn first;
+  for (const Channel c : {Channel::contact_a, Channel::pvdf_a, Channel::pvdf_b, Channel::laser}) {
+    if (record.find(c) == nullptr) continue;
+    if (const double at = left_at(to_signal(record, c)); at > 0 && !(at >= first.at)) first = {at, c};
+  }
+  return first;
+}
+
 }  // namespace powbench::dsp

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <limits>
+
 #include "core/record.h"
 #include "dsp/signal.h"
 
@@ -17,5 +19,13 @@ double left_at(const Signal&);
 /// current it is the last peak and what follows it, up to a quarter of a mains period early; a current that a diode
 /// keeps flowing is off where it begins to fall.
 double seen_switch_off(const Record&);
+
+/// When contact voltage, a film or the travel, whichever is first, comes back to where it was before switch-on, s after
+/// it; NaN where none does.
+struct SeenReturn {
+  double at = std::numeric_limits<double>::quiet_NaN();
+  Channel channel = Channel::contact_a;
+};
+SeenReturn seen_return(const Record&);
 
 }  // namespace powbench::dsp

@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
@@ -7,6 +8,7 @@
 
 #include "core/phase.h"
 #include "core/version.h"
+#include "dsp/switch_off.h"
 #include "dsp/switch_on.h"
 #include "host/cli/show.h"
 #include "host/cli/verbs.h"
@@ -62,6 +64,19 @@ std::string wrong_zero(const Imported& in, const Events& e) {
       "switch_on_s, on the time column, into the calibration file",
       in.record.find(Channel::coil_voltage) ? "voltage begins" : "current begins",
       std::isfinite(at) ? fmt::format("at about {:.1f} ms", at * 1e3) : std::string("before the record"));
+}
+
+/// What a record without bounce time needs where it seems to go on behind a switch-off that no coil channel shows; ""
+/// otherwise.
+std::string wanted_hold(const Imported& in, const Events& e) {
+  if (no_bounce_reason(e).empty() || std::isfinite(in.record.conditions.hold_time)) return "";
+  const dsp::SeenReturn back = dsp::seen_return(in.record);
+  if (!std::isfinite(back.at)) return "";
+  return fmt::format(
+      "{} goes back to its rest at {:.1f} ms: no settled touch. If the coil was switched off before, write "
+      "hold_ms = {:.0f} "
+      "into the calibration file",
+      info(back.channel).name, back.at * 1e3, std::max(std::floor(back.at * 1e3), 1.0));
 }
 
 /// What stands for the plan of imported records: as far as it matters, what their calibration says.
@@ -154,7 +169,8 @@ Exit import_waveform_file(const ImportArgs& args) {
   options.angle_tolerance = 0;  // nobody set one
   const Events events = extract_checked(in.record, options);
   take_angle(in, events);
-  const std::string no_angle = no_angle_reason(in, events), wrong = wrong_zero(in, events);
+  const std::string no_angle = no_angle_reason(in, events), wrong = wrong_zero(in, events),
+                    hold = wanted_hold(in, events);
   Record& record = in.record;
   record.conditions.seed = identity(record);
   Store store(args.database);
@@ -174,7 +190,7 @@ Exit import_waveform_file(const ImportArgs& args) {
     shot.id = store.store_shot(shot, &record, &events, {dsp::to_text(options.extract), program_version});
   }
   for (const std::string& note : in.notes) fmt::print(stderr, "{}: {}\n", args.file, note);
-  for (const std::string& text : {no_angle, wrong})
+  for (const std::string& text : {no_angle, wrong, hold})
     if (!text.empty()) fmt::print(stderr, "{}: {}\n", args.file, text);
   fmt::print(stderr, "{}: {} shot {} of {}; next: powbench events {} --db {}\n", args.file,
              there ? "is already" : "stored as", shot.id, args.database, shot.id, args.database);
@@ -206,8 +222,8 @@ Exit show_file_events(const EventsArgs& args) {
               "waveform file " + std::filesystem::path(args.shot).filename().string());
   apply_rule(events, in.record, found.used, rule);
   for (const std::string& note : in.notes) fmt::print(stderr, "{}: {}\n", args.shot, note);
-  if (const std::string wrong = wrong_zero(in, events); !wrong.empty())
-    fmt::print(stderr, "{}: {}\n", args.shot, wrong);
+  for (const std::string& text : {wrong_zero(in, events), wanted_hold(in, events)})
+    if (!text.empty()) fmt::print(stderr, "{}: {}\n", args.shot, text);
   if (args.json) {
     auto out = nlohmann::ordered_json::parse(to_events_json(events, in.record, 2, in.options));
     out["bands"] = nlohmann::ordered_json::parse(bands_json(in.record, events, found.bare, found.films));

@@ -201,6 +201,18 @@ std::string digits_of(double value, int decimals) {
   return fmt::format("{:.{}f}", std::round(value * one) / one + 0.0, decimals);
 }
 
+std::string no_bounce_reason(const Events& events) {
+  const ContactTrain& t = timing_train(events);
+  if (t.bounce_time.known()) return "";
+  if (!t.present) return "no channel shows the contact";
+  if (t.shows != Shows::contact) return fmt::format("the channel shows {}", name(t.shows));
+  if (t.contacts.empty()) return "the contact does not touch";
+  if (t.flags & flag_chatter) return "the contact still chatters at the end";
+  if (const Measured& last = t.contacts.back().release; last.known())
+    return fmt::format("the contact opens at {:.1f} ms and stays open: no settled touch", last.value * 1e3);
+  return "no settled touch";
+}
+
 void print_events(const Events& events) {
   fmt::print("  +- is U (k = 2)\n");
   for (const Quantity& q : quantity_table) {
@@ -215,6 +227,8 @@ void print_events(const Events& events) {
   if (const std::uint32_t flags = events.flags & of_record; flags != 0)
     fmt::print("  record [{}]\n", flag_names(flags));
   if (!events.coil.no_angle.empty()) fmt::print("  no closing angle: {}\n", events.coil.no_angle);
+  if (const std::string reason = no_bounce_reason(events); !reason.empty())
+    fmt::print("  no bounce time: {}\n", reason);
   print_train("contact voltage", events.contact_voltage);
   print_train("film A", events.pvdf_a);
   print_train("film B", events.pvdf_b);

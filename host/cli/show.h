@@ -20,6 +20,9 @@ Json seed_of(Origin origin, const Conditions& c) {
   return origin == Origin::import ? Json(nullptr) : Json(c.seed);
 }
 
+/// Why there is no bounce time; "" where there is one.
+std::string no_bounce_reason(const Events&);
+
 /// Quantities and contact trains as a table for people, to stdout.
 void print_events(const Events&);
 

@@ -63,7 +63,8 @@ FileKind kind_of(Calibration& k, const std::vector<Channel>& channels, bool fore
             "what made the record, where it was no contactor; page 1 of a report shows it");
   kind.text("recorded", k.recorded, "day of the record, as 2030-12-31; without it today");
   kind.number("switch_on_s", k.switch_on, {-1e12, 1e12}, "when the coil was switched on, on the time column");
-  kind.number("hold_ms", k.hold_time, {1e-3, 1e7}, "how long it stayed on; without it to the end",
+  kind.number("hold_ms", k.hold_time, {1e-3, 1e7},
+              "how long it stayed on; without it to where coil voltage or current ends, else to the end",
               Need::optional);
   kind.number("sample_rate_hertz", k.sample_rate, {1e3, 1e9},
               "instead of the time column's stamps; the first sample keeps its time", Need::optional);

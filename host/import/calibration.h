@@ -30,14 +30,15 @@ struct WaveformChannel {
 };
 
 struct Calibration {
-  std::string id;                                                 ///< of the calibration in force; "" = none
-  std::string valid_until;                                        ///< last day, `2030-12-31`; "" = for ever
-  std::string recorded;                                           ///< day of the record; "" = today
-  std::string source;                                             ///< what made the record; "" = not given
-  double switch_on = 0.0;                                         ///< s, on the time column
-  double hold_time = std::numeric_limits<double>::quiet_NaN();    ///< s; NaN = to the end of the record
-  double sample_rate = std::numeric_limits<double>::quiet_NaN();  ///< Hz, instead of the time column
-  double mains_hertz = std::numeric_limits<double>::quiet_NaN();  ///< nominal; NaN = not given
+  std::string id;           ///< of the calibration in force; "" = none
+  std::string valid_until;  ///< last day, `2030-12-31`; "" = for ever
+  std::string recorded;     ///< day of the record; "" = today
+  std::string source;       ///< what made the record; "" = not given
+  double switch_on = 0.0;   ///< s, on the time column
+  double hold_time = std::numeric_limits<double>::
+      quiet_NaN();  ///< s; NaN = to the switch-off that the coil shows, else to the end of the record
+  double sample_rate = std::numeric_limits<double>::quiet_NaN();    ///< Hz, instead of the time column
+  double mains_hertz = std::numeric_limits<double>::quiet_NaN();    ///< nominal; NaN = not given
   double closing_angle = std::numeric_limits<double>::quiet_NaN();  ///< rad, commanded
   std::array<WaveformChannel, channel_count> channels{};
   ForeignColumns columns;

@@ -10,6 +10,7 @@
 
 #include "core/counted.h"
 #include "core/origin.h"
+#include "dsp/switch_off.h"
 #include "host/config/bad_input.h"
 #include "host/config/csv_table.h"
 #include "host/config/test_record.h"
@@ -285,12 +286,22 @@ class Importer {
     if (m > 1) note(fmt::format("averaged by {:g} to {:.9g} Hz", m, r.sample_rate));
   }
 
+  /// What comes behind switch-off is no part of the closing: an opening is no bounce.
+  double seen_hold(const Record& r) {
+    const double off = dsp::seen_switch_off(r);
+    if (std::isfinite(off))
+      note(fmt::format(
+          "the {} ends {:.1f} ms after switch-on: evaluated up to there, as with hold_ms = {:.1f}",
+          r.find(Channel::coil_voltage) ? "coil voltage" : "coil current", off * 1e3, off * 1e3));
+    return off;
+  }
+
   void set_conditions(Record& r, const std::string& today) {
     Conditions& c = r.conditions;
     c.mains_hertz = k_.mains_hertz;  // what nobody gave stays unknown
     c.supply_volts = c.ambient = c.closing_angle = std::numeric_limits<double>::quiet_NaN();
     c.specimen = "imported";
-    c.hold_time = k_.hold_time;
+    c.hold_time = std::isnan(k_.hold_time) ? seen_hold(r) : k_.hold_time;
     out_.recorded = k_.recorded;
     out_.source = k_.source;
     if (!k_.id.empty() && !k_.valid_until.empty())

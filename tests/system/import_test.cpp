@@ -89,6 +89,60 @@ TEST_CASE("a shot of the simulated rig: export, import, events: the same times",
   CHECK(run(folder, {"report", "--db", db, "-o", folder.file("out")}).status == 0);
 }
 
+// Without the time that the coil is on, the opening at the end counted as one more bounce: no settled touch, no bounce
+// time, and films whose zero came from behind the opening.
+TEST_CASE("a record that contains the opening has its bounce time, or a sentence says what it needs",
+          "[system]") {
+  Folder folder;
+  const std::string db = folder.file("a.db"), csv = folder.file("shot.csv"), rig = folder.file("rig.toml");
+  folder.write("rig.toml", "record_length_ms = 240\npretrigger_ms = 40\n");
+  const std::string plan = folder.write("p.toml", "angles_deg = [60]\nrepeats = 1\nhold_time_ms = 140\n");
+  REQUIRE(run(folder, {"run", plan, "--rig", "sim:" + rig, "--db", db, "--progress", "none"}).status == 0);
+  REQUIRE(run(folder, {"export", "1", "--db", db, "-o", csv}).status == 0);
+  const json told = json::parse(run(folder, {"events", csv, "--json"}).out);
+  const auto contacts = [](const json& e, const char* channel) { return e["channels"][channel]["contacts"]; };
+  REQUIRE(told["channels"]["contact_a"]["bounce_time_s"].is_number());
+
+  const std::string given = read_file(folder.file("shot.toml"));
+  std::string unsaid = given;
+  const std::size_t line = unsaid.find("hold_ms");
+  REQUIRE(line != std::string::npos);
+  unsaid.erase(line, unsaid.find('\n', line) - line);
+  folder.write("shot.toml", unsaid);
+  const Finished seen = run(folder, {"events", csv, "--json"});
+  REQUIRE(seen.status == 0);
+  CHECK_THAT(seen.err, Contains("the coil voltage ends 14") &&
+                           Contains(" ms after switch-on: evaluated up to there, as with hold_ms = 14"));
+  const json found = json::parse(seen.out);
+  CHECK(found["channels"]["contact_a"]["bounce_time_s"] == told["channels"]["contact_a"]["bounce_time_s"]);
+  for (const char* channel : {"contact_a", "pvdf_a", "pvdf_b"}) {
+    REQUIRE_FALSE(contacts(found, channel).empty());
+    CHECK(contacts(found, channel).size() == contacts(told, channel).size());
+    CHECK(contacts(found, channel).back()["release_s"].is_null());
+  }
+
+  // no channel of the coil: it is not known whether the contact was let go
+  std::string rows = read_file(csv);
+  for (const char* name : {"coil_voltage", "coil_current", "laser"}) rows.replace(rows.find(name), 3, "my_");
+  folder.write("shot.csv", rows);
+  folder.write("bare.toml", "[columns]\ncontact_a = \"contact_a\"\n");
+  const std::string bare = folder.file("bare.toml");
+  for (const Finished& open : {run(folder, {"events", csv, "--calibration", bare}),
+                               run(folder, {"import", csv, "--calibration", bare, "--db", db})}) {
+    CHECK(open.status == 0);
+    CHECK_THAT(open.err,
+               Contains(" goes back to its rest at 1") &&
+                   Contains(" ms: no settled touch. If the coil was switched off before, write hold_ms = 1"));
+  }
+  CHECK_THAT(run(folder, {"events", csv, "--calibration", bare}).out,
+             Contains("no bounce time: the contact opens at 14") && Contains(" ms and stays open"));
+  const Finished followed = run(
+      folder, {"events", csv, "--calibration",
+               folder.write("held.toml", "hold_ms = 140\n[columns]\ncontact_a = \"contact_a\"\n"), "--json"});
+  CHECK(json::parse(followed.out)["channels"]["contact_a"]["bounce_time_s"].is_number());
+  CHECK_THAT(followed.err, !Contains("hold_ms"));
+}
+
 TEST_CASE("the plan's filter: stored with the campaign, found again, refused where it would eat bounces",
           "[system]") {
   Folder folder;
