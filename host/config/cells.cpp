@@ -95,8 +95,17 @@ std::string_view plain_text(std::string_view text, const std::string& file) {
   if (text.starts_with("\xEF\xBB\xBF")) text.remove_prefix(3);
   if (text.starts_with("\xFF\xFE") || text.starts_with("\xFE\xFF"))
     throw BadInput({file + ":1: the text is UTF-16; allowed UTF-8 or ASCII: save it as CSV UTF-8"});
+  if (text.starts_with("PK\x03\x04") || text.starts_with("\xD0\xCF\x11\xE0"))
+    throw BadInput(
+        {file +
+         ":1: a workbook or archive (xlsx, ods, xls, zip), binary data; allowed a CSV text: open it in "
+         "Excel and save the sheet as CSV UTF-8"});
   if (text.substr(0, 4096).find('\0') != std::string_view::npos)
-    throw BadInput({file + ":1: not a text but binary data; allowed a CSV text"});
+    throw BadInput(
+        {file +
+         ":1: not a text but binary data; allowed a CSV text, or of binary files "
+         "TDMS (.tdms), MAT 5 (.mat), WAV (.wav), Yokogawa (.wvf with .hdr), COMTRADE (.cfg with .dat, "
+         ".cff)"});
   return text;
 }
 

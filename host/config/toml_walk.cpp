@@ -315,6 +315,18 @@ class TomlWalk {
     }
   }
 
+  /// `key = 0,1`
+  bool decimal_comma(int row) const {
+    if (row < 1 || static_cast<std::size_t>(row) > lines_.size()) return false;
+    const std::string& line = lines_[static_cast<std::size_t>(row) - 1];
+    const auto digit = [](char c) { return c >= '0' && c <= '9'; };
+    const std::size_t from = line.find_first_not_of(" \t+-", line.find('=') + 1);
+    if (line.find('=') == std::string::npos || from == std::string::npos || !digit(line[from])) return false;
+    std::size_t comma = from;
+    while (comma < line.size() && digit(line[comma])) ++comma;
+    return comma + 1 < line.size() && line[comma] == ',' && digit(line[comma + 1]);
+  }
+
   void note(const toml::parse_error& e, int row) {
     if (twice(e)) {
       const std::string& line = lines_[static_cast<std::size_t>(row) - 1];
@@ -328,6 +340,7 @@ class TomlWalk {
     if (const auto colon = what.find(": ");
         what.starts_with("Error while parsing") && colon != std::string::npos)
       what = what.substr(colon + 2);
+    if (decimal_comma(row)) what += "; write a decimal point, not a comma";
     reader_.add(std::max(row, 1), "not TOML: " + what);
   }
 

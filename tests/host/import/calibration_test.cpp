@@ -52,6 +52,15 @@ TEST_CASE("mistakes are named with line, key and range, all at once") {
   CHECK_THAT(complaint("[pvdf_a\n"), Contains("shot.toml:1"));
 }
 
+TEST_CASE("a decimal comma is named as what is wrong, and only one") {
+  for (const char* number : {"0,1", "-12,5 # A/V", "+0,001"})
+    CHECK_THAT(complaint(std::string("hold_ms = 80\n[coil_current]\ngain_A_per_V = ") + number + "\n"),
+               Contains("shot.toml:3: not TOML") && Contains("write a decimal point, not a comma"));
+  CHECK_THAT(complaint("[coil_current]\ngain_A_per_V = = 1\n"), Contains("not TOML") && !Contains("decimal"));
+  CHECK_THAT(complaint("[coil_current]\ngain_A_per_V = 1, 2\n"),
+             Contains("not TOML") && !Contains("decimal"));
+}
+
 TEST_CASE("a calibration without a name, or past its last day, is not in force") {
   Calibration k;
   CHECK_FALSE(in_force(k, "2026-01-01"));
