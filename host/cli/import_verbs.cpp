@@ -134,6 +134,13 @@ Exit suggest(const ImportArgs& args) {
   const std::string text = suggested_file(table, s, std::filesystem::path(args.file).filename().string());
   for (const std::string& note : table.notes) fmt::print(stderr, "{}: {}\n", args.file, note);
   nlohmann::ordered_json list = nlohmann::ordered_json::array();
+  if (!s.time.empty())
+    fmt::print(stderr, "{:<24} {:<14} {}\n", s.time, "time", s.time_why);
+  else
+    fmt::print(stderr,
+               "{}: no column is the time: [columns] time = \"NAME [s]\" names one, sample_rate_hertz stands "
+               "for it\n",
+               args.file);
   for (const Suggestion& c : s.columns) {
     const std::string channel = c.channel ? std::string(info(*c.channel).name) : "-";
     fmt::print(stderr, "{:<24} {:<14} by {:<6} {:<7} {}\n", table.header[c.column], channel,

@@ -100,8 +100,16 @@ std::string parse(const std::string& cell, Column& column) {
   return "";
 }
 
+/// `in s`, as some instruments write it: a time column and its unit; "" = another cell.
+std::string in_seconds(const std::string& cell) {
+  for (const char* unit : {"s", "ms", "us"})
+    if (cell == std::string("in ") + unit) return unit;
+  return "";
+}
+
 /// `name [unit]` apart; no unit where there are no brackets.
 std::pair<std::string, std::string> apart(const std::string& given) {
+  if (const std::string unit = in_seconds(given); !unit.empty()) return {given, unit};
   std::string cell = given;  // `CH1(V)`, as instruments write it, is `CH1[V]`
   if (cell.ends_with(')') && cell.find('[') == std::string::npos && cell.find('(') != std::string::npos)
     cell[cell.rfind('(')] = '[', cell.back() = ']';
@@ -145,7 +153,9 @@ std::vector<Column> read_header(const std::vector<std::string>& cells, const std
   };
   int times = 0;
   for (std::size_t i = 0; i < cells.size(); ++i) {
-    const auto own = own_title(cells[i], foreign);
+    auto own = own_title(cells[i], foreign);
+    const bool named = own.has_value();
+    if (const std::string unit = in_seconds(cells[i]); !own && !unit.empty()) own = "time [" + unit + "]";
     const auto list = names();
     const bool ours = std::find(list.begin(), list.end(), lower(apart(cells[i]).first)) != list.end();
     if (any_foreign && !own && !ours) {
@@ -157,7 +167,7 @@ std::vector<Column> read_header(const std::vector<std::string>& cells, const std
     if (own) {
       columns[i].title = cells[i];
       ++answered[columns[i].channel ? 1 + index(*columns[i].channel) : 0];
-      if (!wrong.empty()) wrong = "column '" + cells[i] + "', named in [columns]: " + wrong;
+      if (!wrong.empty() && named) wrong = "column '" + cells[i] + "', named in [columns]: " + wrong;
     }
     if (!wrong.empty()) {
       fail(wrong);
@@ -183,7 +193,10 @@ std::vector<Column> read_header(const std::vector<std::string>& cells, const std
     }
   const auto passed = std::count_if(columns.begin(), columns.end(), [](auto& c) { return c.passed_over; });
   if ((times > 1 || (times == 0 && clock)) && mistakes.empty())
-    fail("the header has " + std::to_string(times) + " time columns; allowed one, as in `time [s]`");
+    fail("the header has " + std::to_string(times) + " time columns; allowed one, as in `time [s]`" +
+         (times == 0
+              ? "; [columns] time = \"NAME [s]\" in the calibration file names one that is called otherwise"
+              : ""));
   if (cells.size() - static_cast<std::size_t>(times) - static_cast<std::size_t>(passed) < 1 &&
       mistakes.empty())
     fail("the header has no channel; allowed " + known_columns());

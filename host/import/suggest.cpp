@@ -27,9 +27,11 @@ const std::vector<Words>& vocabulary() {
        {"pvdf_b", "pvdf b", "pvdf2", "force_b", "force b", "force2", "force 2", "f_b", "kraft b", "kraft2"}},
       {Channel::laser, {"laser", "travel", "displacement", "distance", "position", "stroke", "hub", "weg"}},
       {Channel::coil_current,
-       {"coil_current", "coil current", "icoil", "i_coil", "i coil", "current", "spulenstrom", "strom"}},
+       {"coil_current", "coil current", "icoil", "i_coil", "i coil", "current", "spulenstrom", "strom",
+        "ispule", "i_spule"}},
       {Channel::coil_voltage,
-       {"coil_voltage", "coil voltage", "ucoil", "vcoil", "u_coil", "v_coil", "spulenspannung"}},
+       {"coil_voltage", "coil voltage", "ucoil", "vcoil", "u_coil", "v_coil", "spulenspannung", "uspule",
+        "u_spule"}},
       {Channel::mains_voltage, {"mains", "line voltage", "umains", "netz", "grid", "supply"}},
       {Channel::contact_a, {"contact", "pole", "kontakt"}},
       {Channel::aux, {"accel", "aux"}},
@@ -48,6 +50,7 @@ struct Title {
 };
 Title title_of(const std::string& header) {
   Title title;
+  if (header.starts_with("in ")) return {header, header.substr(3)};  // the time, as some instruments write it
   title.name = header;
   const std::size_t open = header.rfind(" [");
   if (open == std::string::npos || header.back() != ']') return title;
@@ -67,6 +70,23 @@ std::optional<Channel> named(const std::string& name) {
   return best;
 }
 
+/// Words that leave more than one channel: either film, the coil's voltage or current.
+std::vector<Channel> hinted(const Title& title) {
+  const std::string text = lower(title.name);
+  const auto has = [&](std::string_view word) { return text.find(word) != std::string::npos; };
+  if (has("force") || has("kraft") || has("pvdf")) return {Channel::pvdf_a, Channel::pvdf_b};
+  if (!has("coil") && !has("spule")) return {};
+  if (title.unit == "A" || title.unit == "mA") return {Channel::coil_current};
+  return {Channel::coil_voltage, Channel::coil_current};
+}
+
+/// A contact [N] is a force: the unit is not one of the channel's, nor volts before a gain.
+bool fits_unit(Channel c, const std::string& unit) {
+  if (unit.empty() || unit == "V" || unit == "mV") return true;
+  const std::string_view own = info(c).unit;
+  return own != "V" && (unit == own || unit == "m" + std::string(own) || (own == "m" && unit == "um"));
+}
+
 std::vector<Channel> by_unit(const std::string& unit) {
   std::vector<Channel> list;
   if (unit == "N" || unit == "mN") list = {Channel::pvdf_a, Channel::pvdf_b};
@@ -81,23 +101,38 @@ class Chooser {
     for (std::size_t c = 0; c < table.header.size(); ++c) {
       const Title t = title_of(table.header[c]);
       if (time_ == table.header.size() && is_time_name(t.name)) {
-        time_ = c;
-        out_.time = table.header[c];
-        seconds_ = table.columns[c];
-        const ScopeUnit unit = scope_unit(t.unit);
-        const double factor = unit.unit == "ms" ? 1e-3 : unit.unit == "us" ? 1e-6 : 1.0;
-        for (double& s : seconds_) s *= factor * unit.factor;
+        take_time(c, "its name");
         continue;
       }
       out_.columns.push_back(
           {.column = c, .channel = {}, .ground = Ground::guess, .sure = Sureness::unsure, .why = ""});
     }
+    std::erase_if(out_.columns, [&](const Suggestion& s) {
+      if (time_ < table.header.size() || !rises(table.columns[s.column])) return false;
+      take_time(s.column, "rises from row to row");
+      return true;
+    });
   }
 
   Suggested run() {
-    each(Ground::name, [&](Suggestion& s) {
+    each(Ground::name, [&](Suggestion& s) -> std::optional<Channel> {
+      const Title title = title_of(table_.header[s.column]);
+      auto channel = named(title.name);
+      if (channel == Channel::contact_a && !hinted(title).empty()) channel.reset();  // a contact force
+      if (!channel || !fits_unit(*channel, title.unit)) return std::nullopt;
       s.why = "its name", s.sure = Sureness::sure;
-      return named(title_of(table_.header[s.column]).name);
+      return channel;
+    });
+    each(Ground::name, [&](Suggestion& s) -> std::optional<Channel> {
+      const Title title = title_of(table_.header[s.column]);
+      const auto list = hinted(title);
+      for (const Channel c : list)
+        if (!taken_[index(c)] && fits_unit(c, title.unit)) {
+          s.why = "the first free channel with such a name";
+          s.sure = list.size() == 1 ? Sureness::sure : Sureness::likely;
+          return c;
+        }
+      return std::nullopt;
     });
     each(Ground::unit, [&](Suggestion& s) -> std::optional<Channel> {
       const Title title = title_of(table_.header[s.column]);
@@ -124,6 +159,10 @@ class Chooser {
     each(Ground::guess, [&](Suggestion& s) -> std::optional<Channel> {
       if (unit_is_other(s.column)) return std::nullopt;
       s.sure = Sureness::unsure;
+      if (rises(table_.columns[s.column])) {
+        s.why = "rises from row to row: a time or a count, no channel";
+        return std::nullopt;
+      }
       const auto shape = shape_in(s.column);
       if (shape && shape->is_mains()) {
         s.why = "a sine of mains frequency: no force; the channels of the mains are taken";
@@ -146,6 +185,23 @@ class Chooser {
   }
 
  private:
+  void take_time(std::size_t column, const char* why) {
+    time_ = column;
+    out_.time = table_.header[column];
+    out_.time_why = why;
+    seconds_ = table_.columns[column];
+    const ScopeUnit unit = scope_unit(title_of(out_.time).unit);
+    const double factor = unit.unit == "ms" ? 1e-3 : unit.unit == "us" ? 1e-6 : 1.0;
+    for (double& s : seconds_) s *= factor * unit.factor;
+  }
+
+  /// No channel does so without one equal pair of neighbours.
+  static bool rises(const std::vector<double>& v) {
+    constexpr std::size_t least = 20;
+    return v.size() >= least &&
+           std::adjacent_find(v.begin(), v.end(), [](double a, double b) { return !(b > a); }) == v.end();
+  }
+
   template <class F>
   void each(Ground ground, F&& choose) {
     for (Suggestion& s : out_.columns) {
@@ -244,6 +300,14 @@ std::string with_unit(const std::string& header) {
   return title_of(header).unit.empty() ? header + " [V]" : header;
 }
 
+/// The time of a column without a unit, or in one that is none of time's, is taken as seconds.
+std::string with_time_unit(const std::string& header) {
+  const Title title = title_of(header);
+  for (const char* unit : {"s", "ms", "us"})
+    if (title.unit == unit) return header;
+  return title.name + " [s]";
+}
+
 }  // namespace
 
 std::string_view name(Ground ground) {
@@ -278,8 +342,12 @@ std::string suggested_file(const CsvTable& table, const Suggested& s, const std:
   out +=
       "# closing_angle_deg = 90.0   # where you know it and the record does not show it\n"
       "\n[columns]\n";
-  if (!s.time.empty() && lower(title_of(s.time).name) != "time")
-    out += fmt::format("time = {}\n", quoted(s.time));
+  if (s.time.empty())
+    out +=
+        "# time = \"NAME [s]\"   # no column is the time by its name, none rises; or sample_rate_hertz "
+        "above\n";
+  else if (lower(title_of(s.time).name) != "time")
+    out += fmt::format("time = {}  # {}\n", quoted(with_time_unit(s.time)), s.time_why);
   for (const Suggestion& c : s.columns)
     out += c.channel
                ? fmt::format("{} = {}  # {}, by {}: {}\n", info(*c.channel).name,

@@ -37,6 +37,7 @@ struct Suggestion {
 struct Suggested {
   std::vector<Suggestion> columns;  ///< one for each column but the time
   std::string time;                 ///< header of the time column; "" = none was found
+  std::string time_why;             ///< half a sentence
   std::optional<double> switch_on;  ///< s, where the coil voltage begins
   std::optional<double> hold;  ///< s, from there, or else from time 0, to where coil voltage or current ends
   std::string hold_why;        ///< what ends there

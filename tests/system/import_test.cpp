@@ -208,6 +208,24 @@ TEST_CASE("a stranger's file without a database: events or one clear sentence", 
     CHECK_FALSE(std::filesystem::exists(folder.file("b.db")));
   }
   CHECK(run(folder, {"events", folder.file("none.csv")}).status == 2);
+  CHECK_THAT(run(folder, {"import", folder.write("shot.xlsx", "PK\x03\x04 workbook")}).err,
+             Contains("save the sheet as CSV"));
+  CHECK_THAT(run(folder, {"import", folder.write("shot.bin", std::string("a\0b", 3))}).err,
+             Contains("binary data") && Contains(".tdms"));
+  std::string rows = "in s;Kontakt [V]\n";
+  for (int i = 0; i < 100; ++i)
+    rows += "0,0" + std::to_string(100 + i) + ";" + (i < 50 ? "6,0" : "0,0") + "\n";
+  const std::string german = folder.write("german.csv", rows);
+  const Finished suggested = run(folder, {"import", german, "--suggest", "-o", folder.file("german.toml")});
+  CHECK_THAT(suggested.err, Contains("in s ") && Contains("time ") && Contains("contact_a"));
+  const Finished german_events = run(folder, {"events", german});
+  INFO(german_events.err);
+  CHECK(german_events.status == 0);
+  folder.write("german.toml", "[columns]\ncontact_a = \"Kontakt\"\n");  // `in s` is the time by itself
+  CHECK(run(folder, {"events", german}).status == 0);
+  folder.write("german.toml", "[columns]\ncontact_a = \"Kontakt\"\n[contact_a]\ngain_V_per_V = 0,1\n");
+  CHECK_THAT(run(folder, {"events", german}).err,
+             Contains("german.toml:4: not TOML") && Contains("write a decimal point"));
   CHECK(run(folder, {"events", folder.file("bad.csv"), "--calibration", folder.file("none.toml")}).status ==
         2);
   CHECK_THAT(run(folder, {"import", "--help"}).out,

@@ -60,7 +60,9 @@ TEST_CASE("texts that cannot be meant are refused with file, line, value and wha
   CHECK_THAT(complaint(""), Contains("x.csv:1") && Contains("empty") && Contains("time [s],pvdf_a [N]"));
   CHECK_THAT(complaint("\r\n\n# no\n"), Contains("empty"));
   CHECK_THAT(complaint("\xFF\xFEt\0i"), Contains("UTF-16"));
-  CHECK_THAT(complaint(std::string("PK\3\4\0\0", 6)), Contains("binary"));
+  CHECK_THAT(complaint(std::string("PK\3\4\0\0", 6)),
+             Contains("binary") && Contains("save the sheet as CSV"));
+  CHECK_THAT(complaint(std::string("a\0b", 3)), Contains("binary") && Contains("TDMS (.tdms)"));
   CHECK_THAT(complaint("time [s],aux [V]\n0,1\n\n1,x2\n"),
              Contains("x.csv:4") && Contains("'x2'") && Contains("aux [V]"));
   CHECK_THAT(complaint("time [s],aux [V]\n0,0,1,2\n"),
@@ -97,6 +99,7 @@ TEST_CASE("unknown names and units that do not fit are refused with the nearest 
   CHECK_THAT(complaint("time [V],laser [A]\n"), Contains("'V'") && Contains("'A'") && Contains("mm"));
   CHECK_THAT(complaint("time [s],aux [V],AUX [mV]\n"), Contains("twice"));
   CHECK_THAT(complaint("time [s],time [ms],aux [V]\n"), Contains("2 time columns"));
-  CHECK_THAT(complaint("aux [V],laser [m]\n"), Contains("0 time columns"));
+  CHECK_THAT(complaint("aux [V],laser [m]\n"),
+             Contains("0 time columns") && Contains("[columns] time = \"NAME [s]\""));
   CHECK_THAT(complaint("time [s]\n"), Contains("no channel"));
 }

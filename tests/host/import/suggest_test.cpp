@@ -335,6 +335,63 @@ TEST_CASE("a time in milliseconds, under another name, changes no suggestion", "
   }
 }
 
+// `in s` was offered as a force, and the import of what was suggested found no time.
+TEST_CASE("a time column of another name is found, and what rises is no channel", "[import][suggest]") {
+  const Shown s = shown(45);
+  const Suggested plain = suggest_columns(s.table);
+  for (const char* title : {"in s", "Zeitachse [s]", "Abtastung [V]"}) {
+    CsvTable t = s.table;
+    t.header[0] = title;
+    t.header.emplace_back("index [V]");
+    t.columns.emplace_back();
+    for (std::size_t i = 0; i < t.rows(); ++i) t.columns.back().push_back(static_cast<double>(i));
+    const Suggested found = suggest_columns(t);
+    INFO(title);
+    CHECK(found.time == title);
+    REQUIRE(found.columns.size() == plain.columns.size() + 1);
+    for (std::size_t i = 0; i < plain.columns.size(); ++i)
+      CHECK(found.columns[i].channel == plain.columns[i].channel);
+    CHECK_FALSE(found.columns.back().channel);
+    CHECK_THAT(found.columns.back().why, Contains("a time or a count, no channel"));
+    const Calibration k = parse_calibration(suggested_file(t, found, "x.csv"), "x.toml");
+    CHECK(k.columns[0] == (title[0] == 'A' ? "Abtastung [s]" : title));
+    const auto columns = read_header(t.header, "x.csv", 1, true, k.columns);
+    CHECK_FALSE(columns[0].channel);
+    CHECK_FALSE(columns[0].passed_over);
+  }
+}
+
+TEST_CASE("common names in German and English say which channel", "[import][suggest]") {
+  const std::vector<std::pair<const char*, std::optional<Channel>>> names{
+      {"Kraft [V]", Channel::pvdf_a},
+      {"Kontaktkraft 2 [N]", Channel::pvdf_b},
+      {"Spule [V]", Channel::coil_voltage},
+      {"Spulenstrom [V]", Channel::coil_current},
+      {"Kontakt [V]", Channel::contact_a},
+      {"Hub [V]", Channel::laser},
+      {"Netzspannung [V]", Channel::mains_voltage},
+      {"accel [g]", std::nullopt}};
+  const std::vector<std::pair<const char*, std::optional<Channel>>> english{
+      {"contact force [V]", Channel::pvdf_a}, {"force right [V]", Channel::pvdf_b},
+      {"coil [A]", Channel::coil_current},    {"coil [V]", Channel::coil_voltage},
+      {"contact [V]", Channel::contact_a},    {"contact 2 [A]", std::nullopt}};
+  for (const auto& list : {names, english}) {
+    CsvTable t;
+    t.header = {"in s"};
+    t.columns.assign(list.size() + 1, std::vector<double>(100, 1.0));
+    for (std::size_t i = 0; i < 100; ++i) t.columns[0][i] = 1e-3 * static_cast<double>(i);
+    t.line.assign(100, 1);
+    for (const auto& [title, channel] : list) t.header.emplace_back(title);
+    const Suggested found = suggest_columns(t);
+    REQUIRE(found.columns.size() == list.size());
+    for (std::size_t i = 0; i < list.size(); ++i) {
+      INFO(list[i].first);
+      CHECK(found.columns[i].channel == list[i].second);
+      if (list[i].second) CHECK(found.columns[i].ground == Ground::name);
+    }
+  }
+}
+
 TEST_CASE("columns without units are suggested as volts, and the file asks for their gains",
           "[import][suggest]") {
   Shown s = shown(44);
