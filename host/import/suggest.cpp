@@ -300,6 +300,21 @@ std::string with_unit(const std::string& header) {
   return title_of(header).unit.empty() ? header + " [V]" : header;
 }
 
+/// The section of a channel whose column is in volts, with its gain as a comment.
+std::string gain_lines(Channel channel, const std::string& unit) {
+  if (unit != "V" && unit != "mV" && !unit.empty()) return "";
+  const std::string_view own = info(channel).unit, name = info(channel).name;
+  if (own == "V")
+    return fmt::format(
+        "\n[{}]\n# gain_V_per_V = 100   # of a 1:100 probe that the instrument was not told of; without it "
+        "1\n",
+        name);
+  return fmt::format(
+      "\n[{}]\n# gain_{}_per_V = ?   # the column is in {}: what one volt stands for; or certificate = "
+      "\"FILE.xml\"\n",
+      name, own == "m" ? "mm" : own, unit.empty() ? "V" : unit);
+}
+
 /// The time of a column without a unit, or in one that is none of time's, is taken as seconds.
 std::string with_time_unit(const std::string& header) {
   const Title title = title_of(header);
@@ -353,17 +368,8 @@ std::string suggested_file(const CsvTable& table, const Suggested& s, const std:
                ? fmt::format("{} = {}  # {}, by {}: {}\n", info(*c.channel).name,
                              quoted(with_unit(table.header[c.column])), name(c.sure), name(c.ground), c.why)
                : fmt::format("# {} : {}\n", quoted(table.header[c.column]), c.why);
-  for (const Suggestion& c : s.columns) {
-    if (!c.channel || info(*c.channel).unit == "V") continue;
-    const Title title = title_of(table.header[c.column]);
-    const std::string& unit = title.unit;
-    if (unit != "V" && unit != "mV" && !unit.empty()) continue;
-    const std::string_view own = info(*c.channel).unit;
-    out += fmt::format(
-        "\n[{}]\n# gain_{}_per_V = ?   # the column is in {}: what one volt stands for; or certificate = "
-        "\"FILE.xml\"\n",
-        info(*c.channel).name, own == "m" ? "mm" : own, unit.empty() ? "V" : unit);
-  }
+  for (const Suggestion& c : s.columns)
+    if (c.channel) out += gain_lines(*c.channel, title_of(table.header[c.column]).unit);
   return out;
 }
 

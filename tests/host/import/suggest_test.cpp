@@ -402,6 +402,12 @@ TEST_CASE("columns without units are suggested as volts, and the file asks for t
   for (const Suggestion& x : found.columns)
     if (x.channel) CHECK(k.columns[1 + index(*x.channel)] == s.table.header[x.column] + " [V]");
   CHECK_THAT(text, Contains("# gain_N_per_V = ?"));
+  // a probe of 1:100 that the instrument does not know of: the line works when its # is taken away
+  const std::string probe = "[coil_voltage]\n# gain_V_per_V = 100";
+  REQUIRE_THAT(text, Contains(probe) && Contains("[contact_a]\n# gain_V_per_V = 100"));
+  std::string with = text;
+  with.erase(with.find(probe) + probe.find('#'), 2);
+  CHECK(parse_calibration(with, "x.toml").of(Channel::coil_voltage).gain == 100);
 }
 
 TEST_CASE("a column that no channel fits stays without one", "[import][suggest]") {
