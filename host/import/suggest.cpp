@@ -231,8 +231,8 @@ class Chooser {
     return shape ? shaped(*shape) : std::nullopt;
   }
 
-  /// Coil voltage, or without one the current, by name, unit or by what it looks like up to its own end: when it begins,
-  /// and when it ends. All others are judged by the time in between.
+  /// Coil voltage, or without one the current, by name, unit or by what it looks like up to its own end: when it
+  /// begins and ends. All others are judged by the time in between.
   void find_coil() {
     for (const Channel wanted : {Channel::coil_voltage, Channel::coil_current})
       for (const Suggestion& s : out_.columns) {

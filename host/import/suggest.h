@@ -45,8 +45,8 @@ struct Suggested {
 
 Suggested suggest_columns(const CsvTable&);
 
-/// The calibration file that the suggestion makes: [columns], and for each column in volts its gain as a comment: what is
-/// missing, or for a voltage the factor of a probe.
+/// The calibration file that the suggestion makes: [columns], and for each column in volts its gain as a comment: what
+/// is missing, or for a voltage the factor of a probe.
 std::string suggested_file(const CsvTable&, const Suggested&, const std::string& waveform);
 
 }  // namespace powbench::host
