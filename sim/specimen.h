@@ -13,6 +13,7 @@
 namespace powbench::sim {
 
 struct DrawnMagnet;  // sim/fields/drawn_magnet.h
+struct SpaceMagnet;  // sim/field3d/space_magnet.h
 
 /// Coil: u = R i + d psi/dt.
 struct Coil {
@@ -106,7 +107,8 @@ struct Specimen {
   Base base;
   bool shaped = true;  ///< `shape` is this contactor's; else only the circuit describes its magnet
   MagnetShape shape;   ///< read by the field rungs alone; the lumped circuit has its own lengths in `magnet`
-  std::shared_ptr<const DrawnMagnet> drawn;  ///< of `magnet.drawing`, in place of `shape`; null: none
+  std::shared_ptr<const DrawnMagnet> drawn;     ///< of `magnet.drawing`, in place of `shape`; null: none
+  std::shared_ptr<const SpaceMagnet> in_space;  ///< the same, of a drawing in space
   bool lumped = true;  ///< false: a drawn magnet whose circuit is not stated; only its table describes it
 };
 

@@ -22,15 +22,6 @@ namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 using Drawing = std::shared_ptr<const sim::DrawnMagnet>;
 
-void refuse_options(const FieldArgs& args) {
-  const auto refuse = [](bool given, const char* option, const char* why) {
-    if (given) throw BadInput({fmt::format("{}: does not go with a drawing, {}", option, why)});
-  };
-  refuse(!args.steel.empty(), "--steel", "whose groups name their steels");
-  refuse(!args.mesh_file.empty(), "--mesh", "which has a mesh");
-  refuse(args.ends, "--ends", "which is plane or axisymmetric");
-}
-
 /// One shown state.
 struct ShownState {
   std::string name;
@@ -65,8 +56,17 @@ double worst_of(const std::vector<double>& list) {
 
 }  // namespace
 
+void refuse_drawing_options(const FieldArgs& args) {
+  const auto refuse = [](bool given, const char* option, const char* why) {
+    if (given) throw BadInput({fmt::format("{}: does not go with a drawing, {}", option, why)});
+  };
+  refuse(!args.steel.empty(), "--steel", "whose groups name their steels");
+  refuse(!args.mesh_file.empty(), "--mesh", "which has a mesh");
+  refuse(args.ends, "--ends", "whose ends are drawn or are not there");
+}
+
 Exit show_drawing(const FieldArgs& args, const Drawing& drawing) {
-  refuse_options(args);
+  refuse_drawing_options(args);
   const auto& d = *drawing;
   if (args.ring && !d.has_ring()) throw BadInput({"--ring: no group of the drawing has the role ring"});
   sim::TableOptions options;

@@ -17,6 +17,7 @@
 #include "host/cli/verbs.h"
 #include "host/config/drawing_file.h"
 #include "host/config/solenoid_file.h"
+#include "host/config/space_file.h"
 #include "host/config/specimen_file.h"
 #include "host/export/field_svg.h"
 #include "host/export/field_vtu.h"
@@ -207,6 +208,8 @@ Exit show_field(const FieldArgs& args) {
   check_tables(args);
   if (names_drawing(args.specimen_file)) {
     refuse_shards(args, true);
+    if (is_space_drawing(args.specimen_file))
+      return show_space_drawing(args, read_space_drawing(args.specimen_file));
     return show_drawing(args, read_drawing(args.specimen_file));
   }
   if (is_solenoid_file(args.specimen_file)) {
@@ -215,7 +218,8 @@ Exit show_field(const FieldArgs& args) {
   }
   const sim::Specimen specimen =
       args.specimen_file.empty() ? sim::Specimen{} : read_specimen(args.specimen_file);
-  refuse_shards(args, specimen.drawn != nullptr);
+  refuse_shards(args, specimen.drawn || specimen.in_space);
+  if (specimen.in_space) return show_space_drawing(args, specimen.in_space);
   if (specimen.drawn) return show_drawing(args, specimen.drawn);
   const auto design = design_of(specimen, args.steel);
   if (!args.mesh_file.empty()) return show_mesh(args, design);

@@ -33,7 +33,7 @@ sim::SceneAxes axes_of(const LadderArgs& args, const sim::Specimen& specimen) {
   axes.fields = args.fields;
   if (axes.fields.empty()) {
     if (specimen.lumped) axes.fields.emplace_back("circuit");
-    if (specimen.drawn || specimen.shaped) axes.fields.emplace_back("table");
+    if (specimen.drawn || specimen.in_space || specimen.shaped) axes.fields.emplace_back("table");
     if (specimen.shaped) axes.fields.emplace_back("field3d");
   }
   if (!args.mechanics.empty())

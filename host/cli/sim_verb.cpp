@@ -51,7 +51,7 @@ sim::SceneAxes axes_of(const Wish& wish, const sim::Case& first, const FieldCach
   sim::SceneAxes axes;
   if (wish.fields == "auto") {
     if (first.specimen.lumped) axes.fields = {"circuit"};
-    if (first.specimen.drawn) axes.fields.emplace_back("table");
+    if (first.specimen.drawn || first.specimen.in_space) axes.fields.emplace_back("table");
     if (first.specimen.shaped) axes.fields.insert(axes.fields.end(), {"table", "field3d"});
   } else
     axes.fields = {wish.fields.empty() ? "circuit" : wish.fields};
@@ -132,7 +132,7 @@ void print_choice(const sim::SceneChoice& c, const Wish& wish, const sim::Specim
   if (wish.accuracy) fmt::print(stderr, "wanted accuracy: {}\n", verdict_text(c));
   if (wish.accuracy && wish.fields.empty())
     fmt::print(stderr, "--fields auto compares the circuit with fields of the specimen's [shape]\n");
-  if (wish.fields == "auto" && !specimen.shaped && !specimen.drawn)
+  if (wish.fields == "auto" && !specimen.shaped && !specimen.drawn && !specimen.in_space)
     fmt::print(stderr, "specimen '{}' has no [shape]: only its circuit describes its magnet\n",
                specimen.name);
   fmt::print(stderr, "{:<9} {:>15} {:>15} {:>15}\n", "", "step error us", "model error us", "input error us");

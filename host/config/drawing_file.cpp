@@ -5,36 +5,17 @@
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
 #include <map>
 #include <optional>
-#include <sstream>
 
-#include "host/config/drawing_keys.h"
+#include "host/config/drawing_parts.h"
 #include "host/config/file_reader.h"
-#include "host/config/steel_file.h"
 #include "sim/fields/import_mesh.h"
 
 namespace powbench::host {
 namespace {
 
 namespace fs = std::filesystem;
-
-std::string content_of_file(const fs::path& path) {
-  std::ifstream in(path, std::ios::binary);
-  std::ostringstream text;
-  if (in) text << in.rdbuf();
-  if (!in) throw std::invalid_argument(path.string() + " cannot be read");
-  return text.str();
-}
-
-/// The file with nothing but the line of its mesh, for a sentence about that line alone.
-FileReader only_mesh(const fs::path& path) {
-  std::istringstream in(content_of_file(path));
-  std::string text;
-  for (std::string line; std::getline(in, line);) text += (line.starts_with("mesh") ? line : "") + "\n";
-  return {path.string(), text};
-}
 
 /// The named groups of surfaces and lines; those without a name go by their number.
 std::vector<DrawnGroup> groups_of(const sim::MshMesh& msh) {
@@ -131,13 +112,7 @@ class Assembly {
     }
     if (const auto known = steels_.find(g.steel); known != steels_.end()) return known->second;
     try {
-      sim::Steel steel = sim::Steel::linear(1);
-      if (names_steel_file(g.steel)) {
-        const auto sheet = read_steel(folder_ / g.steel);
-        steel = sim::Steel::table(sheet.name, sheet.fitted.rows);
-      } else {
-        steel = sim::builtin_steel(g.steel);
-      }
+      const sim::Steel steel = steel_of_drawing(folder_, g.steel);
       out_->steels.push_back(out_->axisymmetric || d_.stack_factor == 1 ? steel
                                                                         : steel.stacked(d_.stack_factor));
     } catch (const BadInput& error) {
@@ -236,40 +211,12 @@ class Assembly {
     sim::check_mesh(m);
   }
 
-  /// Another unit in which a length would be what it should.
-  std::string unit_for(double length, double low, double high) const {
-    for (std::size_t k = 0; k < drawn_units.size(); ++k) {
-      const double other = length / drawn_metres[static_cast<int>(d_.unit)] * drawn_metres[k];
-      if (other >= low && other <= high)
-        return fmt::format("; in {} it would be {:.4g} mm", drawn_units[k], other * 1e3);
-    }
-    return "";
-  }
-
   void check_size() {
     const auto& m = out_->mesh;
     const auto [x0, x1] = std::minmax_element(m.x.begin(), m.x.end());
     const auto [y0, y1] = std::minmax_element(m.y.begin(), m.y.end());
     const double extent = std::max(*x1 - *x0, *y1 - *y0);
-    if (!(extent >= 10e-3 && extent <= 3)) {
-      reader_.fail(
-          "", "unit",
-          fmt::format("the mesh is {:.4g} mm wide or high{}", extent * 1e3, unit_for(extent, 10e-3, 3)),
-          "10..3000 mm");
-      return;
-    }
-    const double gap = sim::measured_gap(*out_);
-    if (std::isinf(gap)) {
-      reader_.fail("", "opening",
-                   "below the armature, against this direction, there is no fixed iron to close on; is the "
-                   "direction right, "
-                   "have groups the roles fixed and armature?");
-      return;
-    }
-    if (std::fabs(gap - d_.drawn_gap) <= 0.01 * d_.drawn_gap + 1e-6) return;
-    reader_.fail("", "drawn_gap_mm",
-                 fmt::format("the faces of the mesh are {:.4g} mm apart{}", gap * 1e3,
-                             unit_for(gap, 0.99 * d_.drawn_gap, 1.01 * d_.drawn_gap)));
+    check_drawn_size(reader_, d_.unit, extent, sim::measured_gap(*out_), d_.drawn_gap);
   }
 
   void move() {
@@ -280,19 +227,7 @@ class Assembly {
       return;
     }
     const auto [from, to] = sim::usable_gaps(*out_);
-    if (d_.residual_gap <= from)
-      reader_.fail(
-          "", "residual_gap_um",
-          fmt::format(
-              "the mesh turns inside out on the way there: its air stretches down to a gap of {:.4g} um",
-              from * 1e6));
-    if (1.5 * d_.travel + d_.residual_gap >= to)
-      reader_.fail(
-          "", "travel_mm",
-          fmt::format(
-              "the mesh turns inside out: at 1.5 times this travel the faces are {:.4g} mm apart, its air "
-              "stretches to {:.4g} mm",
-              (1.5 * d_.travel + d_.residual_gap) * 1e3, to * 1e3));
+    check_drawn_reach(reader_, from, to, d_.residual_gap, d_.travel);
   }
 
   FileReader& reader_;
@@ -319,14 +254,7 @@ std::shared_ptr<const sim::DrawnMagnet> read_drawing(const fs::path& path) {
   first.read(mesh_key(draft));
   sim::MshMesh msh;
   if (first.good("", "mesh")) {
-    try {
-      msh = sim::read_msh(content_of_file(folder / draft.mesh));
-    } catch (const std::invalid_argument& error) {
-      FileReader alone = only_mesh(path);
-      alone.read(mesh_key(draft));
-      alone.fail("", "mesh", error.what());
-      alone.finish();
-    }
+    msh = mesh_of_drawing(path, draft.mesh);
     draft.groups = groups_of(msh);
   }
   reader.read(drawing_keys(draft));

@@ -11,7 +11,8 @@ FileKind mesh_key(DrawingDraft& d) {
 FileKind drawing_keys(DrawingDraft& d) {
   FileKind kind = mesh_key(d);
   kind.choice("unit", d.unit, drawn_units, "of the mesh's coordinates");
-  kind.choice("kind", d.kind, {"plane", "axisymmetric"}, "axisymmetric: x is the radius, y the axis");
+  kind.choice("kind", d.kind, {"plane", "axisymmetric", "space"},
+              "axisymmetric: x is the radius, y the axis; space: tetrahedra");
   kind.number("depth_mm", d.depth, {0.1, 1000}, "plane: depth of the stack");
   kind.number("stack_factor", d.stack_factor, {0.5, 1}, "plane: share of iron in the stack");
   kind.choice("symmetry", d.symmetry, {"whole", "half", "quarter"}, "how much of the device is drawn");

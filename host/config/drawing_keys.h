@@ -11,7 +11,7 @@
 namespace powbench::host {
 
 enum class DrawnUnit { mm, m, in };
-enum class DrawnKind { plane, axisymmetric };
+enum class DrawnKind { plane, axisymmetric, space };
 enum class DrawnSymmetry { whole, half, quarter };
 enum class DrawnOpening { up, down, right, left };
 enum class DrawnLine { none, zero };

@@ -8,6 +8,7 @@
 #include "host/config/drawing_file.h"
 #include "host/config/file_reader.h"
 #include "host/config/solenoid_file.h"
+#include "host/config/space_file.h"
 #include "host/config/steel_file.h"
 #include "sim/specimen_fields.h"
 #include "sim/specimen_steel.h"
@@ -135,6 +136,19 @@ void take_number(FileReader& reader, std::string_view section, std::string_view 
   value = drawn;
 }
 
+/// What the specimen takes from its drawing.
+template <class Drawing>
+void take_drawing(FileReader& reader, sim::Specimen& s, const Drawing& d) {
+  char hash[20];
+  std::snprintf(hash, sizeof hash, "%016" PRIx64, sim::drawing_hash(d));
+  s.magnet.drawing_hash = hash;
+  take_number(reader, "coil", "turns", s.coil.turns, d.turns());
+  take_number(reader, "core", "travel_mm", s.core.travel, d.travel);
+  take_number(reader, "magnet", "residual_gap_um", s.magnet.residual_gap, d.residual_gap);
+  if (d.ring_resistance > 0)
+    take_number(reader, "magnet", "ring_resistance_ohm", s.magnet.ring_resistance, d.ring_resistance);
+}
+
 /// Reads the drawing that the magnet names; every mistake is one of `reader`.
 void load_drawing(FileReader& reader, sim::Specimen& s, const std::filesystem::path& folder) {
   const auto stated = [&](std::string_view section, std::string_view key) {
@@ -155,19 +169,19 @@ void load_drawing(FileReader& reader, sim::Specimen& s, const std::filesystem::p
                     "given");
   if (stated("magnet", "drawing_hash")) return;  // a stored specimen: its mesh is elsewhere
   try {
-    s.drawn = read_drawing(folder / s.magnet.drawing);
+    const auto file = folder / s.magnet.drawing;
+    if (is_space_drawing(file))
+      s.in_space = read_space_drawing(file);
+    else
+      s.drawn = read_drawing(file);
   } catch (const BadInput& error) {
     for (const auto& line : error.errors()) reader.fail("magnet", "drawing", line);
     return;
   }
-  char hash[20];
-  std::snprintf(hash, sizeof hash, "%016" PRIx64, sim::drawing_hash(*s.drawn));
-  s.magnet.drawing_hash = hash;
-  take_number(reader, "coil", "turns", s.coil.turns, s.drawn->turns());
-  take_number(reader, "core", "travel_mm", s.core.travel, s.drawn->travel);
-  take_number(reader, "magnet", "residual_gap_um", s.magnet.residual_gap, s.drawn->residual_gap);
-  if (s.drawn->ring_resistance > 0)
-    take_number(reader, "magnet", "ring_resistance_ohm", s.magnet.ring_resistance, s.drawn->ring_resistance);
+  if (s.in_space)
+    take_drawing(reader, s, *s.in_space);
+  else
+    take_drawing(reader, s, *s.drawn);
 }
 
 sim::Specimen read_with(FileReader reader, const std::filesystem::path& folder) {

@@ -170,6 +170,13 @@ FieldTableChoice obtain_field_table(const std::filesystem::path& folder,
                 [&](sim::TableReport* report) { return sim::build_table(drawing, options, team, report); });
 }
 
+FieldTableChoice obtain_field_table(const std::filesystem::path& folder, const sim::SpaceMagnet& drawing,
+                                    const sim::TableOptions& options, const sim::Progress3& progress) {
+  return obtain(folder, sim::table_hash(drawing, options), [&](sim::TableReport* report) {
+    return sim::build_table(drawing, options, report, progress);
+  });
+}
+
 FieldTableChoice obtain_field_table(const std::filesystem::path& folder, const sim::SolenoidDesign& design,
                                     const sim::TableOptions& options, sim::Team& team) {
   return obtain(folder, sim::table_hash(design, options),

@@ -5,6 +5,7 @@
 #include <string_view>
 
 #include "sim/field3d/end_table.h"
+#include "sim/field3d/space_magnet.h"
 #include "sim/fields/drawn_magnet.h"
 #include "sim/fields/solenoid_field.h"
 #include "sim/fields/table_build.h"
@@ -41,6 +42,10 @@ FieldTableChoice obtain_field_table(const std::filesystem::path& folder, const s
 FieldTableChoice obtain_field_table(const std::filesystem::path& folder,
                                     const std::shared_ptr<const sim::DrawnMagnet>&, const sim::TableOptions&,
                                     sim::Team&);
+
+/// The same for a magnet drawn in space.
+FieldTableChoice obtain_field_table(const std::filesystem::path& folder, const sim::SpaceMagnet&,
+                                    const sim::TableOptions&, const sim::Progress3&);
 
 /// The same for a solenoid.
 FieldTableChoice obtain_field_table(const std::filesystem::path& folder, const sim::SolenoidDesign&,

@@ -39,6 +39,16 @@ std::shared_ptr<const sim::TablePotential> plane_table(const sim::Specimen& s, c
       obtain_field_table(cache.folder, sim::magnet_design(s), options_of(s, cache), team).table);
 }
 
+/// The table of a drawing in space.
+std::shared_ptr<const sim::TablePotential> space_table(const sim::Specimen& s, const FieldCache& cache) {
+  say(cache,
+      "field table of the drawing in space: from " + cache.folder.string() + ", or built there (minutes)");
+  auto choice = obtain_field_table(cache.folder, *s.in_space, options_of(s, cache), [&](int done, int all) {
+    say(cache, fmt::format("  {} of {} states in space", done, all));
+  });
+  return std::make_shared<sim::TablePotential>(std::move(choice.table));
+}
+
 /// The plane table with the ends of three dimensions; the ring is a variable where the shape has one.
 std::shared_ptr<const sim::TablePotential> end_table(const sim::Specimen& s, const FieldCache& cache) {
   const auto design = sim::magnet_design(s);
@@ -63,18 +73,22 @@ sim::FieldRung obtain_field(std::string_view name, const sim::Specimen& s, const
       sim::require_circuit(s);
       return sim::circuit_field();
     }
-    if (!s.drawn && !s.magnet.drawing.empty())
+    if (!s.drawn && !s.in_space && !s.magnet.drawing.empty())
       throw std::invalid_argument("the drawing '" + s.magnet.drawing + "' of the stored specimen '" + s.name +
                                   "' is not at hand; name its specimen file");
+    if (s.in_space && (name == "field2d" || name == "field3d"))
+      throw std::invalid_argument("allowed table: that of the drawing in space of specimen '" + s.name +
+                                  "' is of three dimensions");
     if (s.drawn && name == "field2d") return sim::live_field(s.drawn, {});
     if (s.drawn && name == "field3d")
       throw std::invalid_argument("allowed table, field2d: the drawing of specimen '" + s.name +
                                   "' is no magnet in three dimensions");
-    if (!s.shaped && !s.drawn && std::ranges::find(sim::field_names, name) != sim::field_names.end())
+    if (!s.shaped && !s.drawn && !s.in_space &&
+        std::ranges::find(sim::field_names, name) != sim::field_names.end())
       throw std::invalid_argument("allowed circuit, for specimen '" + s.name +
                                   "' has no [shape]: whose magnet the fields are is not known");
     if (name == "table") {
-      const auto table = plane_table(s, cache);
+      const auto table = s.in_space ? space_table(s, cache) : plane_table(s, cache);
       return sim::pure_field("table", table->table().description, table);
     }
     if (name == "field2d")

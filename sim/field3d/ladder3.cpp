@@ -151,12 +151,17 @@ std::vector<EndCorrection> end_corrections(const MagnetDesign& design, const Cor
   return out;
 }
 
-std::vector<double> air_of_core3(const MagnetDesign& design, const CoreMeshSizes3& sizes,
-                                 const std::vector<double>& gaps, bool ring) {
+namespace {
+
+/// The core with air in place of its steel.
+MagnetField3 bare_core(const MagnetDesign& design, const CoreMeshSizes3& sizes) {
   MagnetDesign bare = design;
   bare.steel = Steel::linear(1);
   bare.shape.stack_factor = 1;
-  MagnetField3 air(bare, sizes);
+  return MagnetField3(bare, sizes);
+}
+
+std::vector<double> air_of_field(MagnetField3& air, const std::vector<double>& gaps, bool ring) {
   std::vector<double> out;
   for (const double gap : gaps) {
     air.set_gap(gap);
@@ -170,21 +175,22 @@ std::vector<double> air_of_core3(const MagnetDesign& design, const CoreMeshSizes
   return out;
 }
 
-PotentialTable build_table3(const MagnetDesign& design, const CoreMeshSizes3& sizes,
-                            const TableOptions& options, TableReport* report, const Progress3& progress) {
-  TablePlan plan = plan_table(design, options);
+}  // namespace
+
+std::vector<double> air_of_core3(const MagnetDesign& design, const CoreMeshSizes3& sizes,
+                                 const std::vector<double>& gaps, bool ring) {
+  MagnetField3 air = bare_core(design, sizes);
+  return air_of_field(air, gaps, ring);
+}
+
+PotentialTable fill_table3(MagnetField3& field, MagnetField3& bare, const TablePlan& plan, TableReport& sum,
+                           const Progress3& progress) {
   const bool ring = !plan.ring.empty();
-  if (ring) {  // closer about zero, where most states of a closing lie
-    const double end = plan.ring.back();
-    for (double& r : plan.ring) r *= (1 + 2 * std::fabs(r / end)) / 3;
-  }
   PotentialTable table;
   table.psi = plan.psi;
   table.ring = plan.ring;
   table.gap = plan.gap;
-  constexpr Newton3Options enough{.tolerance = 1e-9};  // the last step squares the error
-  MagnetField3 field(design, sizes, enough);
-  TableReport sum;
+  sum = {};
   sum.unknowns = field.unknowns();
   double largest = 0;
   for (std::size_t g = 0; g < plan.gap.size(); ++g) {
@@ -199,8 +205,18 @@ PotentialTable build_table3(const MagnetDesign& design, const CoreMeshSizes3& si
     if (progress) progress(sum.solutions, of_all);
   }
   sum.stress_error /= largest;
-  table.air = air_of_core3(design, sizes, plan.gap, ring);
+  table.air = air_of_field(bare, plan.gap, ring);
   if (ring) fill_triple(table);
+  return table;
+}
+
+PotentialTable build_table3(const MagnetDesign& design, const CoreMeshSizes3& sizes,
+                            const TableOptions& options, TableReport* report, const Progress3& progress) {
+  TablePlan plan = plan_table(design, options);
+  close_about_zero(plan.ring);
+  MagnetField3 field(design, sizes, table_newton3), bare = bare_core(design, sizes);
+  TableReport sum;
+  PotentialTable table = fill_table3(field, bare, plan, sum, progress);
   estimate_errors(table);
   table.mesh_error = sum.stress_error;
   table.design_hash = table_hash(design, options) ^ static_cast<std::uint64_t>(sum.unknowns);
@@ -211,6 +227,12 @@ PotentialTable build_table3(const MagnetDesign& design, const CoreMeshSizes3& si
   table.description = text;
   if (report) *report = sum;
   return table;
+}
+
+void close_about_zero(std::vector<double>& ring) {
+  if (ring.empty()) return;
+  const double end = ring.back();
+  for (double& r : ring) r *= (1 + 2 * std::fabs(r / end)) / 3;
 }
 
 }  // namespace powbench::sim

@@ -35,6 +35,17 @@ using Progress3 = std::function<void(int done, int all)>;
 PotentialTable build_table3(const MagnetDesign&, const CoreMeshSizes3&, const TableOptions&,
                             TableReport* report = nullptr, const Progress3& progress = {});
 
+/// Newton for the states of a table: the last step squares the error.
+inline constexpr Newton3Options table_newton3{.tolerance = 1e-9};
+
+/// Even ring fluxes -end .. end moved closer about zero, where most states of a closing lie: x (1 + 2 |x / end|) / 3.
+void close_about_zero(std::vector<double>& ring);
+
+/// The table of such a field at the nodes of a plan, with the inductances of `bare`, the same with air in place of
+/// steel; without estimates, hash and description. Throws as build_table3.
+PotentialTable fill_table3(MagnetField3& field, MagnetField3& bare, const TablePlan&, TableReport&,
+                           const Progress3&);
+
 /// PotentialTable::air at these gaps, m: coil, and ring if it is a variable, with the steel as air.
 std::vector<double> air_of_core3(const MagnetDesign&, const CoreMeshSizes3&, const std::vector<double>& gaps,
                                  bool ring);

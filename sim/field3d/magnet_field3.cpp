@@ -3,6 +3,7 @@
 #include <cmath>
 #include <stdexcept>
 #include <string>
+#include <utility>
 
 #include "sim/field3d/force3.h"
 
@@ -23,22 +24,30 @@ const MagnetDesign& checked(const MagnetDesign& d) {
   return d;
 }
 
+Moving3 moving_core(const MagnetDesign& d, const CoreMeshSizes3& sizes) {
+  Moving3 m{core_problem3(checked(d), sizes, first_gap), {}, {}, first_gap, d.residual_gap};
+  m.motion = core_motion3(m.problem.mesh, first_gap);
+  m.layer = core_layer3(m.problem.mesh, sizes, first_gap);
+  return m;
+}
+
 }  // namespace
 
 struct MagnetField3::Impl {
   double residual;
-  double gap = first_gap;  ///< of the strip
+  double gap;  ///< between the faces
   Problem3 problem;
   std::vector<double> motion, layer;
   Coenergy3 function;
   Newton3 newton;
   Newton3Options options;
 
-  Impl(const MagnetDesign& d, const CoreMeshSizes3& sizes, const Newton3Options& o)
-      : residual(checked(d).residual_gap),
-        problem(core_problem3(d, sizes, first_gap)),
-        motion(core_motion3(problem.mesh, first_gap)),
-        layer(core_layer3(problem.mesh, sizes, first_gap)),
+  Impl(Moving3 m, const Newton3Options& o)
+      : residual(m.residual),
+        gap(m.gap),
+        problem(std::move(m.problem)),
+        motion(std::move(m.motion)),
+        layer(std::move(m.layer)),
         function(problem),
         newton(function),
         options(o) {}
@@ -51,7 +60,10 @@ struct MagnetField3::Impl {
 
 MagnetField3::MagnetField3(const MagnetDesign& design, const CoreMeshSizes3& sizes,
                            const Newton3Options& options)
-    : impl_(std::make_unique<Impl>(design, sizes, options)) {}
+    : MagnetField3(moving_core(design, sizes), options) {}
+
+MagnetField3::MagnetField3(Moving3 moving, const Newton3Options& options)
+    : impl_(std::make_unique<Impl>(std::move(moving), options)) {}
 
 MagnetField3::~MagnetField3() = default;
 

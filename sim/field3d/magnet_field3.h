@@ -24,10 +24,21 @@ struct FieldPoint3 {
   Solution3 solution;
 };
 
+/// A problem with a part that stretches with the gap. Windings: the coil, then perhaps the ring. Sources T are 0 where
+/// the motion varies.
+struct Moving3 {
+  Problem3 problem;
+  std::vector<double> motion;  ///< by node: rise in m for each m of gap
+  std::vector<double> layer;   ///< weight of the stress, see stress_force
+  double gap = 1e-3;           ///< m, between the faces as meshed
+  double residual = 0;         ///< m, between the faces when closed
+};
+
 class MagnetField3 {
  public:
   /// Gap at first: 1 mm. Throws std::invalid_argument that names key, value and range.
   explicit MagnetField3(const MagnetDesign&, const CoreMeshSizes3& = {}, const Newton3Options& = {});
+  explicit MagnetField3(Moving3, const Newton3Options& = {});
   ~MagnetField3();
 
   int unknowns() const;

@@ -1,9 +1,13 @@
 #include "sim/field3d/mesh3.h"
 
+#include <algorithm>
+#include <array>
 #include <cassert>
 #include <cmath>
+#include <map>
 #include <stdexcept>
 #include <string>
+#include <utility>
 
 namespace powbench::sim {
 namespace {
@@ -144,6 +148,49 @@ const CellRule& cell_rule(Cell cell) {
   static const CellRule rules[] = {make_rule(Cell::hex8), make_rule(Cell::hex20), make_rule(Cell::hex27),
                                    make_rule(Cell::tet4), make_rule(Cell::tet10)};
   return rules[static_cast<int>(cell)];
+}
+
+double six_volumes(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) {
+  return dot(cross(b - a, c - a), d - a);
+}
+
+Mesh3 straight_tetrahedra(const Mesh3& from) {
+  const auto per = static_cast<std::size_t>(from.per_cell());
+  Mesh3 out{Cell::tet10, {}, {}, from.region};
+  std::vector<int> number(from.nodes.size(), -1);
+  std::vector<std::array<int, 4>> corners(from.region.size());
+  for (std::size_t c = 0; c < corners.size(); ++c)
+    for (std::size_t k = 0; k < 4; ++k) {
+      const auto old = static_cast<std::size_t>(from.cells[c * per + k]);
+      if (number[old] < 0) {
+        number[old] = static_cast<int>(out.nodes.size());
+        out.nodes.push_back(from.nodes[old]);
+      }
+      corners[c][k] = number[old];
+    }
+  const auto node = [&](int n) { return out.nodes[static_cast<std::size_t>(n)]; };
+  std::map<std::pair<int, int>, int> middles;
+  for (auto& v : corners) {
+    if (six_volumes(node(v[0]), node(v[1]), node(v[2]), node(v[3])) < 0) std::swap(v[2], v[3]);
+    out.cells.insert(out.cells.end(), v.begin(), v.end());
+    for (const auto& [a, b] : tet_edges) {
+      const std::pair<int, int> ends =
+          std::minmax(v[static_cast<std::size_t>(a)], v[static_cast<std::size_t>(b)]);
+      const auto [found, fresh] = middles.try_emplace(ends, static_cast<int>(out.nodes.size()));
+      if (fresh) out.nodes.push_back(0.5 * (node(ends.first) + node(ends.second)));
+      out.cells.push_back(found->second);
+    }
+  }
+  return out;
+}
+
+void set_middles(const Mesh3& mesh, std::vector<double>& values) {
+  const auto value = [&](std::size_t c, int k) -> double& {
+    return values[static_cast<std::size_t>(mesh.cells[10 * c + static_cast<std::size_t>(k)])];
+  };
+  for (std::size_t c = 0; c < mesh.region.size(); ++c)
+    for (int e = 0; e < 6; ++e)
+      value(c, 4 + e) = 0.5 * (value(c, tet_edges[e][0]) + value(c, tet_edges[e][1]));
 }
 
 double cell_gradients(const Mesh3& mesh, int c, const Vec3* slope, Vec3* gradient) {

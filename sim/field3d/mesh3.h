@@ -40,6 +40,16 @@ struct Mesh3 {
   int count() const { return static_cast<int>(region.size()); }
 };
 
+/// The same tetrahedra, by their corners alone, with straight sides: Cell::tet10. Nodes that no cell uses are left out;
+/// corners come first. A cell turned inside out is turned back.
+Mesh3 straight_tetrahedra(const Mesh3&);
+
+/// Sets the values at the middles of the edges of such a mesh to the mean of their ends.
+void set_middles(const Mesh3&, std::vector<double>& values);
+
+/// Six times the volume of the tetrahedron of four nodes of a mesh, below 0: turned inside out.
+double six_volumes(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d);
+
 /// Gradients of the shape functions of cell `c` in space and the determinant of its Jacobian, from the slopes on the
 /// reference cell. Throws std::invalid_argument for a cell turned inside out.
 double cell_gradients(const Mesh3&, int c, const Vec3* slope, Vec3* gradient);

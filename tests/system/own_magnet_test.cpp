@@ -101,6 +101,46 @@ TEST_CASE("own magnet: mistakes in a drawing end with one sentence: file, line, 
   CHECK_THAT(e.refusal("u-core.magnet.toml", "turns = -1\n", "turns = 2\n"), Contains("a ring is one turn"));
 }
 
+TEST_CASE("own magnet: mistakes in a drawing in space end with one sentence: file, line, key, value, range",
+          "[system]") {
+  const Examples e;
+  const auto with = [&](const std::string& what, const std::string& by) {
+    return e.refusal("relay.magnet.toml", what, by);
+  };
+  CHECK_THAT(with("\"relay.msh\"", "\"none.msh\""),
+             Contains("x.magnet.toml:2: mesh = \"none.msh\"") && Contains("cannot be read"));
+  CHECK_THAT(with("\"relay.msh\"", "\"e-core.msh\""),
+             Contains("mesh = \"e-core.msh\"") && Contains("has no physical volume"));
+  CHECK_THAT(with("kind = \"space\"", "kind = \"spase\""),
+             Contains("no such word") && Contains("\"plane\", \"axisymmetric\", \"space\""));
+  CHECK_THAT(
+      with("[group.hinge]", "[group.hing]"),
+      Contains("unknown section") && Contains("[group.hinge] role: is missing: the mesh has this volume"));
+  CHECK_THAT(with("unit = \"mm\"", "unit = \"m\""),
+             Contains("unit = \"m\"") && Contains("in mm it would be"));
+  CHECK_THAT(with("drawn_gap_mm = 1.0", "drawn_gap_mm = 1.2"),
+             Contains("drawn_gap_mm = 1.2: the faces of the mesh are 1 mm apart"));
+  CHECK_THAT(with("opening = \"+z\"", "opening = \"-z\""),
+             Contains("opening = \"-z\"") && Contains("no fixed iron to close on"));
+  CHECK_THAT(with("mirror = \"y\"", "mirror = \"x\""),
+             Contains("mirror = \"x\"") && Contains("so that x = 0 is no end of it"));
+  CHECK_THAT(with("mirror = \"y\"", "mirror = \"yz\""),
+             Contains("the armature moves across a plane of symmetry"));
+  CHECK_THAT(with("mirror = \"y\"", "mirror = \"none\""), Contains("leaves no opening in the group's box"));
+  CHECK_THAT(with("width_mm = 10", "width_mm = 8"), Contains("a winding of this width and corner"));
+  CHECK_THAT(with("width_mm = 10", "width_mm = 100"),
+             Contains("width_mm = 100: leaves no opening in the group's box; allowed 0.01..17 mm"));
+  CHECK_THAT(with("width_mm = 10", ""), Contains("[group.coil] width_mm: is missing"));
+  CHECK_THAT(with("axis = \"z\"", "axis = \"y\""), Contains("axis = \"y\": stands on a plane of symmetry"));
+  CHECK_THAT(with("turns = 3000", "turns = 0"), Contains("[group.coil] turns = 0: carry no current"));
+  CHECK_THAT(with("role = \"air\"", "role = \"stretch\""),
+             Contains("'bobbin' reaches into its opening, and moves or stretches"));
+  CHECK_THAT(with("role = \"stretch\"             # the leg", "role = \"fixed\"             # the leg"),
+             Contains("the armature is joined to the fixed iron"));
+  CHECK_THAT(with("mirror = \"y\"", "mirror = \"y\"\nstack_factor = 0.9"),
+             Contains("stack_factor = 0.9: is of sheets"));
+}
+
 TEST_CASE("own magnet: a specimen names its drawing; the circuit stands aside until it is stated",
           "[system][.slow]") {
   const Examples e;

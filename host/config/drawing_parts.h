@@ -1,0 +1,29 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+#include "host/config/drawing_keys.h"
+#include "host/config/file_reader.h"
+#include "sim/fields/msh.h"
+
+/// What drawing files in the plane and in space have in common. Private to drawing_file.cpp and space_file.cpp.
+
+namespace powbench::host {
+
+/// The mesh that the drawing file names; where it cannot be read, BadInput about the line of the key alone.
+sim::MshMesh mesh_of_drawing(const std::filesystem::path& file, const std::string& mesh);
+
+/// A built-in steel, or a sheet beside the drawing. Throws BadInput or std::invalid_argument.
+sim::Steel steel_of_drawing(const std::filesystem::path& folder, const std::string& name);
+
+/// "; in UNIT it would be ... mm" for another unit in which a length lies within a range; else "".
+std::string better_unit(DrawnUnit, double length, double low, double high);
+
+/// Checks the extent of the mesh and the distance of its faces, m, against what the file says of unit, opening and gap.
+void check_drawn_size(FileReader&, DrawnUnit, double extent, double measured_gap, double drawn_gap);
+
+/// Checks the gaps (faces) at which the mesh turns inside out against residual gap and travel, m.
+void check_drawn_reach(FileReader&, double from, double to, double residual_gap, double travel);
+
+}  // namespace powbench::host
