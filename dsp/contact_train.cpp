@@ -3,9 +3,11 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <utility>
 
 #include "dsp/contact_fit.h"
+#include "dsp/crest.h"
 #include "dsp/detect_round.h"
 #include "dsp/landing.h"
 #include "dsp/pulse_margin.h"
@@ -160,15 +162,30 @@ void hold_peak(Contact& c, const Signal& film) {
   c.peak.value = seen;
 }
 
+/// What the film shows of a vibration that is not all explained; nothing where it shows none, nor where the core was
+/// seen to land: there the ring is fitted from the landing on, and what it leaves is doubted by itself. `vibrates`:
+/// the film swings below zero.
+std::optional<VibratingFilm> vibrating_film(const Force& f, const std::vector<Interval>& contacts,
+                                            double t_end, const Measured& core_seat, bool vibrates,
+                                            const ExtractOptions& o) {
+  if (contacts.empty() || core_seat.known()) return std::nullopt;
+  VibratingFilm film{f.signal, calm_force(f.signal, f.noise, o)};
+  if (contacts.back().open_ended()) {
+    film.last = contacts.back().touch;
+    film.at_rest = vibration_at_rest(film.calm, f.signal, film.last, t_end);
+  }
+  return vibrates || film.at_rest > 0 ? std::optional(std::move(film)) : std::nullopt;
+}
+
 std::vector<Grazing> fill_train(ContactTrain& train, const Round& r, const Force& f, const ForceAnalysis& a,
-                                double t_end, const ExtractOptions& o) {
+                                double t_end, const VibratingFilm* vibrating, const ExtractOptions& o) {
   for (const ContactFit& fit : r.fits) train.contacts.push_back(fit.contact);
   drop_swings(train.contacts, a.stripped, f.noise, o);
   for (Contact& c : train.contacts)
     hold_peak(c, f.signal);  // before an edge that follows a law takes the flag away
   const double left = a.ring.empty() ? f.noise : open_noise(a.stripped, r, a.ring, t_end, f.noise);
-  auto grazing = refine_contacts(train.contacts,
-                                 {a.stripped, std::max(left, r.noise), f.noise, f.delay, 2 * f.wander}, o);
+  auto grazing = refine_contacts(
+      train.contacts, {a.stripped, std::max(left, r.noise), f.noise, f.delay, 2 * f.wander, vibrating}, o);
   for (Contact& c : train.contacts) {
     hold_peak(c, f.signal);
     c.peak.u = std::hypot(c.peak.u, f.wander);  // the zero below a peak is that of the open time beside it
@@ -252,7 +269,8 @@ ForceAnalysis analyse_force(const Force& f, double t_end, const Measured& core_s
   const std::vector<Interval> unaided = round.intervals;
   Separated best, bare;
   bool bare_enough = false;
-  if (o.ring_modes > 0 && !round.intervals.empty() && swings_below_zero(f, round.intervals, t_end, o)) {
+  const bool vibrates = !round.intervals.empty() && swings_below_zero(f, round.intervals, t_end, o);
+  if (o.ring_modes > 0 && vibrates) {
     best = separate_ring(f, round, core_seat, t_end, o);
     // A ring has to earn its parameters: a settled force that bends a little is no vibration. Where the core was seen
     // to land vibration is expected, and only its absence asks.
@@ -284,7 +302,8 @@ ForceAnalysis analyse_force(const Force& f, double t_end, const Measured& core_s
     out.train.flags |= flag_ring_overlap;
   }
   if (round.overlap) out.train.flags |= flag_ring_overlap;
-  const auto grazing = fill_train(out.train, round, f, out, t_end, o);
+  const auto vibrating = vibrating_film(f, round.intervals, t_end, core_seat, vibrates, o);
+  const auto grazing = fill_train(out.train, round, f, out, t_end, vibrating ? &*vibrating : nullptr, o);
   if (!out.ring.empty() && !bare_enough && !convincing(best))
     doubt_stripping(out.train.contacts, f.signal, {out.stripped, round.noise, f.noise, f.delay}, out.ring, o);
   const double blow = out.ring.empty() ? 0 : out.ring.amplitude_at(out.ring.onset);

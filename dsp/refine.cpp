@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "dsp/crest.h"
 #include "dsp/dip.h"
 #include "dsp/edge.h"
 #include "dsp/extreme.h"
@@ -42,15 +43,6 @@ double rise_of(const CalmForce& calm, const Signal& force, double t, int side, d
   }
   const auto most = std::find_if(way.begin(), way.end(), [&](double v) { return v >= 0.75 * top; });
   return std::max(static_cast<double>(most - way.begin()) * force.dt, 0.25 * at);
-}
-
-/// N: how far the calm force swings below zero between two times; 0 where no swing stands out of the noise.
-double swing_below(const CalmForce& calm, const Signal& force, double from, double to) {
-  constexpr double clear = 6;  // standard deviations
-  double lowest = 0;
-  for (std::size_t i = force.index_at(from); i < std::min(force.index_at(to), force.size()); ++i)
-    lowest = std::min(lowest, calm.value[i]);
-  return lowest > -clear * calm.noise ? 0 : -lowest;
 }
 
 /// N: amplitude of the vibration that is still in the force, where an opening may be no more than a single trough of
@@ -123,22 +115,6 @@ std::vector<Grazing> close_dips(std::vector<Contact>& contacts, const CalmForce&
     --i;
   }
   return out;
-}
-
-/// s from the edge inwards (side +1: later) until the calm force stands at `level` for good: the last time below it
-/// before it comes to twice that; no further than 0.5 ms. A crest of the vibration passes the level and comes back.
-double time_to(const CalmForce& calm, const Signal& force, double edge, int side, double level) {
-  constexpr double farthest_rise = 0.5e-3;  // s
-  const auto n = static_cast<std::ptrdiff_t>(force.size());
-  const auto at = static_cast<std::ptrdiff_t>(force.index_at(edge));
-  const auto reach = static_cast<std::ptrdiff_t>(farthest_rise / force.dt);
-  std::ptrdiff_t below = 0;
-  for (std::ptrdiff_t k = 0; k <= reach && at + side * k >= 0 && at + side * k < n; ++k) {
-    const double v = calm.value[static_cast<std::size_t>(at + side * k)];
-    if (v >= 2 * level) break;
-    if (v < level) below = k + 1;
-  }
-  return static_cast<double>(below) * force.dt;
 }
 
 /// s by which vibration that is still in the force may move an edge: as far as it swings below zero on the open side,
@@ -316,6 +292,13 @@ std::vector<Grazing> refine_contacts(std::vector<Contact>& contacts, const EdgeF
       moved = std::hypot(moved, foot / std::sqrt(3.0));
       if (moved > std::max(edge->u, worth_a_flag)) c.flags |= flag_ring_overlap;
       edge->u = std::hypot(edge->u, std::hypot(by_either, foot / std::sqrt(3.0)));
+      if (!film.vibrating) continue;
+      const EdgeInVibration in =
+          look_at_edge(*film.vibrating, force, quiet,
+                       {edge->value, touch ? +1 : -1, std::min(longest_rise, end_of), open});
+      const Measured vibrating = in.of(*edge, touch ? +1 : -1);
+      if (vibrating.u > std::max(edge->u, worth_a_flag)) c.flags |= flag_ring_overlap;
+      *edge = vibrating;
     }
     if (b.peak.known()) c.peak = b.peak;
     // what swings below zero in the open time beside a contact is in its peak too

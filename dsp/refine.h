@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "core/events.h"
+#include "dsp/crest.h"
 #include "dsp/options.h"
 #include "dsp/ring.h"
 #include "dsp/signal.h"
@@ -27,19 +28,20 @@ struct Grazing {
 
 /// Force of a film as the edges are dated on it.
 struct EdgeForce {
-  const Signal& signal;  ///< N, vibration taken out
-  double noise = 0;      ///< N, one sample, with the vibration that is left
-  double white = 0;      ///< N, without
-  double delay = 0;      ///< s, of the amplifier
-  double wander = 0;     ///< N: error of the zero in an opening
+  const Signal& signal;                      ///< N, vibration taken out
+  double noise = 0;                          ///< N, one sample, with the vibration that is left
+  double white = 0;                          ///< N, without
+  double delay = 0;                          ///< s, of the amplifier
+  double wander = 0;                         ///< N: error of the zero in an opening
+  const VibratingFilm* vibrating = nullptr;  ///< where vibration is known to be, and not all of it explained
 };
 
 /// Touch, release and peak of each contact from the force next to them (`locate_edge`, `locate_peak`). The shape that
 /// found a contact says roughly where to look; what it cannot follow no longer moves the times. All touches have one
 /// law (`agree_on_law`). A contact whose edges run into each other keeps what it had and carries flag_poor_fit.
 /// Vibration that is left is no white noise: what of it swings below zero goes into u as the time the force needs to
-/// rise so far. Dips of which nobody can say whether they are openings are returned, and their contacts carry
-/// flag_grazing.
+/// rise so far; on a vibrating film an edge is what `look_at_edge` makes of it. Dips of which nobody can say whether
+/// they are openings are returned, and their contacts carry flag_grazing.
 std::vector<Grazing> refine_contacts(std::vector<Contact>&, const EdgeForce&, const ExtractOptions&);
 
 /// s from an edge inwards (`side` +1: later) until the force, vibration taken out, stands above `amplitude` (N) for
