@@ -11,6 +11,7 @@
 #include "dsp/force.h"
 #include "dsp/signal.h"
 #include "dsp/statistics.h"
+#include "dsp/switch_off.h"
 #include "dsp/switch_on.h"
 
 namespace powbench::dsp {
@@ -100,10 +101,66 @@ Measured peak_current(const Record& record) {
   return last > before ? Measured{peak, noise} : Measured{};
 }
 
+constexpr double inrush =
+    25e-3;  ///< s after switch-on that bends the coil's voltage where the source is weak
+constexpr double plain_residual = 0.03;  ///< of the amplitude: what a plain sine leaves at most, in rms
+constexpr double plain_offset = 0.03;    ///< of the amplitude
+constexpr double plain_harmonic = 0.10;  ///< of the amplitude
+constexpr double bent = 0.10;            ///< of the amplitude, rms while the inrush flows
+
+/// The mains by the coil's voltage while it is on, and the step at which it comes on.
+struct CoilSupply {
+  HarmonicFit fit;
+  Measured switch_on;
+  double u_load = 0;  ///< rad: by as much as the load may turn the phase
+};
+
+/// Nothing where the coil's voltage is no plain sine of `min_hum_periods` behind the inrush (rectified, chopped, DC),
+/// or does not run on from the step as the same sine.
+std::optional<CoilSupply> coil_supply(const Record& record, const ExtractOptions& o) {
+  const Measured rough = switch_on_time(record, {});
+  if (!rough.known()) return std::nullopt;
+  Signal coil = to_signal(record, Channel::coil_voltage);
+  const double zero = median(std::span(coil.value).first(coil.index_at(-1e-3)));
+  for (double& v : coil.value) v -= zero;
+  std::vector<int> orders;
+  for (int k = 1; k <= std::max(o.angle_harmonics, 1); k += 2) orders.push_back(k);
+  const double off = seen_switch_off(record), from = rough.value + inrush;
+  const double to = std::min(closing_end(record, coil), std::isfinite(off) ? off : coil.end()) - 1e-3;
+  auto fit = fit_harmonics(coil, from, to, orders, o.mains_hertz, true, o.min_hum_periods);
+  if (!fit) return std::nullopt;
+  const double amplitude = fit->amplitude(0);
+  bool plain = amplitude > 10 * fit->sigma && fit->sigma < plain_residual * amplitude &&
+               std::abs(fit->offset) < plain_offset * amplitude &&
+               std::abs(fit->hertz - o.mains_hertz) < 0.1 * o.mains_hertz;
+  for (std::size_t k = 1; k < orders.size(); ++k)
+    plain = plain && fit->amplitude(k) < plain_harmonic * amplitude;
+  if (!plain) return std::nullopt;
+  CoilSupply found{*fit, {}, 0};
+  Signal mains = coil;
+  for (std::size_t i = 0; i < mains.size(); ++i) mains.value[i] = fit->value(mains.time(i));
+  double squares = 0;
+  const std::size_t i1 = coil.index_at(rough.value + 0.5e-3), i2 = coil.index_at(from);
+  for (std::size_t i = i1; i < i2; ++i) squares += std::pow(coil.value[i] - mains.value[i], 2);
+  if (i2 <= i1 || squares > static_cast<double>(i2 - i1) * bent * bent * amplitude * amplitude)
+    return std::nullopt;
+  found.switch_on = switch_on_time(record, mains);
+  if (!found.switch_on.known()) return std::nullopt;
+  // The inrush turns the phase by more than what the closed magnet takes: a bound of what is left in the fit.
+  const double first = rough.value + 0.5e-3;
+  if (const auto early = fit_harmonics(coil, first, first + 1.05 / fit->hertz, {1}, fit->hertz, false, 1.0))
+    found.u_load =
+        std::abs(wrap_half_turn(early->phase_at(first).value - fit->phase_at(first).value)) / std::sqrt(3.0);
+  return found;
+}
+
 /// Why there is no phase of the supply.
 std::string without_supply(const Record& record, const ExtractOptions& o) {
   const Signal s = to_signal(record, Channel::mains_voltage);
-  if (s.empty()) return "no mains-voltage channel";
+  if (s.empty())
+    return record.find(Channel::coil_voltage) == nullptr
+               ? "no mains-voltage channel"
+               : "no mains-voltage channel, and the coil voltage shows no plain sine behind a step";
   std::array<char, 128> text{};
   const double needed = o.min_hum_periods / o.mains_hertz;
   if (-s.t0 < needed)
@@ -135,7 +192,17 @@ CoilEvents coil_events(const Record& record, const std::optional<HarmonicFit>& s
   if (!std::isnan(contradicted_switch_on(record))) e.flags |= flag_switch_on;
   if (!supply) {
     e.flags |= flag_no_hum_fit;
-    e.no_angle = without_supply(record, o);
+    const auto by_coil = record.find(Channel::mains_voltage) ? std::nullopt : coil_supply(record, o);
+    if (!by_coil) {
+      e.no_angle = without_supply(record, o);
+      return e;
+    }
+    const HarmonicFit& fit = by_coil->fit;
+    e.switch_on = by_coil->switch_on;
+    e.mains_hertz = {fit.hertz, fit.u_hertz};
+    e.closing_angle = fit.phase_at(e.switch_on.value);
+    e.closing_angle.u =
+        std::hypot(std::hypot(e.closing_angle.u, by_coil->u_load), 2 * pi * fit.hertz * e.switch_on.u);
     return e;
   }
   e.mains_hertz = {supply->hertz, supply->u_hertz};

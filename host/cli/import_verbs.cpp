@@ -48,9 +48,11 @@ std::string no_angle_reason(const Imported& in, const Events& e) {
   std::string missing;
   for (const Channel c : {Channel::mains_voltage, Channel::coil_voltage})
     if (in.record.find(c) == nullptr) missing += (missing.empty() ? "" : " and ") + std::string(info(c).name);
+  const bool by_coil = in.record.find(Channel::coil_voltage) && !in.record.find(Channel::mains_voltage);
   return "closing angle not found: " +
-         (missing.empty() ? "no step of the coil voltage behind two periods of the mains"
-                          : "the file has no " + missing) +
+         (by_coil           ? e.coil.no_angle
+          : missing.empty() ? "no step of the coil voltage behind two periods of the mains"
+                            : "the file has no " + missing) +
          (in.angle_commanded ? "; the commanded one stands for it"
                              : "; closing_angle_deg in the calibration file can give it");
 }

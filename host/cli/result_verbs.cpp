@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/counted.h"
+#include "dsp/coil.h"
 #include "dsp/core_seat.h"
 #include "dsp/extract.h"
 #include "host/cli/show.h"
@@ -227,6 +228,11 @@ void print_events(const Events& events) {
   if (const std::uint32_t flags = events.flags & of_record; flags != 0)
     fmt::print("  record [{}]\n", flag_names(flags));
   if (!events.coil.no_angle.empty()) fmt::print("  no closing angle: {}\n", events.coil.no_angle);
+  if (dsp::angle_by_coil(events.coil))
+    fmt::print(
+        "  closing angle {:.2f} deg +- {:.2f} deg, from the coil voltage after switch-on: no mains-voltage "
+        "channel\n",
+        degrees(events.coil.closing_angle.value), 2 * degrees(events.coil.closing_angle.u));
   if (const std::string reason = no_bounce_reason(events); !reason.empty())
     fmt::print("  no bounce time: {}\n", reason);
   print_train("contact voltage", events.contact_voltage);

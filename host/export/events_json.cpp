@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/units.h"
+#include "dsp/coil.h"
 #include "dsp/core_seat.h"
 #include "host/store/json.h"
 
@@ -66,11 +67,12 @@ std::string to_events_json(const Events& e, const Record& record, int indent, co
       {"u_travel_m", json_of<Json>(c.travel.u)},
       {"resolution_s", c.seat.known() ? json_of<Json>(dsp::core_resolution(o)) : Json(nullptr)},
       {"flags", flags_json(c.flags | all)}};
-  const Json j = {{"channels", channels},
-                  {"core", core},
-                  {"closing_angle_deg", json_of<Json>(degrees(e.coil.closing_angle.value))},
-                  {"u_closing_angle_deg", json_of<Json>(degrees(e.coil.closing_angle.u))},
-                  {"no_closing_angle", e.coil.no_angle.empty() ? Json(nullptr) : Json(e.coil.no_angle)}};
+  Json j = {{"channels", channels},
+            {"core", core},
+            {"closing_angle_deg", json_of<Json>(degrees(e.coil.closing_angle.value))},
+            {"u_closing_angle_deg", json_of<Json>(degrees(e.coil.closing_angle.u))},
+            {"no_closing_angle", e.coil.no_angle.empty() ? Json(nullptr) : Json(e.coil.no_angle)}};
+  if (dsp::angle_by_coil(e.coil)) j["closing_angle_from"] = info(Channel::coil_voltage).name;
   return j.dump(indent);
 }
 

@@ -2,6 +2,7 @@
 #include <cmath>
 
 #include "bench/dsp_synth.h"
+#include "dsp/coil.h"
 #include "dsp/extract.h"
 #include "dsp/prepare.h"
 
@@ -88,7 +89,10 @@ TEST_CASE("each channel missing in turn") {
     CHECK(e.pvdf_b.present == (gone != Channel::pvdf_b));
     CHECK(e.contact_voltage.present == (gone != Channel::contact_a));
     CHECK(e.core.present == (gone != Channel::laser));
-    CHECK(e.coil.closing_angle.known() == (gone != Channel::mains_voltage && gone != Channel::coil_voltage));
+    CHECK(e.coil.closing_angle.known() == (gone != Channel::coil_voltage));
+    CHECK(angle_by_coil(e.coil) == (gone == Channel::mains_voltage));
+    if (e.coil.closing_angle.known()) CHECK(e.coil.closing_angle.value == Approx(1.0).margin(0.01));
+    CHECK(e.coil.supply_volts.known() == (gone != Channel::mains_voltage));
     CHECK(e.coil.peak_current.known() == (gone != Channel::coil_current));
     CHECK_NOTHROW(prepare(r));
   }

@@ -3,7 +3,9 @@
 
 #include "bench/dsp_synth.h"
 #include "core/phase.h"
+#include "dsp/coil.h"
 #include "dsp/extract.h"
+#include "rigs/simulated_record.h"
 
 using namespace powbench;
 using namespace powbench::dsp;
@@ -29,6 +31,88 @@ TEST_CASE("closing angle within 0.1 degrees rms at 50 Hz +- 0.5, its uncertainty
     }
     CHECK(degrees(std::sqrt(e2)) < 0.1);
     CHECK(std::sqrt(z2) < 1.6);
+  }
+}
+
+namespace {
+
+Record without_mains(Record r) {
+  std::erase_if(r.channels, [](const ChannelRecord& c) { return c.channel == Channel::mains_voltage; });
+  return r;
+}
+
+/// The coil voltage as `f` makes it of what it was, V.
+Record with_coil(Record r, double (*f)(double volts, double t)) {
+  for (auto& c : r.channels)
+    if (c.channel == Channel::coil_voltage)
+      for (std::size_t i = 0; i < c.raw.size(); ++i)
+        c.raw[i] = static_cast<std::int16_t>(std::lround(f(c.value(i), r.time(i)) / c.scale - c.offset));
+  return r;
+}
+
+}  // namespace
+
+TEST_CASE("closing angle from the coil voltage alone, its uncertainty calibrated") {
+  for (const double hertz : {49.5, 50.0, 50.5}) {
+    double e2 = 0, z2 = 0;
+    const int n = 40;
+    for (int k = 0; k < n; ++k) {
+      bench::FullTruth truth;
+      const Record r = without_mains(
+          bench::synthesise_full(1e5, hertz, radians(9.0 * k), static_cast<std::uint64_t>(k), &truth));
+      const CoilEvents c = coil_events(r, std::nullopt, {});
+      INFO(hertz << " Hz, " << 9.0 * k << " deg: " << c.no_angle);
+      REQUIRE(c.closing_angle.known());
+      CHECK(angle_by_coil(c));
+      const double d = wrap_half_turn(c.closing_angle.value - truth.closing_angle);
+      e2 += d * d / n;
+      z2 += d * d / (c.closing_angle.u * c.closing_angle.u) / n;
+    }
+    INFO(hertz << " Hz: " << degrees(std::sqrt(e2)) << " deg rms, z " << std::sqrt(z2));
+    CHECK(degrees(std::sqrt(e2)) < 0.2);
+    CHECK(std::sqrt(z2) < 1.6);
+  }
+}
+
+TEST_CASE(
+    "closing angle from the coil voltage of the simulated rig, stiff and weak source, off within the "
+    "record") {
+  double worst = 0, z2 = 0;
+  int n = 0;
+  for (const double ohms : {0.0, 5.0, 20.0})
+    for (int k = 0; k < 8; ++k) {
+      Conditions c;
+      c.closing_angle = radians(45.0 * k + 5);
+      c.hold_time = 0.1;
+      rigs::SimRigConfig rig;
+      rig.record_length = k % 2 ? 0.2 : 0.13;
+      rig.supply.mains.resistance = ohms;
+      Record r = without_mains(rigs::simulate_record({}, c, rig).record);
+      r.conditions.hold_time = std::nan("");
+      const CoilEvents e = coil_events(r, std::nullopt, {});
+      INFO(ohms << " ohm, " << 45.0 * k + 5 << " deg: " << e.no_angle);
+      REQUIRE(e.closing_angle.known());
+      const double d = wrap_half_turn(e.closing_angle.value - c.closing_angle);
+      INFO(degrees(d) << " +- " << degrees(e.closing_angle.u));
+      CHECK(std::abs(degrees(d)) < 1.0);
+      worst = std::max(worst, std::abs(d)), z2 += d * d / (e.closing_angle.u * e.closing_angle.u), ++n;
+    }
+  INFO("worst " << degrees(worst) << " deg, z " << std::sqrt(z2 / n));
+  CHECK(std::sqrt(z2 / n) < 1.6);
+}
+
+TEST_CASE("a coil voltage that is no plain sine gives no closing angle") {
+  const Record r = without_mains(bench::synthesise_full(1e5, 50, 1, 1));
+  REQUIRE(coil_events(r, std::nullopt, {}).closing_angle.known());
+  for (const auto f : {+[](double v, double) { return std::abs(v); },                  // full bridge
+                       +[](double v, double) { return std::max(v, 0.0); },             // half wave
+                       +[](double, double t) { return t < 0 ? 0.0 : 24.0; },           // DC
+                       +[](double v, double) { return std::abs(v) < 200 ? 0.0 : v; },  // phase control
+                       +[](double v, double t) { return t < 30e-3 ? v : -v; },      // another phase at first
+                       +[](double v, double t) { return t < 40e-3 ? v : 0.0; }}) {  // over too soon
+    const CoilEvents e = coil_events(with_coil(r, f), std::nullopt, {});
+    CHECK_FALSE(e.closing_angle.known());
+    CHECK(e.no_angle == "no mains-voltage channel, and the coil voltage shows no plain sine behind a step");
   }
 }
 

@@ -121,8 +121,23 @@ TEST_CASE("a record that contains the opening has its bounce time, or a sentence
     CHECK(contacts(found, channel).back()["release_s"].is_null());
   }
 
-  // no channel of the coil: it is not known whether the contact was let go
+  // without the mains the coil voltage gives the closing angle
   std::string rows = read_file(csv);
+  rows.replace(rows.find("mains_voltage"), 3, "my_");
+  folder.write("shot.csv", rows);
+  folder.write("coil.toml", "[columns]\ncoil_voltage = \"coil_voltage\"\n");
+  const Finished by_coil = run(folder, {"events", csv, "--calibration", folder.file("coil.toml"), "--json"});
+  REQUIRE(by_coil.status == 0);
+  const json angle = json::parse(by_coil.out);
+  CHECK(angle["closing_angle_from"] == "coil_voltage");
+  CHECK_FALSE(told.contains("closing_angle_from"));
+  CHECK(
+      std::abs(angle["closing_angle_deg"].get<double>() - told["closing_angle_deg"].get<double>()) <
+      3 * std::hypot(angle["u_closing_angle_deg"].get<double>(), told["u_closing_angle_deg"].get<double>()));
+  CHECK_THAT(run(folder, {"events", csv, "--calibration", folder.file("coil.toml")}).out,
+             Contains("closing angle ") && Contains("from the coil voltage after switch-on"));
+
+  // no channel of the coil: it is not known whether the contact was let go
   for (const char* name : {"coil_voltage", "coil_current", "laser"}) rows.replace(rows.find(name), 3, "my_");
   folder.write("shot.csv", rows);
   folder.write("bare.toml", "[columns]\ncontact_a = \"contact_a\"\n");
