@@ -230,7 +230,7 @@ void print_events(const Events& events) {
   if (!events.coil.no_angle.empty()) fmt::print("  no closing angle: {}\n", events.coil.no_angle);
   if (dsp::angle_by_coil(events.coil))
     fmt::print(
-        "  closing angle {:.2f} deg +- {:.2f} deg, from the coil voltage after switch-on: no mains-voltage "
+        "  closing angle {:.3f} deg +- {:.3f} deg, from the coil voltage after switch-on: no mains-voltage "
         "channel\n",
         degrees(events.coil.closing_angle.value), 2 * degrees(events.coil.closing_angle.u));
   if (const std::string reason = no_bounce_reason(events); !reason.empty())
