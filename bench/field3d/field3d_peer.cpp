@@ -1,6 +1,6 @@
-// TEAM 13, an E-core with currents in coil and shading ring and a C-core, by GetDP on meshes of gmsh: vector potential
-// on edges of order 2, from below; one row a mesh.
-//   field3d_peer [--case team13 | ring | closed_leg] [--json PATH]      without --case: all three
+// TEAM 13, an E-core with currents in coil and shading ring, a C-core and a drawn relay, by GetDP on meshes of gmsh:
+// vector potential on edges of order 2, from below; one row a mesh.
+//   field3d_peer [--case team13 | ring | closed_leg | relay] [--json PATH]      without --case: all of them
 
 #include <cmath>
 #include <cstdio>
@@ -18,7 +18,9 @@
 #include "bench/fields/json_out.h"
 #include "bench/fields/peer_run.h"
 #include "core/cpu_time.h"
+#include "sim/field3d/import3.h"
 #include "sim/field3d/magnet_field3.h"
+#include "sim/field3d/space_magnet.h"
 #include "sim/fields/core_outline.h"
 #include "sim/fields/steel.h"
 
@@ -193,6 +195,7 @@ nlohmann::ordered_json core_rows(const CoreCase& c, bool installed) {
   }
   if (!installed) return list;
   const std::string folder = prepared(c.geometry, "core");
+  bench::write_file(folder + "/groups.pro", "Group { Iron = Region[1]; Air = Region[2]; }\n");
   bench::write_file(folder + "/outline.pro", outline(d, gap, c.current, c.ring_current));
   bench::write_file(folder + "/steel.pro", steel_lists(d.steel));
   for (const double size : c.sizes) {
@@ -223,6 +226,102 @@ nlohmann::ordered_json closed_leg_rows(bool installed) {
   return core_rows({"A C-core", "c_core", d, 1, 0, {2.8, 1.4, 1.0}, {3.0, 2.0, 1.5}}, installed);
 }
 
+/// The relay of docs/examples/own-magnet, as drawn: its shape is that of a C-core without a window above the gap.
+sim::MagnetDesign relay_design() {
+  sim::MagnetDesign d;
+  auto& s = d.shape;
+  s.legs = 2;
+  s.closed_leg = 1;
+  s.ring_share = 0;
+  s.centre_width = s.coil_width = 10e-3;
+  s.outer_width = 8e-3;
+  s.window_width = 14e-3;
+  s.fixed_window = 30e-3;
+  s.moving_window = 0;
+  s.yoke = 6e-3;
+  s.stack = 12e-3;
+  s.stack_factor = 1;
+  s.coil_height = 26e-3;
+  s.coil_offset = 2e-3;
+  d.turns = 3000;
+  d.residual_gap = 60e-6;
+  d.steel = sim::builtin_steel("m530-50a");
+  return d;
+}
+
+/// The drawing on a mesh of gmsh in m.
+sim::SpaceMagnet relay_drawing(const sim::MagnetDesign& d, const std::string& mesh) {
+  using sim::DrawnRole;
+  sim::SpaceMagnet m;
+  m.parts = {{"core", DrawnRole::fixed, 0},    {"armature", DrawnRole::armature, 0},
+             {"hinge", DrawnRole::stretch, 0}, {"coil", DrawnRole::coil, -1},
+             {"bobbin", DrawnRole::air, -1},   {"air", DrawnRole::stretch, -1}};
+  const sim::CoreOutline o(d.shape, 1e-3);
+  m.parts[3].coil = {0,
+                     0,
+                     o.coil_left,
+                     d.shape.stack / 2 + o.coil_left - o.x1,
+                     0,
+                     d.shape.coil_width,
+                     o.coil_bottom,
+                     o.coil_top,
+                     d.turns};
+  m.steels = {d.steel};
+  m.copies = 2;
+  m.residual_gap = d.residual_gap;
+  std::ifstream in(mesh, std::ios::binary);
+  std::ostringstream bytes;
+  bytes << in.rdbuf();
+  m.mesh = sim::straight_tetrahedra(
+      sim::import_mesh3(sim::read_msh(bytes.str()), 1, {{1, 0}, {2, 1}, {3, 2}, {4, 3}, {5, 4}, {6, 5}}));
+  m.motion = sim::space_motion(m);
+  return m;
+}
+
+nlohmann::ordered_json relay_rows(bool installed) {
+  const auto d = relay_design();
+  auto list = nlohmann::ordered_json::array();
+  std::printf(
+      "\nThe relay of docs/examples/own-magnet as drawn, at a gap of 1 mm: flux linkage of the coil on the "
+      "same "
+      "tetrahedra\n%8s %9s %8s %10s %9s %8s %10s\n%8s %30s %30s\n",
+      "A", "unknowns", "CPU s", "Wb", "unknowns", "CPU s", "Wb", "", "drawing, from above",
+      "GetDP, from below");
+  if (!installed) return list;
+  const std::string folder = prepared("relay", "core");
+  bench::write_file(folder + "/groups.pro", "Group { Iron = Region[{1, 2, 3}]; Air = Region[{4, 5, 6}]; }\n");
+  std::filesystem::copy_file(std::string(POWBENCH_SOURCE_DIR) + "/docs/examples/own-magnet/relay.geo",
+                             folder + "/drawing.geo", std::filesystem::copy_options::overwrite_existing);
+  bench::write_file(folder + "/steel.pro", steel_lists(d.steel));
+  for (const double size : {1.25, 0.9})
+    for (const double current : {0.05, 0.3}) {
+      bench::write_file(folder + "/outline.pro", outline(d, 1e-3 - d.residual_gap, current, 0));
+      std::filesystem::remove(folder + "/psi.txt");
+      const auto cpu = solve(folder, "relay", "core", size);
+      const double psi = mean_of_last(folder + "/psi.txt");
+      if (!cpu || !std::isfinite(psi)) {
+        std::printf("size %.2f: no result, see %s/getdp.log\n", size, folder.c_str());
+        continue;
+      }
+      const double start = powbench::process_cpu_seconds();
+      auto field = sim::space_field(relay_drawing(d, folder + "/relay.msh"), false);
+      const auto p = field.at_current(current);
+      const double own = powbench::process_cpu_seconds() - start;
+      const int unknowns = unknowns_of(folder + "/getdp.log");
+      std::printf("%8.2f %9d %8.1f %10.6f %9d %8.1f %10.6f\n", current, field.unknowns(), own, p.psi,
+                  unknowns, *cpu, psi);
+      std::fflush(stdout);
+      list.push_back({{"current_a", current},
+                      {"unknowns", field.unknowns()},
+                      {"cpu_s", own},
+                      {"psi", p.psi},
+                      {"peer_unknowns", unknowns},
+                      {"peer_cpu_s", *cpu},
+                      {"peer_psi", psi}});
+    }
+  return list;
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -233,5 +332,6 @@ int main(int argc, char** argv) {
   if (only.empty() || only == "team13") all["rows"] = team13_rows(installed);
   if (only.empty() || only == "ring") all["ring"] = ring_rows(installed);
   if (only.empty() || only == "closed_leg") all["closed_leg"] = closed_leg_rows(installed);
+  if (only.empty() || only == "relay") all["relay"] = relay_rows(installed);
   return bench::write_json(argc, argv, all);
 }
