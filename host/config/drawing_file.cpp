@@ -38,7 +38,7 @@ std::vector<DrawnGroup> groups_of(const sim::MshMesh& msh) {
 class Assembly {
  public:
   Assembly(FileReader& reader, const DrawingDraft& draft, const fs::path& folder, const sim::MshMesh& msh)
-      : reader_(reader), d_(draft), folder_(folder), msh_(msh) {}
+      : reader_(reader), d_(draft), msh_(msh), steels_(reader, folder) {}
 
   std::shared_ptr<const sim::DrawnMagnet> run(const std::string& name) {
     out_->name = name;
@@ -90,7 +90,8 @@ class Assembly {
       reader_.fail(section, "steel", "belongs to iron: role = \"fixed\" or \"armature\"");
     if (!wound && reader_.good(section, "turns"))
       reader_.fail(section, "turns", "belongs to role = \"coil\" or \"ring\"");
-    if (iron) part.steel = steel_index(g);
+    if (iron)
+      part.steel = steels_.index(section, g.steel, out_->axisymmetric ? 1.0 : d_.stack_factor, out_->steels);
     if (wound && !reader_.bad(section, "turns")) {
       part.turns = g.turns;
       if (g.turns == 0)
@@ -101,28 +102,6 @@ class Assembly {
     }
     region_[g.tag] = static_cast<int>(out_->parts.size());
     out_->parts.push_back(part);
-  }
-
-  int steel_index(const DrawnGroup& g) {
-    if (reader_.bad(g.section(), "steel")) return -1;
-    if (g.steel.empty()) {
-      reader_.fail(g.section(), "steel", "is missing",
-                   "a built-in steel (`powbench steel` lists them) or a B-H sheet");
-      return -1;
-    }
-    if (const auto known = steels_.find(g.steel); known != steels_.end()) return known->second;
-    try {
-      const sim::Steel steel = steel_of_drawing(folder_, g.steel);
-      out_->steels.push_back(out_->axisymmetric || d_.stack_factor == 1 ? steel
-                                                                        : steel.stacked(d_.stack_factor));
-    } catch (const BadInput& error) {
-      for (const auto& line : error.errors()) reader_.fail(g.section(), "steel", line);
-      return -1;
-    } catch (const std::invalid_argument& error) {
-      reader_.fail(g.section(), "steel", error.what());
-      return -1;
-    }
-    return steels_[g.steel] = static_cast<int>(out_->steels.size()) - 1;
   }
 
   const sim::DrawnPart* first_of(sim::DrawnRole role) const {
@@ -232,12 +211,11 @@ class Assembly {
 
   FileReader& reader_;
   const DrawingDraft& d_;
-  fs::path folder_;
   const sim::MshMesh& msh_;
   std::shared_ptr<sim::DrawnMagnet> out_ = std::make_shared<sim::DrawnMagnet>();
   std::map<int, int> region_;
   std::vector<int> zero_;
-  std::map<std::string, int> steels_;
+  DrawnSteels steels_;
 };
 
 }  // namespace

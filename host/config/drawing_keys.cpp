@@ -8,6 +8,17 @@ FileKind mesh_key(DrawingDraft& d) {
   return kind;
 }
 
+void motion_keys(FileKind& kind, DrawingDraft& d) {
+  kind.number("drawn_gap_mm", d.drawn_gap, {1e-3, 100},
+              "between the faces of armature and fixed iron, as drawn", Need::required);
+  kind.number("residual_gap_um", d.residual_gap, {1, 1000}, "between the faces when closed", Need::required);
+  kind.number("travel_mm", d.travel, {0.1, 33},
+              "of the armature from open to closed; tables go to 1.5 times that", Need::required);
+  kind.number("ring_resistance_ohm", d.ring_resistance, {1e-9, 1}, "of the ring, one turn");
+  kind.number("largest_flux_Wb", d.largest_flux, {1e-6, 1e4},
+              "of the coil, where the table ends; left out: in saturation");
+}
+
 FileKind drawing_keys(DrawingDraft& d) {
   FileKind kind = mesh_key(d);
   kind.choice("unit", d.unit, drawn_units, "of the mesh's coordinates");
@@ -17,14 +28,7 @@ FileKind drawing_keys(DrawingDraft& d) {
   kind.number("stack_factor", d.stack_factor, {0.5, 1}, "plane: share of iron in the stack");
   kind.choice("symmetry", d.symmetry, {"whole", "half", "quarter"}, "how much of the device is drawn");
   kind.choice("opening", d.opening, {"+y", "-y", "+x", "-x"}, "where the armature goes when it opens");
-  kind.number("drawn_gap_mm", d.drawn_gap, {1e-3, 100},
-              "between the faces of armature and fixed iron, as drawn", Need::required);
-  kind.number("residual_gap_um", d.residual_gap, {1, 1000}, "between the faces when closed", Need::required);
-  kind.number("travel_mm", d.travel, {0.1, 33},
-              "of the armature from open to closed; tables go to 1.5 times that", Need::required);
-  kind.number("ring_resistance_ohm", d.ring_resistance, {1e-9, 1}, "of the ring, one turn");
-  kind.number("largest_flux_Wb", d.largest_flux, {1e-6, 1e4},
-              "of the coil, where the table ends; left out: in saturation");
+  motion_keys(kind, d);
   for (auto& g : d.groups) {
     kind.section(g.section(), "a physical group of the mesh");
     if (g.dimension == 1) {

@@ -6,7 +6,7 @@
 #include "host/config/file_kind.h"
 #include "sim/fields/drawn_magnet.h"
 
-/// The keys of a drawing file and what they fill. Private to drawing_file.cpp.
+/// The keys of a drawing file and what they fill. Private to drawing_file.cpp and space_file.cpp.
 
 namespace powbench::host {
 
@@ -45,6 +45,9 @@ struct DrawingDraft {
 
 /// The key that has to be read first: the groups of the mesh are sections.
 FileKind mesh_key(DrawingDraft&);
+
+/// Gaps, travel, ring and end of the table: the same in the plane and in space.
+void motion_keys(FileKind&, DrawingDraft&);
 
 /// All keys, with a section for each of the groups.
 FileKind drawing_keys(DrawingDraft&);

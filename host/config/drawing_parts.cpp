@@ -29,6 +29,13 @@ FileReader only_mesh(const fs::path& path) {
   return {path.string(), text};
 }
 
+/// Throws BadInput or std::invalid_argument.
+sim::Steel steel_of_drawing(const fs::path& folder, const std::string& name) {
+  if (!names_steel_file(name)) return sim::builtin_steel(name);
+  const auto sheet = read_steel(folder / name);
+  return sim::Steel::table(sheet.name, sheet.fitted.rows);
+}
+
 }  // namespace
 
 sim::MshMesh mesh_of_drawing(const fs::path& file, const std::string& mesh) {
@@ -44,10 +51,26 @@ sim::MshMesh mesh_of_drawing(const fs::path& file, const std::string& mesh) {
   }
 }
 
-sim::Steel steel_of_drawing(const fs::path& folder, const std::string& name) {
-  if (!names_steel_file(name)) return sim::builtin_steel(name);
-  const auto sheet = read_steel(folder / name);
-  return sim::Steel::table(sheet.name, sheet.fitted.rows);
+int DrawnSteels::index(const std::string& section, const std::string& name, double stack_factor,
+                       std::vector<sim::Steel>& list) {
+  if (reader_.bad(section, "steel")) return -1;
+  if (name.empty()) {
+    reader_.fail(section, "steel", "is missing",
+                 "a built-in steel (`powbench steel` lists them) or a B-H sheet");
+    return -1;
+  }
+  if (const auto known = known_.find(name); known != known_.end()) return known->second;
+  try {
+    const sim::Steel steel = steel_of_drawing(folder_, name);
+    list.push_back(stack_factor == 1 ? steel : steel.stacked(stack_factor));
+  } catch (const BadInput& error) {
+    for (const auto& line : error.errors()) reader_.fail(section, "steel", line);
+    return -1;
+  } catch (const std::invalid_argument& error) {
+    reader_.fail(section, "steel", error.what());
+    return -1;
+  }
+  return known_[name] = static_cast<int>(list.size()) - 1;
 }
 
 std::string better_unit(DrawnUnit unit, double length, double low, double high) {

@@ -1,7 +1,9 @@
 #pragma once
 
 #include <filesystem>
+#include <map>
 #include <string>
+#include <vector>
 
 #include "host/config/drawing_keys.h"
 #include "host/config/file_reader.h"
@@ -14,8 +16,20 @@ namespace powbench::host {
 /// The mesh that the drawing file names; where it cannot be read, BadInput about the line of the key alone.
 sim::MshMesh mesh_of_drawing(const std::filesystem::path& file, const std::string& mesh);
 
-/// A built-in steel, or a sheet beside the drawing. Throws BadInput or std::invalid_argument.
-sim::Steel steel_of_drawing(const std::filesystem::path& folder, const std::string& name);
+/// The steels of a drawing, each once: built-in ones, and sheets beside the drawing, with their share of the stack.
+class DrawnSteels {
+ public:
+  DrawnSteels(FileReader& reader, std::filesystem::path folder)
+      : reader_(reader), folder_(std::move(folder)) {}
+  /// Index in `list` of the one that a group names; -1 and an error of the reader where there is none.
+  int index(const std::string& section, const std::string& name, double stack_factor,
+            std::vector<sim::Steel>& list);
+
+ private:
+  FileReader& reader_;
+  std::filesystem::path folder_;
+  std::map<std::string, int> known_;
+};
 
 /// "; in UNIT it would be ... mm" for another unit in which a length lies within a range; else "".
 std::string better_unit(DrawnUnit, double length, double low, double high);

@@ -56,14 +56,7 @@ FileKind space_keys(SpaceDraft& s) {
        "planes through 0 at which the device is mirrored, by their normals");
   word(kind, "sheets", s.sheets, sheet_words, "normal of the sheets of all iron; none: solid");
   kind.number("stack_factor", d.stack_factor, {0.5, 1}, "share of iron in the sheets");
-  kind.number("drawn_gap_mm", d.drawn_gap, {1e-3, 100},
-              "between the faces of armature and fixed iron, as drawn", Need::required);
-  kind.number("residual_gap_um", d.residual_gap, {1, 1000}, "between the faces when closed", Need::required);
-  kind.number("travel_mm", d.travel, {0.1, 33},
-              "of the armature from open to closed; tables go to 1.5 times that", Need::required);
-  kind.number("ring_resistance_ohm", d.ring_resistance, {1e-9, 1}, "of the ring, one turn");
-  kind.number("largest_flux_Wb", d.largest_flux, {1e-6, 1e4},
-              "of the coil, where the table ends; left out: in saturation");
+  motion_keys(kind, d);
   for (auto& g : s.groups) {
     kind.section(g.section(), "a physical volume of the mesh");
     kind.choice("role", g.role, drawn_roles, "what the volume is");
@@ -104,7 +97,12 @@ struct Turn {
 class SpaceAssembly {
  public:
   SpaceAssembly(FileReader& reader, const SpaceDraft& draft, const fs::path& folder, const sim::MshMesh& msh)
-      : reader_(reader), s_(draft), d_(draft.plain), folder_(folder), msh_(msh), turn_(draft.opening) {}
+      : reader_(reader),
+        s_(draft),
+        d_(draft.plain),
+        msh_(msh),
+        turn_(draft.opening),
+        steels_(reader, folder) {}
 
   std::shared_ptr<const sim::SpaceMagnet> run(const std::string& name) {
     out_->name = name;
@@ -143,7 +141,7 @@ class SpaceAssembly {
     if (!iron && g.role != DrawnRole::stretch && named)
       reader_.fail(section, "steel", "belongs to iron: role = \"fixed\", \"armature\" or \"stretch\"");
     else if (iron || named)
-      part.steel = steel_index(g);
+      part.steel = steels_.index(section, g.steel, 1.0, out_->steels);
     for (const char* key : {"turns", "axis", "width_mm", "corner_mm"})
       if (!wound(g.role) && reader_.good(section, key))
         reader_.fail(section, key, "belongs to role = \"coil\" or \"ring\"");
@@ -171,26 +169,6 @@ class SpaceAssembly {
   bool mirrored(std::size_t axis) const {
     return s_.mirror > 0 &&
            mirrors[static_cast<std::size_t>(s_.mirror)].find("xyz"[axis]) != std::string::npos;
-  }
-
-  int steel_index(const SpaceGroup& g) {
-    if (reader_.bad(g.section(), "steel")) return -1;
-    if (g.steel.empty()) {
-      reader_.fail(g.section(), "steel", "is missing",
-                   "a built-in steel (`powbench steel` lists them) or a B-H sheet");
-      return -1;
-    }
-    if (const auto known = steels_.find(g.steel); known != steels_.end()) return known->second;
-    try {
-      out_->steels.push_back(steel_of_drawing(folder_, g.steel));
-    } catch (const BadInput& error) {
-      for (const auto& line : error.errors()) reader_.fail(g.section(), "steel", line);
-      return -1;
-    } catch (const std::invalid_argument& error) {
-      reader_.fail(g.section(), "steel", error.what());
-      return -1;
-    }
-    return steels_[g.steel] = static_cast<int>(out_->steels.size()) - 1;
   }
 
   void check_roles() {
@@ -312,12 +290,11 @@ class SpaceAssembly {
   FileReader& reader_;
   const SpaceDraft& s_;
   const DrawingDraft& d_;
-  fs::path folder_;
   const sim::MshMesh& msh_;
   Turn turn_;
   std::shared_ptr<sim::SpaceMagnet> out_ = std::make_shared<sim::SpaceMagnet>();
   std::map<int, int> region_;
-  std::map<std::string, int> steels_;
+  DrawnSteels steels_;
   Vec3 low_{1e300, 1e300, 1e300}, high_{-1e300, -1e300, -1e300};
   double extent_ = 0;
 };
