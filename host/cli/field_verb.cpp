@@ -192,8 +192,13 @@ std::string missed_accuracy(const sim::PotentialTable& t, double asked, std::str
   };
   const double table = std::max(largest(t.current_error), largest(t.pull_error));
   if (t.mesh_error <= asked && table <= asked) return "";
-  return fmt::format("MISSED: {:.3g} % was asked for; {}", asked * 100,
-                     t.mesh_error > asked ? finer : "the table's cells are at their smallest");
+  std::string why;
+  if (t.mesh_error > asked) why = fmt::format("mesh {:.2g} %: {}", t.mesh_error * 100, finer);
+  if (table > asked)
+    why += fmt::format(
+        "{}table {:.2g} %: its cells are at their smallest; a lower largest flux makes them finer",
+        why.empty() ? "" : "; ", table * 100);
+  return fmt::format("MISSED: {:.3g} % was asked for; {}", asked * 100, why);
 }
 
 std::string extrapolated_text(const sim::PotentialTable& t, const sim::ExtrapolatedShare& e) {

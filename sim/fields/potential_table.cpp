@@ -249,10 +249,11 @@ void TablePotential::check_stiffness() {
   const auto look = [&](double value, std::size_t p, std::size_t r, std::size_t g) {
     least_stiffness_ = std::min(least_stiffness_, value);
     if (value > 0) return;
-    throw std::invalid_argument("table: di/dpsi = " + text(value) + " A/Wb in the cell from psi = " +
-                                text(psi_.node[p]) + " Wb, gap = " + text(gap_.node[g] * 1e3) + " mm" +
-                                (has_ring() ? ", ring flux = " + text(ring_.node[r]) + " Wb" : "") +
-                                ", must be above 0: more nodes are needed");
+    throw std::invalid_argument(
+        "table: di/dpsi = " + text(value) + " A/Wb in the cell from psi = " + text(psi_.node[p]) +
+        " Wb, gap = " + text(gap_.node[g] * 1e3) + " mm" +
+        (has_ring() ? ", ring flux = " + text(ring_.node[r]) + " Wb" : "") +
+        ", must be above 0: more nodes are needed: a smaller accuracy, or a lower largest flux");
   };
   for (std::size_t g = 0; g + 1 < gap_.node.size(); ++g)
     for (std::size_t r = 0; r < nr; ++r)
