@@ -195,9 +195,9 @@ std::string missed_accuracy(const sim::PotentialTable& t, double asked, std::str
   std::string why;
   if (t.mesh_error > asked) why = fmt::format("mesh {:.2g} %: {}", t.mesh_error * 100, finer);
   if (table > asked)
-    why += fmt::format(
-        "{}table {:.2g} %: its cells are at their smallest; a lower largest flux makes them finer",
-        why.empty() ? "" : "; ", table * 100);
+    why +=
+        fmt::format("{}table {:.2g} %: a smaller --accuracy has more nodes, a lower largest flux finer cells",
+                    why.empty() ? "" : "; ", table * 100);
   return fmt::format("MISSED: {:.3g} % was asked for; {}", asked * 100, why);
 }
 

@@ -67,7 +67,10 @@ PotentialTable build_table(const std::shared_ptr<const DrawnMagnet>& d, const Ta
       fine.emplace(std::make_shared<const DrawnMagnet>(refined(*d)), NewtonOptions{});
     }
   });
-  TablePlan plan = plan_table(o, largest);
+  TableOptions dense = o;
+  // with fewer nodes the current of the saturated core falls somewhere between two of them
+  if (ring) dense.accuracy = std::min(o.accuracy, 0.02);
+  TablePlan plan = plan_table(dense, largest);
   if (ring) {
     const double reach = 1.15 * open_ring_flux(*prototype, largest);
     const int count =
