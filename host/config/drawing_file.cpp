@@ -159,6 +159,13 @@ class Assembly {
       reader_.fail("", "mesh", error.what());
       reader_.finish();
     }
+    if (const auto hole = sim::unmeshed_place(out_->mesh))
+      reader_.fail(
+          "", "mesh",
+          fmt::format("nothing is meshed around x = {:.4g}, y = {:.4g} mm: is a part without Physical "
+                      "Surface?",
+                      hole->first * 1e3, hole->second * 1e3));
+    reader_.finish();
     turn();
     if (!out_->axisymmetric) return;
     auto& m = out_->mesh;

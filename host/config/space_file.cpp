@@ -87,6 +87,12 @@ struct Turn {
   Vec3 operator()(const Vec3& p) const {
     return {sign[0] * p[from[0]], sign[1] * p[from[1]], sign[2] * p[from[2]]};
   }
+  /// The old place of a new one.
+  Vec3 back(const Vec3& p) const {
+    Vec3 old{};
+    for (std::size_t k = 0; k < 3; ++k) old[from[k]] = sign[k] * p[k];
+    return old;
+  }
   /// Where an old axis has gone.
   std::size_t axis(std::size_t old) const {
     return static_cast<std::size_t>(std::ranges::find(from, old) - from.begin());
@@ -123,6 +129,8 @@ class SpaceAssembly {
     reader_.finish();
     check_size();
     for (std::size_t k = 0; k < s_.groups.size(); ++k) place_winding(k);
+    reader_.finish();
+    check_filled();
     reader_.finish();
     move();
     reader_.finish();
@@ -269,6 +277,16 @@ class SpaceAssembly {
       reader_.fail(g.section(), "corner_mm", "does not fit into the opening",
                    fmt::format("0..{:.4g} mm", most * 1e3));
     out_->parts[number].coil = coil;
+  }
+
+  void check_filled() {
+    const auto hole = sim::unmeshed_place(*out_);
+    if (!hole) return;
+    const Vec3 at = 1e3 * turn_.back(hole->at);
+    reader_.fail("", "mesh",
+                 fmt::format("nothing is meshed {} x = {:.4g}, y = {:.4g}, z = {:.4g} mm: is a part without "
+                             "Physical Volume?",
+                             hole->where, at.x, at.y, at.z));
   }
 
   void move() {

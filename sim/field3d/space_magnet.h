@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -59,6 +60,17 @@ double measured_gap(const SpaceMagnet&);
 /// Gaps (faces, residual gap included) over which no tetrahedron turns inside out, m: from (>= 0), to (may be
 /// infinite).
 std::pair<double, double> usable_gaps(const SpaceMagnet&);
+
+/// A place where tetrahedra are missing.
+struct SpaceHole {
+  std::string where;  ///< "in the opening of 'coil' at", "beside 'core' at", "around"
+  Vec3 at;            ///< m
+};
+
+/// A hole of the mesh. Faces of one tetrahedron only lie on the convex hull, and so do planes of symmetry. Faces of air
+/// may also make up an outside that is not convex, but neither within the opening of a winding nor as a closed surface
+/// of their own. `coil` of the windings has to be set.
+std::optional<SpaceHole> unmeshed_place(const SpaceMagnet&);
 
 /// What hinders the T of a winding: "" nothing; else a sentence. Its part has to be the section of the coil, what lies
 /// in the opening, between the ends of the section, must be volumes of the mesh that neither move nor stretch.

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -55,6 +56,11 @@ struct DrawnMagnet {
 /// on other outer edges of that air stand still. Throws std::invalid_argument where there is no armature or no air
 /// that stretches, and where armature and fixed iron are joined by what does not.
 std::vector<double> drawn_motion(const DrawnMagnet&);
+
+/// Middle of a hole of the mesh, m: the box around edges of one triangle only that are neither edges with A = 0 nor lie
+/// on the convex hull of the mesh. H stands at right angles to such an
+/// edge, as on iron that does not saturate. Nothing: no hole. A hole with A = 0 all around is a screen.
+std::optional<std::pair<double, double>> unmeshed_place(const Mesh&);
 
 /// Smallest distance of the armature from the fixed iron below it, along y, m; in a quarter twice that from the lower
 /// edge of the mesh. Infinity: nothing below.
