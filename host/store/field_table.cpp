@@ -166,15 +166,20 @@ FieldTableChoice obtain_field_table(const std::filesystem::path& folder, const s
 FieldTableChoice obtain_field_table(const std::filesystem::path& folder,
                                     const std::shared_ptr<const sim::DrawnMagnet>& drawing,
                                     const sim::TableOptions& options, sim::Team& team) {
-  return obtain(folder, sim::table_hash(*drawing, options),
-                [&](sim::TableReport* report) { return sim::build_table(drawing, options, team, report); });
+  auto choice = obtain(folder, sim::table_hash(*drawing, options), [&](sim::TableReport* report) {
+    return sim::build_table(drawing, options, team, report);
+  });
+  sim::refuse_mesh_error(choice.table.mesh_error);  // of a table that an earlier release stored
+  return choice;
 }
 
 FieldTableChoice obtain_field_table(const std::filesystem::path& folder, const sim::SpaceMagnet& drawing,
                                     const sim::TableOptions& options, const sim::Progress3& progress) {
-  return obtain(folder, sim::table_hash(drawing, options), [&](sim::TableReport* report) {
+  auto choice = obtain(folder, sim::table_hash(drawing, options), [&](sim::TableReport* report) {
     return sim::build_table(drawing, options, report, progress);
   });
+  sim::refuse_mesh_error(choice.table.mesh_error);
+  return choice;
 }
 
 FieldTableChoice obtain_field_table(const std::filesystem::path& folder, const sim::SolenoidDesign& design,

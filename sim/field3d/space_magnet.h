@@ -88,8 +88,8 @@ double mesh_error(const SpaceMagnet&, MagnetField3& field, const std::vector<dou
 
 /// W(psi, gap) or W(psi, ring, gap) of a drawing in space. `largest_field` and the sizes of `options` do not count: the
 /// mesh is that of the drawing. PotentialTable::mesh_error is that at a half and an eighth of the largest flux. Throws
-/// std::invalid_argument for options out of range, a ring that links no flux, steel that does not saturate;
-/// std::runtime_error where Newton does not converge.
+/// std::invalid_argument for options out of range, a ring that links no flux, steel that does not saturate, a mesh that
+/// errs by more than 100 %; std::runtime_error where Newton does not converge.
 PotentialTable build_table(const SpaceMagnet&, const TableOptions& options, TableReport* report = nullptr,
                            const Progress3& progress = {});
 std::uint64_t table_hash(const SpaceMagnet&, const TableOptions&);

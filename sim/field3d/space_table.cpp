@@ -84,10 +84,12 @@ PotentialTable build_table(const SpaceMagnet& d, const TableOptions& options, Ta
     plan.ring = ring_nodes(field, largest,
                            options.ring_nodes != 0 ? options.ring_nodes
                                                    : std::max(8, static_cast<int>(plan.psi.size()) * 2 / 3));
+  const double error = mesh_error(d, field, {largest / 2, largest / 8});
+  refuse_mesh_error(error);
   TableReport sum;
   PotentialTable t = fill_table3(field, bare, plan, sum, progress);
   estimate_errors(t);
-  t.mesh_error = mesh_error(d, field, {largest / 2, largest / 8});
+  t.mesh_error = error;
   for (const auto& s : d.steels)
     t.data_end = t.data_end == 0 ? s.data_end() : std::min(t.data_end, s.data_end());
   t.design_hash = table_hash(d, options);

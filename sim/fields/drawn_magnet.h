@@ -58,8 +58,8 @@ struct DrawnMagnet {
 std::vector<double> drawn_motion(const DrawnMagnet&);
 
 /// Middle of a hole of the mesh, m: the box around edges of one triangle only that are neither edges with A = 0 nor lie
-/// on the convex hull of the mesh. H stands at right angles to such an
-/// edge, as on iron that does not saturate. Nothing: no hole. A hole with A = 0 all around is a screen.
+/// on the convex hull of the mesh. H stands at right angles to such an edge, as on iron that does not
+/// saturate. Nothing: no hole. A hole with A = 0 all around is a screen.
 std::optional<std::pair<double, double>> unmeshed_place(const Mesh&);
 
 /// Smallest distance of the armature from the fixed iron below it, along y, m; in a quarter twice that from the lower
@@ -137,10 +137,13 @@ std::vector<double> on_refined(const FieldSpace& coarse, const std::vector<doubl
 double saturated_flux(const std::shared_ptr<const DrawnMagnet>&);
 double saturated_flux(const DrawnField&);  ///< the field at any gap
 
+/// Throws std::invalid_argument for an estimated error of the mesh, relative, above 1: the table would mean nothing.
+void refuse_mesh_error(double);
+
 /// W(psi, gap) or W(psi, ring, gap) of a drawn magnet. `largest_field` and the sizes of `options` do not count: the
 /// mesh is that of the drawing. `mesh_error` is what one halving of all triangles changes in current and pull of the
-/// closed and of the open magnet at half of the largest flux. Throws as build_table, and where the mesh turns over up
-/// to the largest gap.
+/// closed and of the open magnet at half of the largest flux. Throws as build_table,
+/// as refuse_mesh_error, and where the mesh turns over up to the largest gap.
 PotentialTable build_table(const std::shared_ptr<const DrawnMagnet>&, const TableOptions& options, Team&,
                            TableReport* report = nullptr);
 std::uint64_t table_hash(const DrawnMagnet&, const TableOptions&);

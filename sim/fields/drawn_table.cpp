@@ -49,6 +49,17 @@ void check_reach(const DrawnMagnet& d, double largest_gap) {
 
 }  // namespace
 
+void refuse_mesh_error(double error) {
+  if (error <= 1) return;
+  char text[160];
+  std::snprintf(
+      text, sizeof text,
+      "the mesh errs by about %.0f %%, allowed up to 100 %%: is air around the iron missing, or the mesh "
+      "far too coarse?",
+      error * 100);
+  throw std::invalid_argument(text);
+}
+
 PotentialTable build_table(const std::shared_ptr<const DrawnMagnet>& d, const TableOptions& o, Team& team,
                            TableReport* report) {
   check_reach(*d, o.largest_gap);
@@ -89,6 +100,7 @@ PotentialTable build_table(const std::shared_ptr<const DrawnMagnet>& d, const Ta
   auto t = table_sweep::fill_table(
       plan, ring, team, [&] { return DrawnField(*prototype); }, [&] { return DrawnField(*prototype, air); },
       &sum, filling);
+  refuse_mesh_error(mesh_error);
   if (ring) fill_triple(t);
   estimate_errors(t);
   t.mesh_error = mesh_error;

@@ -3,12 +3,14 @@
 #include <catch2/catch.hpp>
 
 #include <cmath>
+#include <cstdio>
 #include <fstream>
 #include <functional>
 #include <sstream>
 
 #include "host/config/drawing_file.h"
 #include "host/config/space_file.h"
+#include "host/store/field_table.h"
 #include "sim/fields/msh.h"
 #include "tests/folder.h"
 #include "tests/places.h"
@@ -192,4 +194,51 @@ TEST_CASE("a drawing in space with a hole is refused, and the place named") {
   // all the air around
   CHECK_THAT(of_space({"air"}, [](const auto& group, auto...) { return group == "air"; }),
              Contains("nothing is meshed "));
+}
+
+TEST_CASE("a drawing whose mesh errs by more than 100 % has no table, also where one is stored") {
+  const Folder folder;
+  const auto drawing = host::read_drawing(examples + "e-core.magnet.toml");
+  sim::TableOptions options;
+  sim::PotentialTable t;
+  t.psi = {0, 0.5, 1};
+  t.gap = {0, 1e-3};
+  for (const double gap : t.gap) {
+    const double stiffness = 10 + 5e3 * gap;
+    for (const double psi : t.psi)
+      t.nodes.insert(t.nodes.end(),
+                     {0.5 * stiffness * psi * psi, stiffness * psi, 2.5e3 * psi * psi, 5e3 * psi});
+    t.air.insert(t.air.end(), {50 + 5e3 * gap, 5e3});
+  }
+  t.current_error = t.pull_error = {1e-3, 1e-3};
+  t.mesh_error = 0.9;
+  t.design_hash = sim::table_hash(*drawing, options);
+  char name[60];
+  std::snprintf(name, sizeof name, "field-%016llx.table", static_cast<unsigned long long>(t.design_hash));
+  sim::Team team(1);
+  host::save_field_table(folder.file(name), t);
+  CHECK(host::obtain_field_table(folder.file(""), drawing, options, team).reused);
+  t.mesh_error = 1.2;
+  host::save_field_table(folder.file(name), t);
+  CHECK_THROWS_WITH(host::obtain_field_table(folder.file(""), drawing, options, team),
+                    Contains("the mesh errs by about 120 %") && Contains("allowed up to 100 %"));
+}
+
+TEST_CASE("a relay without the air around it has no table", "[.slow]") {
+  auto drawing = *host::read_space_drawing(examples + "relay.magnet.toml");
+  auto& mesh = drawing.mesh;
+  std::vector<int> cells, region;
+  for (std::size_t c = 0; c < mesh.region.size(); ++c) {
+    if (drawing.parts[static_cast<std::size_t>(mesh.region[c])].name == "air") continue;
+    cells.insert(cells.end(), mesh.cells.begin() + 10 * static_cast<std::ptrdiff_t>(c),
+                 mesh.cells.begin() + 10 * static_cast<std::ptrdiff_t>(c + 1));
+    region.push_back(mesh.region[c]);
+  }
+  mesh.cells = cells;
+  mesh.region = region;
+  drawing.largest_flux = 0.4;
+  sim::TableOptions options;
+  options.largest_gap = 1.5 * drawing.travel;
+  options.psi_nodes = options.gap_nodes = 4;
+  CHECK_THROWS_WITH(sim::build_table(drawing, options), Contains("the mesh errs by about "));
 }
