@@ -62,6 +62,9 @@ void refuse_drawing_options(const FieldArgs& args) {
   };
   refuse(!args.steel.empty(), "--steel", "whose groups name their steels");
   refuse(!args.mesh_file.empty(), "--mesh", "which has a mesh");
+  refuse(args.mesh_unit != "mm", "--mesh-unit", "which states its unit");
+  refuse(args.symmetric, "--symmetric", "which states its symmetry");
+  refuse(args.current.has_value(), "--current", "which is computed over a whole range of flux");
   refuse(args.ends, "--ends", "whose ends are drawn or are not there");
 }
 

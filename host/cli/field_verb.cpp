@@ -82,8 +82,9 @@ std::string content_of(const std::string& path) {
 
 /// One state on a mesh drawn elsewhere.
 Exit show_mesh(const FieldArgs& args, const sim::MagnetDesign& design) {
-  if (!(std::fabs(args.current) <= 1e4))
-    throw BadInput({fmt::format("--current = {}, allowed -10000 .. 10000", args.current)});
+  const double wanted = args.current.value_or(0.3);
+  if (!(std::fabs(wanted) <= 1e4))
+    throw BadInput({fmt::format("--current = {}, allowed -10000 .. 10000", wanted)});
   const double copies = args.symmetric ? 2 : 1;
   auto drawn = read_field_mesh(content_of(args.mesh_file), args.mesh_file,
                                {metres_of(args.mesh_unit), design.turns, copies * design.shape.stack,
@@ -91,7 +92,7 @@ Exit show_mesh(const FieldArgs& args, const sim::MagnetDesign& design) {
   const sim::FieldProblem problem(std::move(drawn.mesh), drawn.setup);
   sim::Newton newton(problem);
   std::vector<double> a(static_cast<std::size_t>(problem.size()) + 1, 0), current;
-  const auto report = newton.solve({{false, args.current, 0}}, a, current);
+  const auto report = newton.solve({{false, wanted, 0}}, a, current);
   double psi = 0;
   for (std::size_t k = 0; k < a.size(); ++k) psi += problem.winding(0)[k] * a[k];
   const fs::path file = fs::path(args.folder) / "field-mesh.vtu";
@@ -106,7 +107,7 @@ Exit show_mesh(const FieldArgs& args, const sim::MagnetDesign& design) {
     nlohmann::ordered_json out{{"unknowns", problem.size()},
                                {"converged", report.converged},
                                {"iterations", report.iterations},
-                               {"current_A", args.current},
+                               {"current_A", wanted},
                                {"psi_Wb", psi},
                                {"energy_J", energy},
                                {"largest_field_T", largest},
@@ -117,7 +118,7 @@ Exit show_mesh(const FieldArgs& args, const sim::MagnetDesign& design) {
   } else {
     fmt::print("{}: {} unknowns, {} iterations{}\n  {:.6g} A: {:.6g} Wb, {:.6g} J, steel up to {:.3g} T\n",
                args.mesh_file, problem.size(), report.iterations, report.converged ? "" : ", NOT CONVERGED",
-               args.current, psi, energy, largest);
+               wanted, psi, energy, largest);
     fmt::print("  {:.3g} % of the steel is above its B-H data\n", beyond * 100);
     if (!drawn.armature.empty()) fmt::print("  force on the armature along y: {:.6g} N\n", force);
     fmt::print("{}\n", file.string());

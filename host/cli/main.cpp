@@ -291,7 +291,7 @@ void add_study_verbs(CLI::App& app) {
   field->add_option("--mesh-unit", field_args->mesh_unit, "of the mesh's coordinates: mm, m or in")
       ->capture_default_str();
   field->add_option("--current", field_args->current, "A in the coil, with --mesh or of a solenoid")
-      ->capture_default_str();
+      ->default_str("0.3");
   field->add_flag("--symmetric", field_args->symmetric, "the mesh is one half of the device");
   field->add_flag(
       "--ends", field_args->ends,

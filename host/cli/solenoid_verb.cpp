@@ -237,7 +237,7 @@ Exit show_solenoid_field(const FieldArgs& args) {
   sim::FieldOptions o;
   o.sizes = sim::sizes_for(mesh_share * accuracy);
   sim::SolenoidField field(s.design, o);
-  const double current = args.current;
+  const double current = args.current.value_or(0.3);
   if (!(std::fabs(current) <= 1e4))
     throw BadInput({fmt::format("--current = {}, allowed -10000 .. 10000", current)});
   Json states = Json::array();

@@ -186,7 +186,7 @@ struct FieldArgs {
   bool ring = false;      ///< the shading ring as a third variable
   std::string mesh_file;  ///< a plane mesh (MSH 4.1) in place of the specimen's shape; "" = none
   std::string mesh_unit = "mm";
-  double current = 0.3;             ///< A, with a mesh
+  std::optional<double> current;    ///< A, with a mesh or of a solenoid; left out: 0.3
   bool symmetric = false;           ///< the mesh is one half of a symmetric device
   bool ends = false;                ///< with what three dimensions add at the ends of stack, coil and ring
   std::vector<std::string> tables;  ///< files for other simulators; their endings say how

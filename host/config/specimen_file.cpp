@@ -168,6 +168,8 @@ void load_drawing(FileReader& reader, sim::Specimen& s, const std::filesystem::p
                     "iron_length_mm are "
                     "given");
   if (stated("magnet", "drawing_hash")) return;  // a stored specimen: its mesh is elsewhere
+  if (!s.lumped && stated("magnet", "steel"))
+    reader.fail("magnet", "steel", "does not go with a drawing, whose groups name their steels");
   try {
     const auto file = folder / s.magnet.drawing;
     if (is_space_drawing(file))

@@ -76,6 +76,31 @@ TEST_CASE("own magnet: a table with ring has nodes enough where 5 % is asked for
              Contains("18 x 12 x 18 nodes") && Contains("MISSED: 5 % was asked for; table 6.8 %: a smaller"));
 }
 
+TEST_CASE("own magnet: options that a drawing has no use for are refused, not ignored", "[system]") {
+  const Examples e;
+  for (const char* name : {"e-core", "relay"})
+    for (const std::vector<std::string>& option : {std::vector<std::string>{"--steel", "m530-50a"},
+                                                   {"--mesh", "e-core.msh"},
+                                                   {"--current", "0.3"},
+                                                   {"--mesh-unit", "m"},
+                                                   {"--symmetric"},
+                                                   {"--ends"}}) {
+      std::vector<std::string> words{"field", e.file(std::string(name) + ".magnet.toml"), "-o",
+                                     e.file("out")};
+      words.insert(words.end(), option.begin(), option.end());
+      const Finished r = run(e.folder, words);
+      CHECK(r.status == 2);
+      CHECK(r.out.empty());
+      CHECK_THAT(r.err, Contains(option.front() + ": does not go with a drawing, "));
+    }
+  e.folder.write("x.specimen.toml", "[magnet]\ndrawing = \"e-core.magnet.toml\"\nsteel = \"my-steel.csv\"\n");
+  const Finished r = run(e.folder, {"field", e.file("x.specimen.toml"), "-o", e.file("out")});
+  CHECK(r.status == 2);
+  CHECK_THAT(r.err,
+             Contains("x.specimen.toml:3: [magnet] steel = \"my-steel.csv\": does not go with a drawing, "
+                      "whose groups name their steels"));
+}
+
 TEST_CASE("own magnet: mistakes in a drawing end with one sentence: file, line, key, value, range",
           "[system]") {
   const Examples e;
