@@ -362,11 +362,18 @@ class TomlWalk {
           reader_.add(place.line, full + ": is a section: write [" + full + "] and its keys below");
         }
       } else if (node.is_table() || node.is_array_of_tables()) {
-        reader_.add(place.line, "[" + full + "]: " + unknown_section(kind_, full));
+        reader_.add(place.line, "[" + full + "]: " + unknown_section(kind_, full, sections_in(table, path)));
       } else {
         reader_.add(path, name, place, unknown_key(kind_, path, name), "");
       }
     }
+  }
+
+  static std::set<std::string> sections_in(const toml::table& table, const std::string& path) {
+    std::set<std::string> out;
+    for (const auto& [key, node] : table)
+      if (node.is_table()) out.insert(full_key(path, key.str()));
+    return out;
   }
 
   FileReader& reader_;

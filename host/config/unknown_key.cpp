@@ -45,6 +45,30 @@ std::string section_below(const FileKind& kind, const std::string& section, cons
   return longest;
 }
 
+constexpr std::string_view group_prefix = "group.";
+
+/// The names of groups without what all begin with.
+Words group_names(const Words& sections) {
+  Words out;
+  for (const auto& s : sections)
+    if (s.starts_with(group_prefix)) out.push_back(s.substr(group_prefix.size()));
+  return out;
+}
+
+std::string listed(const std::string& words, const Words& names) {
+  std::string text;
+  for (const auto& name : names) text += (text.empty() ? words : ", ") + name;
+  return text;
+}
+
+/// What groups there are, which have no section, and which of them may be meant.
+std::string groups(const std::string& section, const Words& all, const Words& open) {
+  const Words names = group_names(open);
+  const std::string guess = nearest(section.substr(group_prefix.size()), names);
+  return listed("; the mesh has ", group_names(all)) + listed("; without a section: ", names) +
+         (guess.empty() ? "" : meant(std::string(group_prefix) + guess));
+}
+
 }  // namespace
 
 std::string unknown_key(const FileKind& kind, const std::string& section, const std::string& key) {
@@ -66,8 +90,13 @@ std::string unknown_key(const FileKind& kind, const std::string& section, const 
   return "unknown key" + known(here);
 }
 
-std::string unknown_section(const FileKind& kind, const std::string& section) {
+std::string unknown_section(const FileKind& kind, const std::string& section,
+                            const std::set<std::string>& there) {
   const Words all = sections_of(kind);
+  Words open;  // a group stands for one part, so that its section is not meant twice
+  for (const auto& name : all)
+    if (!there.contains(name)) open.push_back(name);
+  if (section.starts_with(group_prefix)) return "unknown section" + groups(section, all, open);
   const std::string guess = nearest(section, all);
   return "unknown section" + (guess.empty() ? known(all) : meant(guess));
 }

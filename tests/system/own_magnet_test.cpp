@@ -112,6 +112,13 @@ TEST_CASE("own magnet: mistakes in a drawing end with one sentence: file, line, 
   CHECK_THAT(with("[group.core]", "[group.cor]"),
              Contains("unknown section") && Contains("core") &&
                  Contains("[group.core] role: is missing: the mesh has this surface"));
+  const auto anker = with("[group.armature]", "[group.Anker]");
+  CHECK_THAT(anker,
+             Contains("[group.Anker]: unknown section; the mesh has rim, core, armature, coil, layer, air; "
+                      "without a section: armature\n"));
+  CHECK_THAT(anker, !Contains("did you mean"));
+  CHECK_THAT(with("[group.armature]", "[group.armatur]"),
+             Contains("; without a section: armature; did you mean 'group.armature'?"));
   CHECK_THAT(with("role = \"armature\"", "role = \"anchor\""),
              Contains("no such word") && Contains("\"armature\", \"coil\""));
   CHECK_THAT(with("unit = \"mm\"", "unit = \"m\""),
@@ -151,6 +158,10 @@ TEST_CASE("own magnet: mistakes in a drawing in space end with one sentence: fil
   CHECK_THAT(
       with("[group.hinge]", "[group.hing]"),
       Contains("unknown section") && Contains("[group.hinge] role: is missing: the mesh has this volume"));
+  CHECK_THAT(
+      with("[group.hinge]", "[group.Gelenk]"),
+      Contains("unknown section; the mesh has core, armature, hinge, coil, bobbin, air; without a section: "
+               "hinge\n"));
   CHECK_THAT(with("unit = \"mm\"", "unit = \"m\""),
              Contains("unit = \"m\"") && Contains("in mm it would be"));
   CHECK_THAT(with("drawn_gap_mm = 1.0", "drawn_gap_mm = 1.2"),
