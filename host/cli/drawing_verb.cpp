@@ -2,13 +2,13 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
 #include "core/units.h"
 #include "host/cli/percent.h"
 #include "host/cli/table_files.h"
+#include "host/cli/table_text.h"
 #include "host/config/bad_input.h"
 #include "host/export/field_svg.h"
 #include "host/export/field_vtu.h"
@@ -50,10 +50,6 @@ std::vector<ShownState> shown_states(const fs::path& folder, const Drawing& draw
   return out;
 }
 
-double worst_of(const std::vector<double>& list) {
-  return *std::max_element(list.begin(), list.end());
-}
-
 }  // namespace
 
 void refuse_drawing_options(const FieldArgs& args) {
@@ -87,7 +83,7 @@ Exit show_drawing(const FieldArgs& args, const Drawing& drawing) {
   }();
   const auto& t = choice.table;
   const sim::TablePotential table(t);
-  const std::string missed = missed_accuracy(t, options.accuracy, "mesh the drawing finer");
+  const std::string missed = missed_accuracy(t, options.accuracy, finer_drawing, finer_drawn_table);
   const auto states = shown_states(folder, drawing, t.psi.back() / 2);
   const fs::path picture = folder / (d.name + "-table.svg");
   write_file(picture, table_svg(table, t.description));
@@ -107,26 +103,16 @@ Exit show_drawing(const FieldArgs& args, const Drawing& drawing) {
       for (const auto& f : s.files) pictures.push_back(f.string());
     }
     pictures.push_back(picture.string());
-    fmt::print("{}\n", Json{{"table", choice.file.string()},
-                            {"reused", choice.reused},
-                            {"description", t.description},
-                            {"mesh_error", t.mesh_error},
-                            {"worst_current_error", worst_of(t.current_error)},
-                            {"worst_pull_error", worst_of(t.pull_error)},
-                            {"accuracy", options.accuracy},
-                            {"accuracy_met", missed.empty()},
-                            {"largest_field_T", share.largest_field},
-                            {"states_beyond_data", share.share},
-                            {"states", list},
-                            {"tables", args.tables},
-                            {"pictures", pictures}}
-                           .dump(2));
+    Json j = table_json<Json>(choice, options.accuracy, missed);
+    j.update(Json{{"largest_field_T", share.largest_field},
+                  {"states_beyond_data", share.share},
+                  {"states", list},
+                  {"tables", args.tables},
+                  {"pictures", pictures}});
+    fmt::print("{}\n", j.dump(2));
     return Exit::pass;
   }
-  fmt::print("{} ({})\n  {}\n", choice.file.string(), choice.reused ? "as stored" : "built", t.description);
-  fmt::print("  expected error: mesh {:.2g} %, table {:.2g} % in the current, {:.2g} % in the pull\n",
-             t.mesh_error * 100, worst_of(t.current_error) * 100, worst_of(t.pull_error) * 100);
-  if (!missed.empty()) fmt::print("  {}\n", missed);
+  fmt::print("{}", table_head(choice, missed));
   fmt::print("  steel up to {:.3g} T; {}\n", share.largest_field, extrapolated_text(t, share));
   fmt::print(
       "  least angle of the air that stretches: {:.2g} deg as drawn, {:.2g} closed, {:.2g} at {:.3g} mm\n",

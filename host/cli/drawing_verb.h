@@ -20,10 +20,9 @@ Exit show_space_drawing(const FieldArgs&, const std::shared_ptr<const sim::Space
 /// Throws BadInput for options of `field` that do not go with a drawing.
 void refuse_drawing_options(const FieldArgs&);
 
-/// That mesh or table miss the accuracy asked for, and what helps; "" when they do not.
-std::string missed_accuracy(const sim::PotentialTable&, double asked, std::string_view finer);
-
-/// How much of a table rests on extrapolated steel, in a few words.
-std::string extrapolated_text(const sim::PotentialTable&, const sim::ExtrapolatedShare&);
+/// What helps where the table of a drawing misses its accuracy.
+inline constexpr std::string_view
+    finer_drawing = "mesh the drawing finer",
+    finer_drawn_table = "a smaller --accuracy has more nodes, a lower largest_flux_Wb finer cells";
 
 }  // namespace powbench::host

@@ -14,6 +14,7 @@
 #include "host/cli/percent.h"
 #include "host/cli/solenoid_verb.h"
 #include "host/cli/table_files.h"
+#include "host/cli/table_text.h"
 #include "host/cli/verbs.h"
 #include "host/config/drawing_file.h"
 #include "host/config/solenoid_file.h"
@@ -187,29 +188,6 @@ FieldTableChoice end_table(const fs::path& folder, const sim::MagnetDesign& desi
 
 }  // namespace
 
-std::string missed_accuracy(const sim::PotentialTable& t, double asked, std::string_view finer) {
-  const auto largest = [](const std::vector<double>& errors) {
-    return errors.empty() ? 0.0 : *std::max_element(errors.begin(), errors.end());
-  };
-  const double table = std::max(largest(t.current_error), largest(t.pull_error));
-  if (t.mesh_error <= asked && table <= asked) return "";
-  std::string why;
-  if (t.mesh_error > asked) why = fmt::format("mesh {:.2g} %: {}", t.mesh_error * 100, finer);
-  if (table > asked)
-    why +=
-        fmt::format("{}table {:.2g} %: a smaller --accuracy has more nodes, a lower largest flux finer cells",
-                    why.empty() ? "" : "; ", table * 100);
-  return fmt::format("MISSED: {:.3g} % was asked for; {}", asked * 100, why);
-}
-
-std::string extrapolated_text(const sim::PotentialTable& t, const sim::ExtrapolatedShare& e) {
-  if (t.steel_field.empty()) return "what share is extrapolated is not known";
-  if (e.share == 0) return fmt::format("no state is above the B-H data, which end at {:.3g} T", t.data_end);
-  return fmt::format(
-      "somewhere above the B-H data, which end at {:.3g} T, in {:.3g} % of the states, from {:.3g} Wb on",
-      t.data_end, e.share * 100, e.from_psi);
-}
-
 Exit show_field(const FieldArgs& args) {
   check_tables(args);
   if (names_drawing(args.specimen_file)) {
@@ -256,11 +234,8 @@ Exit show_field(const FieldArgs& args) {
   say_points(points, args.shards);
   const sim::TablePotential table(choice.table);
   const std::string missed =
-      missed_accuracy(choice.table, options.accuracy, "the sizes of its elements are at their smallest");
-  const auto worst = [](const std::vector<double>& list) {
-    return *std::max_element(list.begin(), list.end());
-  };
-  const double current_error = worst(choice.table.current_error), pull_error = worst(choice.table.pull_error);
+      missed_accuracy(choice.table, options.accuracy, "the sizes of its elements are at their smallest",
+                      "its cells are at their smallest");
   const auto beyond = sim::extrapolated_share(choice.table);
   auto files = pictures(folder, design, options, specimen.core.travel);
   files.push_back(folder / "field-table.svg");
@@ -269,29 +244,18 @@ Exit show_field(const FieldArgs& args) {
   if (args.json) {
     nlohmann::ordered_json list = nlohmann::ordered_json::array();
     for (const auto& f : files) list.push_back(f.string());
-    fmt::print("{}\n", nlohmann::ordered_json{{"table", choice.file.string()},
-                                              {"reused", choice.reused},
-                                              {"description", choice.table.description},
-                                              {"mesh_error", choice.table.mesh_error},
-                                              {"worst_current_error", current_error},
-                                              {"worst_pull_error", pull_error},
-                                              {"accuracy", options.accuracy},
-                                              {"accuracy_met", missed.empty()},
-                                              {"largest_field_T", beyond.largest_field},
-                                              {"data_end_T", choice.table.data_end},
-                                              {"states_beyond_data", beyond.share},
-                                              {"beyond_data_from_Wb", beyond.from_psi},
-                                              {"least_stiffness_A_per_Wb", table.least_stiffness()},
-                                              {"pictures", list},
-                                              {"tables", args.tables}}
-                           .dump(2));
+    nlohmann::ordered_json j = table_json<nlohmann::ordered_json>(choice, options.accuracy, missed);
+    j.update(nlohmann::ordered_json{{"largest_field_T", beyond.largest_field},
+                                    {"data_end_T", choice.table.data_end},
+                                    {"states_beyond_data", beyond.share},
+                                    {"beyond_data_from_Wb", beyond.from_psi},
+                                    {"least_stiffness_A_per_Wb", table.least_stiffness()},
+                                    {"pictures", list},
+                                    {"tables", args.tables}});
+    fmt::print("{}\n", j.dump(2));
     return Exit::pass;
   }
-  fmt::print(
-      "{} ({})\n  {}\n  expected error: mesh {:.2g} %, table {:.2g} % in the current, {:.2g} % in the pull\n",
-      choice.file.string(), choice.reused ? "as stored" : "built", choice.table.description,
-      choice.table.mesh_error * 100, current_error * 100, pull_error * 100);
-  if (!missed.empty()) fmt::print("  {}\n", missed);
+  fmt::print("{}", table_head(choice, missed));
   fmt::print("  steel up to {:.3g} T; {}\n", beyond.largest_field, extrapolated_text(choice.table, beyond));
   for (const auto& f : files) fmt::print("{}\n", f.string());
   for (const auto& f : args.tables) fmt::print("{}\n", f);

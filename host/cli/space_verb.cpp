@@ -8,6 +8,7 @@
 #include "host/cli/drawing_verb.h"
 #include "host/cli/percent.h"
 #include "host/cli/table_files.h"
+#include "host/cli/table_text.h"
 #include "host/config/bad_input.h"
 #include "host/export/field_svg.h"
 #include "host/export/space_vtu.h"
@@ -49,10 +50,6 @@ std::vector<SpaceState> space_states(const std::filesystem::path& folder, const 
   return out;
 }
 
-double largest(const std::vector<double>& list) {
-  return *std::max_element(list.begin(), list.end());
-}
-
 FieldTableChoice space_table(const FieldArgs& args, const sim::SpaceMagnet& d,
                              const sim::TableOptions& options) {
   std::unique_ptr<Progress> progress;
@@ -83,7 +80,7 @@ Exit show_space_drawing(const FieldArgs& args, const std::shared_ptr<const sim::
   const auto choice = space_table(args, d, options);
   const auto& t = choice.table;
   const sim::TablePotential table(t);
-  const std::string missed = missed_accuracy(t, options.accuracy, "mesh the drawing finer");
+  const std::string missed = missed_accuracy(t, options.accuracy, finer_drawing, finer_drawn_table);
   const std::filesystem::path folder(args.folder);
   const auto states = space_states(folder, d, t.psi.back() / 2);
   const auto picture = folder / (d.name + "-table.svg");
@@ -101,24 +98,13 @@ Exit show_space_drawing(const FieldArgs& args, const std::shared_ptr<const sim::
       pictures.push_back(s.file.string());
     }
     pictures.push_back(picture.string());
-    fmt::print("{}\n", SpaceJson{{"table", choice.file.string()},
-                                 {"reused", choice.reused},
-                                 {"description", t.description},
-                                 {"mesh_error", t.mesh_error},
-                                 {"worst_current_error", largest(t.current_error)},
-                                 {"worst_pull_error", largest(t.pull_error)},
-                                 {"accuracy", options.accuracy},
-                                 {"accuracy_met", missed.empty()},
-                                 {"states", list},
-                                 {"tables", args.tables},
-                                 {"pictures", pictures}}
-                           .dump(2));
+    SpaceJson j = table_json<SpaceJson>(choice, options.accuracy, missed);
+    j.update(SpaceJson{
+        {"states_beyond_data", nullptr}, {"states", list}, {"tables", args.tables}, {"pictures", pictures}});
+    fmt::print("{}\n", j.dump(2));
     return Exit::pass;
   }
-  fmt::print("{} ({})\n  {}\n", choice.file.string(), choice.reused ? "as stored" : "built", t.description);
-  fmt::print("  expected error: mesh {:.2g} %, table {:.2g} % in the current, {:.2g} % in the pull\n",
-             t.mesh_error * 100, largest(t.current_error) * 100, largest(t.pull_error) * 100);
-  if (!missed.empty()) fmt::print("  {}\n", missed);
+  fmt::print("{}  {}\n", table_head(choice, missed), extrapolated_text(t, {}));
   for (const auto& s : states)
     fmt::print(
         "  {:<7} gap {:>6.3f} mm, {:.4g} Wb: {:.4g} A, pull {:.4g} N, {:.3g} J, steel up to {:.3g} T\n",

@@ -128,11 +128,7 @@ std::uint64_t drawing_hash(const SpaceMagnet& d) {
 }
 
 std::uint64_t table_hash(const SpaceMagnet& d, const TableOptions& o) {
-  std::uint64_t hash = drawing_hash(d);
-  for (const double v : {o.accuracy, static_cast<double>(o.psi_nodes), static_cast<double>(o.gap_nodes),
-                         static_cast<double>(o.ring_nodes), o.largest_gap, o.ring ? 1.0 : 0.0})
-    hash = mixed_hash(hash, v);
-  return hash;
+  return mixed_hash(drawing_hash(d), o);
 }
 
 }  // namespace powbench::sim

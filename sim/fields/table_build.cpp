@@ -123,6 +123,13 @@ std::uint64_t mixed_hash(std::uint64_t hash, double value) {
   return splitmix64(hash);
 }
 
+std::uint64_t mixed_hash(std::uint64_t hash, const TableOptions& o) {
+  for (const double v : {o.accuracy, static_cast<double>(o.psi_nodes), static_cast<double>(o.gap_nodes),
+                         static_cast<double>(o.ring_nodes), o.largest_gap, o.ring ? 1.0 : 0.0})
+    hash = mixed_hash(hash, v);
+  return hash;
+}
+
 std::uint64_t hash_values(const std::vector<double>& values, const Steel& steel) {
   constexpr std::uint64_t version = 1;  // raise when the same input gives another table
   std::uint64_t hash = version;

@@ -69,8 +69,9 @@ std::uint64_t table_hash(const MagnetDesign&, const TableOptions&);
 /// Hash of numbers and of a curve, for tables of other shapes.
 std::uint64_t hash_values(const std::vector<double>& values, const Steel&);
 
-/// A hash with one more number in it.
+/// A hash with one more number in it, or with what of the options counts where the mesh is drawn.
 std::uint64_t mixed_hash(std::uint64_t hash, double value);
+std::uint64_t mixed_hash(std::uint64_t hash, const TableOptions&);
 
 /// Sets d3W/dpsi dring dgap at the nodes of a table with a ring: slopes of the parabolas through three gaps.
 void fill_triple(PotentialTable&);
