@@ -42,11 +42,10 @@ struct alignas(64) LaneBlock {
   LaneMask one_sine;  ///< its source is `amplitude` V times the sine of `source`
   Lane amplitude;
   std::array<Lane, 6> source;  ///< at stages 0 .. 5: that angle, rad, or V; 0 is not read, 6 is 5
-  std::array<Lane, states> y;  ///< at its beginning
-  std::array<std::array<Lane, states>, 7> slope;  ///< the first: at its beginning
+  std::array<Lane, states> y, first_slope;  ///< at its beginning
 
   // and what came of it
-  std::array<Lane, states> result;
+  std::array<Lane, states> result, last_slope;
   std::array<std::array<Lane, states>, 5> dense;
   std::array<std::array<Lane, guards>, samples> guard;  ///< contacts, then friction
   Lane error;                                           ///< over the tolerance; infinite: not finite

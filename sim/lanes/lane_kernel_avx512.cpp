@@ -1,3 +1,4 @@
+#define POWBENCH_LANES_AT_ONCE 8
 #include "sim/lanes/lane_kernel_body.h"
 
 namespace powbench::sim {

@@ -126,7 +126,7 @@ class PlantLanes {
     ContactorModel::State slope;
     p.integrator.first_slope(slope);
     for (std::size_t i = 0; i < static_cast<std::size_t>(layout_.size); ++i)
-      block_->y[i][lane] = y[i], block_->slope[0][i][lane] = slope[i];
+      block_->y[i][lane] = y[i], block_->first_slope[i][lane] = slope[i];
     p.model.put_modes(*block_, k);
     block_->accepted[lane] = 0;
     s.loaded = true;

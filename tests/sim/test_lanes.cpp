@@ -221,7 +221,7 @@ TEST_CASE("every instruction set gives the same bits", "[lanes]") {
     for (std::size_t i = 0; i < static_cast<std::size_t>(layout.size); ++i) {
       start->y[i][lane] = y[i] + 1e-4 * random.uniform();
       start->tolerance[i][lane] = 1e-8 * model.scale(static_cast<int>(i));
-      start->slope[0][i][lane] = random.uniform();
+      start->first_slope[i][lane] = random.uniform();
     }
     start->one_sine[lane] = k % 2 == 0 ? -1 : 0;
     start->amplitude[lane] = 325;
