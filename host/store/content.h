@@ -13,6 +13,9 @@ namespace powbench::host {
 
 std::vector<CampaignInfo> all_campaigns(const sqlite::Database&);
 
+/// The first damage of a store, but for sweeps and points, whose rows are checked where they are read; "": none.
+std::string campaign_damage(const sqlite::Database&);
+
 /// Of a campaign: all of its row but id and `finished`.
 std::string campaign_key(const CampaignInfo&);
 

@@ -61,9 +61,12 @@ void check_shot(const Database& db, const StoredShot& shot, StoreContent& c) {
   }
 }
 
-void check_rows(const Database& db, StoreContent& c, const Step& step) {
+/// Structure and everything of campaigns.
+void check_campaigns(const Database& db, StoreContent& c, const Step& step,
+                     std::vector<std::string>& hashes) {
+  check_structure(db, c);
+  sound(c, [&] { select_begun(db); });
   const std::int64_t all = db.number("SELECT count(*) FROM shot");
-  std::vector<std::string> hashes;
   for (const CampaignInfo& campaign : all_campaigns(db)) {
     ++c.campaigns;
     sound(c, [&] {
@@ -75,6 +78,11 @@ void check_rows(const Database& db, StoreContent& c, const Step& step) {
     });
     sound(c, [&] { hashes.push_back(campaign_hash(db, campaign)); });
   }
+}
+
+void check_rows(const Database& db, StoreContent& c, const Step& step) {
+  std::vector<std::string> hashes;
+  check_campaigns(db, c, step, hashes);
   for (const SweepInfo& sweep : select_sweeps(db)) {
     ++c.sweeps;
     sound(c, [&] { hashes.push_back(sweep_hash(db, sweep)); });
@@ -96,12 +104,17 @@ void check_rows(const Database& db, StoreContent& c, const Step& step) {
 StoreContent check_store(const std::string& path, const Step& step) {
   StoreContent c;
   Database db = open_store(path, Store::Mode::read_only);
-  check_structure(db, c);
   c.bare = db.number("SELECT count(*) FROM record WHERE packing = ''");
-  sound(c, [&] { select_begun(db); });
   sound(c, [&] { check_rows(db, c, step); });
   if (!c.damage.empty()) c.hash.clear();
   return c;
+}
+
+std::string campaign_damage(const Database& db) {
+  StoreContent c;
+  std::vector<std::string> hashes;
+  sound(c, [&] { check_campaigns(db, c, {}, hashes); });
+  return c.damage.empty() ? "" : c.damage.front();
 }
 
 Migrated migrate_store(const std::string& path, bool compact, const Step& step) {

@@ -190,6 +190,25 @@ void refuse_damaged(const std::string& path) {
   if (!c.damage.empty()) throw StoreError(path + ": " + c.damage.front() + "; nothing was merged");
 }
 
+/// Rows of sweeps and points are checked on the way: every byte of a source is read and hashed once.
+Merged merge_from(const std::string& source, Database& to) {
+  const Database from = open_store(source, Store::Mode::read_only);
+  const auto refuse = [&](const std::string& damage) {
+    throw StoreError(source + ": " + damage + "; nothing was merged");
+  };
+  if (const std::string damage = campaign_damage(from); !damage.empty()) refuse(damage);
+  try {
+    return Merger(from, to).run();
+  } catch (const WrongStore&) {
+    throw;
+  } catch (const StoreError& e) {
+    const std::string text = e.what();
+    if (text.find(to.path()) != std::string::npos || text.find(source) != std::string::npos) throw;
+    refuse(text);
+  }
+  return {};
+}
+
 }  // namespace
 
 Merged merge_stores(const std::string& target, const std::vector<std::string>& sources) {
@@ -198,7 +217,6 @@ Merged merge_stores(const std::string& target, const std::vector<std::string>& s
   for (const std::string& source : sources) {
     if (fs::equivalent(source, target, ignored))
       throw WrongStore(source + ": is the target itself; name another file");
-    refuse_damaged(source);
   }
   if (!fresh) refuse_damaged(target);
   Merged all;
@@ -206,7 +224,7 @@ Merged merge_stores(const std::string& target, const std::vector<std::string>& s
     Database to = open_store(target, Store::Mode::read_write);
     Transaction t(to);
     for (const std::string& source : sources) {
-      const Merged m = Merger(open_store(source, Store::Mode::read_only), to).run();
+      const Merged m = merge_from(source, to);
       all.campaigns += m.campaigns, all.shots += m.shots, all.events += m.events,
           all.sweep_blocks += m.sweep_blocks, all.points += m.points;
     }
