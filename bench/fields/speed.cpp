@@ -2,6 +2,7 @@
 // thread; the own quadratic elements on the own grid; and what a table costs to build and to ask.
 //   fields_speed [--json PATH]
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <cstdio>
@@ -9,7 +10,9 @@
 #include <filesystem>
 #include <functional>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
+#include <vector>
 
 #include "bench/fields/contactor.h"
 #include "bench/fields/json_out.h"
@@ -23,12 +26,29 @@ namespace {
 using namespace powbench;
 using Json = nlohmann::ordered_json;
 
-struct Own {
-  int unknowns = 0, iterations = 0;
-  double flux = 0, cpu_iteration = 1e300;
+constexpr int repeats = 5;  ///< of ourselves and of each peer alike
+
+/// CPU time of an iteration over the repeats, s.
+struct Spread {
+  double median = 0, least = 0, most = 0;
 };
 
-/// Cold starts on any mesh with the regions of the peers; the cheapest of a few.
+Spread spread(std::vector<double> seconds) {
+  std::sort(seconds.begin(), seconds.end());
+  return {seconds[seconds.size() / 2], seconds.front(), seconds.back()};
+}
+
+Json json_of(const Spread& s) {
+  return {{"median_ms", s.median * 1e3}, {"least_ms", s.least * 1e3}, {"most_ms", s.most * 1e3}};
+}
+
+struct Own {
+  int unknowns = 0, iterations = 0;
+  double flux = 0;
+  Spread cpu;  ///< of an iteration
+};
+
+/// Cold starts on any mesh with the regions of the peers.
 Own own_on(const sim::Mesh& mesh, double ampere_turns, int order) {
   using R = bench::PeerRegion;
   sim::FieldSetup f;
@@ -41,40 +61,57 @@ Own own_on(const sim::Mesh& mesh, double ampere_turns, int order) {
   sim::Newton newton(problem);
   Own own;
   own.unknowns = problem.size();
-  for (int repeat = 0; repeat < 5; ++repeat) {
+  std::vector<double> cpu;
+  for (int repeat = 0; repeat < repeats; ++repeat) {
     std::vector<double> a(static_cast<std::size_t>(problem.size()) + 1, 0), current;
     const double start = process_cpu_seconds();
     const auto report = newton.solve({{false, ampere_turns, 0}}, a, current, {1e-13, 60, true});
-    own.cpu_iteration = std::min(own.cpu_iteration, (process_cpu_seconds() - start) / report.iterations);
+    cpu.push_back((process_cpu_seconds() - start) / report.iterations);
     own.iterations = report.iterations;
     own.flux = 0;
     for (std::size_t k = 0; k < a.size(); ++k) own.flux += problem.winding(0)[k] * a[k];
   }
+  own.cpu = spread(std::move(cpu));
   return own;
 }
 
-void print_peer(const char* name, const std::optional<bench::PeerResult>& r, const Own& own, Json& row) {
-  if (!r) {
-    std::printf("%22s is not here, or failed\n", name);
-    row[name] = nullptr;
-    return;
+void print_row(const char* name, int unknowns, int iterations, const Spread& cpu, double flux) {
+  std::printf("%12s %8d %4d %10.2f %9.2f .. %-8.2f %14.8e", name, unknowns, iterations, cpu.median * 1e3,
+              cpu.least * 1e3, cpu.most * 1e3, flux);
+}
+
+void peer_row(const char* name, const Own& own, Json& row,
+              const std::function<std::optional<bench::PeerResult>()>& run) {
+  std::vector<double> cpu;
+  bench::PeerResult last;
+  for (int repeat = 0; repeat < repeats; ++repeat) {
+    const auto r = run();
+    if (!r) {
+      std::printf("%12s is not here, or failed\n", name);
+      row[name] = nullptr;
+      return;
+    }
+    last = *r;
+    cpu.push_back(r->cpu_iteration);
   }
-  std::printf("%22s %8d %4d %12.2f %12.8e %10.1e %8.1f\n", name, own.unknowns, r->iterations,
-              r->cpu_iteration * 1e3, r->flux, std::fabs(r->flux / own.flux - 1),
-              r->cpu_iteration / own.cpu_iteration);
-  row[name] = {{"iterations", r->iterations},
-               {"cpu_ms", r->cpu_iteration * 1e3},
-               {"flux_Wb", r->flux},
-               {"ratio", r->cpu_iteration / own.cpu_iteration}};
+  const Spread s = spread(std::move(cpu));
+  print_row(name, own.unknowns, last.iterations, s, last.flux);
+  std::printf(" %10.1e %8.1f\n", std::fabs(last.flux / own.flux - 1), s.median / own.cpu.median);
+  row[name] = {{"iterations", last.iterations},
+               {"cpu", json_of(s)},
+               {"flux_Wb", last.flux},
+               {"ratio", s.median / own.cpu.median}};
 }
 
 Json same_mesh() {
   bench::Peers peers((std::filesystem::temp_directory_path() / "powbench_fields_speed").string());
   Json list = Json::array();
   std::printf(
-      "Newton iteration on the same unstructured mesh, linear elements, 2 mm gap, 3000 A turns, from zero\n");
-  std::printf("%22s %8s %4s %12s %14s %10s %8s\n", "", "unknowns", "its", "CPU ms/it", "flux Wb", "rel. diff",
-              "x own");
+      "Newton iteration on the same unstructured mesh, linear elements, 2 mm gap, 3000 A turns, from zero;\n"
+      "median of %d runs, least and most\n",
+      repeats);
+  std::printf("%12s %8s %4s %10s %21s %14s %10s %8s\n", "", "unknowns", "its", "CPU ms/it", "least .. most",
+              "flux Wb", "rel. diff", "x own");
   for (const double size : {0.92, 0.44, 0.215}) {
     const auto mesh = peers.mesh(2e-3, size);
     if (!mesh) {
@@ -82,11 +119,11 @@ Json same_mesh() {
       break;
     }
     const Own own = own_on(*mesh, 3000, 1);
-    std::printf("%22s %8d %4d %12.2f %14.8e\n", "own", own.unknowns, own.iterations, own.cpu_iteration * 1e3,
-                own.flux);
-    Json row{{"unknowns", own.unknowns}, {"own_cpu_ms", own.cpu_iteration * 1e3}, {"own_flux_Wb", own.flux}};
-    print_peer("GetDP", peers.getdp(3000), own, row);
-    print_peer("FreeFem++", peers.freefem(3000), own, row);
+    print_row("own", own.unknowns, own.iterations, own.cpu, own.flux);
+    std::printf("\n");
+    Json row{{"unknowns", own.unknowns}, {"own_cpu", json_of(own.cpu)}, {"own_flux_Wb", own.flux}};
+    peer_row("GetDP", own, row, [&] { return peers.getdp(3000); });
+    peer_row("FreeFem++", own, row, [&] { return peers.freefem(3000); });
     list.push_back(row);
   }
   return list;
