@@ -9,6 +9,7 @@
 #include "host/cli/percent.h"
 #include "host/cli/table_files.h"
 #include "host/cli/table_text.h"
+#include "host/cli/threads.h"
 #include "host/config/bad_input.h"
 #include "host/export/field_svg.h"
 #include "host/export/field_vtu.h"
@@ -73,7 +74,7 @@ Exit show_drawing(const FieldArgs& args, const Drawing& drawing) {
   options.largest_gap = 1.5 * d.travel;
   options.ring = args.ring;
   const fs::path folder(args.folder);
-  sim::Team team(2);
+  sim::Team team(worker_count(args.threads));
   const auto choice = [&] {
     try {
       return obtain_field_table(folder, drawing, options, team);
@@ -110,7 +111,7 @@ Exit show_drawing(const FieldArgs& args, const Drawing& drawing) {
                   {"tables", args.tables},
                   {"pictures", pictures}});
     fmt::print("{}\n", j.dump(2));
-    return Exit::pass;
+    return exit_of_accuracy(missed);
   }
   fmt::print("{}", table_head(choice, missed));
   fmt::print("  steel up to {:.3g} T; {}\n", share.largest_field, extrapolated_text(t, share));
@@ -124,7 +125,7 @@ Exit show_drawing(const FieldArgs& args, const Drawing& drawing) {
     for (const auto& f : s.files) fmt::print("{}\n", f.string());
   fmt::print("{}\n", picture.string());
   for (const auto& f : args.tables) fmt::print("{}\n", f);
-  return Exit::pass;
+  return exit_of_accuracy(missed);
 }
 
 }  // namespace powbench::host

@@ -7,7 +7,6 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <sstream>
-#include <thread>
 
 #include "host/cli/drawing_verb.h"
 #include "host/cli/named_steel.h"
@@ -15,6 +14,7 @@
 #include "host/cli/solenoid_verb.h"
 #include "host/cli/table_files.h"
 #include "host/cli/table_text.h"
+#include "host/cli/threads.h"
 #include "host/cli/verbs.h"
 #include "host/config/drawing_file.h"
 #include "host/config/solenoid_file.h"
@@ -220,8 +220,7 @@ Exit show_field(const FieldArgs& args) {
     fmt::print("{}", slurm_script(args.shards, args.shards.database));
     return Exit::pass;
   }
-  sim::Team team(args.threads > 0 ? args.threads
-                                  : static_cast<int>(std::max(1U, std::thread::hardware_concurrency())));
+  sim::Team team(worker_count(args.threads));
   Points points = open_points(args.shards);
   if (points.part()) {
     sim::build_table(design, options, team, nullptr, slices(points, design, options));
@@ -253,13 +252,13 @@ Exit show_field(const FieldArgs& args) {
                                     {"pictures", list},
                                     {"tables", args.tables}});
     fmt::print("{}\n", j.dump(2));
-    return Exit::pass;
+    return exit_of_accuracy(missed);
   }
   fmt::print("{}", table_head(choice, missed));
   fmt::print("  steel up to {:.3g} T; {}\n", beyond.largest_field, extrapolated_text(choice.table, beyond));
   for (const auto& f : files) fmt::print("{}\n", f.string());
   for (const auto& f : args.tables) fmt::print("{}\n", f);
-  return Exit::pass;
+  return exit_of_accuracy(missed);
 }
 
 }  // namespace powbench::host

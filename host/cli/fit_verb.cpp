@@ -5,10 +5,10 @@
 #include <filesystem>
 #include <fstream>
 #include <sstream>
-#include <thread>
 
 #include "host/cli/picture.h"
 #include "host/cli/study.h"
+#include "host/cli/threads.h"
 #include "host/compare/compare.h"
 #include "host/export/write_file.h"
 #include "host/gather/gather.h"
@@ -200,8 +200,7 @@ Exit fit_specimen(const FitArgs& args) {
   FitState state;
   if (!args.state_file.empty() && std::filesystem::exists(args.state_file))
     state = parse_fit_state(text_of_file(args.state_file), args.state_file);
-  const int threads =
-      args.threads > 0 ? args.threads : static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
+  const int threads = worker_count(args.threads);
   sim::Team team(threads);
   const StopOnSignal stop;
   const auto per_fit = static_cast<std::size_t>(args.evaluations);

@@ -347,10 +347,11 @@ int main(int argc, char** argv) {
   app.set_version_flag("--version", fmt::format("powbench {}, commit {}", program_version, program_commit));
   app.require_subcommand(1);
   app.footer(
-      "Exit codes: 0 pass or nothing to judge, 1 not passed: outside limits, or shots missing, 2 bad input,\n"
-      "            3 rig or database server unreachable or at fault, 4 time-out, 5 data damaged, 6 "
-      "interlock, 7 accuracy not "
-      "known, 130 interrupted");
+      "Exit codes: 0 pass or nothing to judge, 1 not passed: outside limits, accuracy missed or shots "
+      "missing,\n"
+      "            2 bad input, 3 rig or database server unreachable or at fault, 4 time-out, 5 data "
+      "damaged,\n"
+      "            6 interlock, 7 accuracy not known, 130 interrupted");
   add_rig_verbs(app);
   add_live_verb(app);
   add_plan_verbs(app);

@@ -4,7 +4,6 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <set>
-#include <thread>
 
 #include "core/counted.h"
 #include "core/cpu_time.h"
@@ -12,6 +11,7 @@
 #include "host/cli/percent.h"
 #include "host/cli/scene_text.h"
 #include "host/cli/solenoid_verb.h"
+#include "host/cli/threads.h"
 #include "host/cli/verbs.h"
 #include "host/config/solenoid_file.h"
 #include "host/gather/scene.h"
@@ -294,8 +294,7 @@ Exit simulate_plan(const SimArgs& args) {
   Store store = points.part() ? store_to_read(args) : Store(args.database);
   const std::int64_t campaign =
       points.part() ? find_campaign(store, scene, model).value_or(0) : campaign_for(store, scene, model);
-  const int threads =
-      args.threads > 0 ? args.threads : static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
+  const int threads = worker_count(args.threads);
   Progress progress("simulate", scene.plan.angles.size(), progress_style(args.progress));
   const SimulatedCount n = simulate_campaign(
       store, campaign, scene.shots, scene.specimen, sensors, run_options(scene.plan), progress,

@@ -11,6 +11,7 @@
 #include "host/cli/percent.h"
 #include "host/cli/solenoid_output.h"
 #include "host/cli/table_files.h"
+#include "host/cli/threads.h"
 #include "host/config/rig_file.h"
 #include "host/config/solenoid_file.h"
 #include "host/export/field_svg.h"
@@ -223,7 +224,7 @@ Exit show_solenoid_field(const FieldArgs& args) {
   if (s.design.remanence == 0) {
     sim::TableOptions t;
     t.accuracy = accuracy;
-    sim::Team team(2);
+    sim::Team team(worker_count(args.threads));
     const auto choice =
         told(args.specimen_file, [&] { return obtain_field_table(folder, s.design, t, team); });
     table = fmt::format("{} ({}): {}", choice.file.string(), choice.reused ? "as stored" : "built",

@@ -11,6 +11,7 @@
 #include "host/cli/table_text.h"
 #include "host/config/bad_input.h"
 #include "host/export/field_svg.h"
+#include "host/export/space_svg.h"
 #include "host/export/space_vtu.h"
 #include "host/export/write_file.h"
 #include "host/run/progress.h"
@@ -26,7 +27,7 @@ struct SpaceState {
   std::string name;
   double gap = 0, largest_field = 0;
   sim::MagneticResponse response;
-  std::filesystem::path file;
+  std::vector<std::filesystem::path> files;
 };
 
 /// Open, half way and closed, at half of the table's largest flux.
@@ -35,7 +36,7 @@ std::vector<SpaceState> space_states(const std::filesystem::path& folder, const 
   auto field = sim::space_field(d, false);
   std::vector<SpaceState> out;
   for (const auto& [name, share] : {std::pair{"open", 1.0}, {"half", 0.5}, {"closed", 0.0}}) {
-    SpaceState s{name, share * d.travel, 0, {}, folder / fmt::format("{}-{}.vtu", d.name, name)};
+    SpaceState s{name, share * d.travel, 0, {}, {}};
     field.set_gap(s.gap);
     const auto p = field.at_flux(psi, 0, {}, true);
     s.response = p.response;
@@ -44,7 +45,13 @@ std::vector<SpaceState> space_states(const std::filesystem::path& folder, const 
     for (std::size_t c = 0; c < size.size(); ++c)
       if (d.parts[static_cast<std::size_t>(d.mesh.region[c])].steel >= 0)
         s.largest_field = std::max(s.largest_field, size[c]);
-    write_file(s.file, to_vtu(grid));
+    s.files.push_back(folder / fmt::format("{}-{}.svg", d.name, name));
+    write_file(s.files.back(),
+               space_svg(d, field.function(), p.solution.state,
+                         fmt::format("{}: gap {:.2f} mm, {:.3g} Wb, {:.3g} A, pull {:.3g} N", name,
+                                     s.gap * 1e3, psi, s.response.current, s.response.pull)));
+    s.files.push_back(folder / fmt::format("{}-{}.vtu", d.name, name));
+    write_file(s.files.back(), to_vtu(grid));
     out.push_back(std::move(s));
   }
   return out;
@@ -81,6 +88,7 @@ Exit show_space_drawing(const FieldArgs& args, const std::shared_ptr<const sim::
   const auto& t = choice.table;
   const sim::TablePotential table(t);
   const std::string missed = missed_accuracy(t, options.accuracy, finer_drawing, finer_drawn_table);
+  const auto share = sim::extrapolated_share(t);
   const std::filesystem::path folder(args.folder);
   const auto states = space_states(folder, d, t.psi.back() / 2);
   const auto picture = folder / (d.name + "-table.svg");
@@ -95,25 +103,29 @@ Exit show_space_drawing(const FieldArgs& args, const std::shared_ptr<const sim::
                       {"pull_N", s.response.pull},
                       {"energy_J", s.response.energy},
                       {"largest_field_T", s.largest_field}});
-      pictures.push_back(s.file.string());
+      for (const auto& f : s.files) pictures.push_back(f.string());
     }
     pictures.push_back(picture.string());
     SpaceJson j = table_json<SpaceJson>(choice, options.accuracy, missed);
-    j.update(SpaceJson{
-        {"states_beyond_data", nullptr}, {"states", list}, {"tables", args.tables}, {"pictures", pictures}});
+    j.update(
+        SpaceJson{{"states_beyond_data", t.steel_field.empty() ? SpaceJson(nullptr) : SpaceJson(share.share)},
+                  {"states", list},
+                  {"tables", args.tables},
+                  {"pictures", pictures}});
     fmt::print("{}\n", j.dump(2));
-    return Exit::pass;
+    return exit_of_accuracy(missed);
   }
-  fmt::print("{}  {}\n", table_head(choice, missed), extrapolated_text(t, {}));
+  fmt::print("{}  {}\n", table_head(choice, missed), extrapolated_text(t, share));
   for (const auto& s : states)
     fmt::print(
         "  {:<7} gap {:>6.3f} mm, {:.4g} Wb: {:.4g} A, pull {:.4g} N, {:.3g} J, steel up to {:.3g} T\n",
         s.name, s.gap * 1e3, t.psi.back() / 2, s.response.current, s.response.pull, s.response.energy,
         s.largest_field);
-  for (const auto& s : states) fmt::print("{}\n", s.file.string());
+  for (const auto& s : states)
+    for (const auto& f : s.files) fmt::print("{}\n", f.string());
   fmt::print("{}\n", picture.string());
   for (const auto& f : args.tables) fmt::print("{}\n", f);
-  return Exit::pass;
+  return exit_of_accuracy(missed);
 }
 
 }  // namespace powbench::host

@@ -6,13 +6,13 @@
 #include <map>
 #include <nlohmann/json.hpp>
 #include <span>
-#include <thread>
 
 #include "core/version.h"
 #include "host/cli/picture.h"
 #include "host/cli/program.h"
 #include "host/cli/shard.h"
 #include "host/cli/study.h"
+#include "host/cli/threads.h"
 #include "host/gather/scene.h"
 #include "host/run/stop.h"
 #include "host/store/hash.h"
@@ -273,8 +273,7 @@ Exit sweep(const SweepArgs& args) {
     fmt::print("{}", slurm_script(args.shards, args.database));
     return Exit::pass;
   }
-  sim::Team team(args.threads > 0 ? args.threads
-                                  : static_cast<int>(std::max(1U, std::thread::hardware_concurrency())));
+  sim::Team team(worker_count(args.threads));
   const StopOnSignal stop;
   try {
     if (args.sensitivity) return run_sensitivity(args, s, team);

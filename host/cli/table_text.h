@@ -4,6 +4,7 @@
 #include <string_view>
 #include <vector>
 
+#include "core/outcome.h"
 #include "host/store/field_table.h"
 
 /// What `powbench field` says of a table, whatever magnet it is of.
@@ -13,6 +14,11 @@ namespace powbench::host {
 /// That mesh or table miss the accuracy asked for, by how much, and what helps; "" when they do not.
 std::string missed_accuracy(const sim::PotentialTable&, double asked, std::string_view finer_mesh,
                             std::string_view finer_table);
+
+/// Of a table that is written all the same: 1 where it misses the accuracy.
+constexpr Exit exit_of_accuracy(std::string_view missed) {
+  return missed.empty() ? Exit::pass : Exit::outside_limits;
+}
 
 /// File, nodes, expected errors, and what was missed: lines.
 std::string table_head(const FieldTableChoice&, const std::string& missed);

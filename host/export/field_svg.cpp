@@ -8,13 +8,12 @@
 #include <map>
 #include <vector>
 
-#include "host/export/colour_scale.h"
+#include "host/export/field_frame.h"
 
 namespace powbench::host {
 namespace {
 
-constexpr double pixels_per_mm = 6, margin_mm = 8, largest_b = 2.4;
-constexpr int shades = 32, lines = 24;
+constexpr int lines = 24;
 
 struct Point {
   double x, y;
@@ -36,7 +35,7 @@ struct FieldPicture {
     if (y <= 0 || stretch == 1) return y;
     return y < sim::strip_height ? y * stretch : y + (stretch - 1) * sim::strip_height;
   }
-  Point screen(Point p) const { return {p.x * 1e3 * pixels_per_mm, -p.y * 1e3 * pixels_per_mm}; }
+  Point screen(Point p) const { return {p.x * field_pixels, -p.y * field_pixels}; }
 
   std::size_t unknown(std::size_t t, int n) const {
     return static_cast<std::size_t>(problem.space().unknowns(t)[n]);
@@ -70,7 +69,7 @@ struct FieldPicture {
     measure();
     const auto& space = problem.space();
     const auto& m = space.mesh;
-    const double reach = margin_mm * 1e-3;
+    const double reach = field_margin;
     for (std::size_t t = 0; t < m.triangle.size(); ++t) {
       std::array<Point, 6> p{};
       std::array<double, 6> value{};
@@ -102,8 +101,7 @@ struct FieldPicture {
   }
 
   void fill(const std::array<Point, 6>& p, const std::array<std::size_t, 3>& part, double b) {
-    const int shade = std::min(shades, static_cast<int>(b / largest_b * shades));
-    auto& path = fills[shade];
+    auto& path = fills[field_shade(b)];
     for (std::size_t k = 0; k < 3; ++k) {
       const Point s = screen(p[part[k]]);
       path += fmt::format("{}{:.1f} {:.1f}", k == 0 ? 'M' : 'L', s.x, s.y);
@@ -146,54 +144,12 @@ struct FieldPicture {
   }
 };
 
-std::string legend(double x, double y) {
-  std::string out;
-  constexpr double width = 14, height = 180;
-  for (int k = 0; k < shades; ++k)
-    out += fmt::format("<rect x=\"{:.1f}\" y=\"{:.1f}\" width=\"{}\" height=\"{:.2f}\" fill=\"{}\"/>\n", x,
-                       y + height * (shades - 1 - k) / shades, width, height / shades + 0.3,
-                       scale_colour((k + 0.5) / shades));
-  for (const double b : {0.0, 0.6, 1.2, 1.8, 2.4})
-    out += fmt::format("<text x=\"{:.1f}\" y=\"{:.1f}\">{:.1f} T</text>\n", x + width + 5,
-                       y + height * (1 - b / largest_b) + 4, b);
-  return out;
-}
-
 /// The picture with its title and scale.
 std::string framed(FieldPicture picture, const std::string& title) {
   picture.draw();
-  const double x = (picture.left * 1e3 - margin_mm) * pixels_per_mm,
-               right = (picture.right * 1e3 + margin_mm) * pixels_per_mm,
-               y = (picture.top * 1e3 + margin_mm) * pixels_per_mm;
-  const double height = ((picture.top - picture.bottom) * 1e3 + 2 * margin_mm) * pixels_per_mm;
-  std::string body = "<g id=\"mesh\">\n";
-  for (const auto& [shade, path] : picture.fills) {
-    const auto c = scale_colour((shade + 0.5) / shades);
-    body += fmt::format("<path d=\"{}\" fill=\"{}\" stroke=\"{}\" stroke-width=\"0.4\"/>\n", path, c, c);
-  }
-  body +=
-      fmt::format("<path d=\"{}\" fill=\"none\" stroke=\"#222\" stroke-width=\"0.7\"/>\n", picture.contours);
-  body += fmt::format("<path d=\"{}\" fill=\"none\" stroke=\"#000\" stroke-width=\"1.3\"/>\n</g>\n",
-                      picture.outlines());
-  const double top_room = 34, legend_room = 80;
-  std::string svg = fmt::format(
-      "<svg xmlns=\"http://www.w3.org/2000/svg\" xmlns:xlink=\"http://www.w3.org/1999/xlink\" "
-      "width=\"{0:.0f}\" height=\"{1:.0f}\" "
-      "viewBox=\"{2:.0f} {3:.0f} {0:.0f} {1:.0f}\" font-family=\"sans-serif\" font-size=\"13\">\n",
-      right - x + legend_room, height + top_room, x, -y - top_room);
-  svg += fmt::format("<rect x=\"{:.0f}\" y=\"{:.0f}\" width=\"100%\" height=\"100%\" fill=\"#fff\"/>\n", x,
-                     -y - top_room);
-  svg += fmt::format(
-      "<clipPath id=\"frame\"><rect x=\"{:.0f}\" y=\"{:.0f}\" width=\"{:.0f}\" "
-      "height=\"{:.0f}\"/></clipPath>\n",
-      x, -y, right - x, height);
-  svg += "<g clip-path=\"url(#frame)\">\n" + body;
-  if (picture.half) svg += "<use xlink:href=\"#mesh\" transform=\"scale(-1,1)\"/>\n";
-  svg += "</g>\n";
-  svg +=
-      fmt::format("<text x=\"{:.0f}\" y=\"{:.0f}\" font-weight=\"bold\">{}</text>\n", x + 8, -y - 12, title);
-  svg += legend(right + 14, -y + 20);
-  return svg + "</svg>\n";
+  return framed_field({picture.left, picture.right, picture.bottom, picture.top, picture.half, picture.fills,
+                       picture.contours, picture.outlines()},
+                      title);
 }
 
 }  // namespace

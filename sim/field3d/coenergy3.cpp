@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cassert>
+#include <cmath>
 #include <stdexcept>
 #include <string>
 
@@ -175,6 +176,17 @@ std::vector<double> Coenergy3::nodal(const State3& s) const {
   for (std::size_t n = 0; n < all.size(); ++n)
     all[n] = unknown_of_[n] < 0 ? fixed_value_[n] : s.u[at(unknown_of_[n])];
   return all;
+}
+
+double Coenergy3::largest_steel_field(const State3& s) const {
+  const auto potential = nodal(s);
+  const int middle = cell_rule(problem_.mesh.cell).points / 2;
+  double largest = 0;
+  for (const int c : iron_) {
+    const Vec3 b = law(c).at(field(c, middle, potential, s)).b;
+    largest = std::max(largest, std::sqrt(dot(b, b)));
+  }
+  return largest;
 }
 
 template <class Visit>

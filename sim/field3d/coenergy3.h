@@ -34,6 +34,9 @@ class Coenergy3 {
   Hessian hessian() const;  ///< with the pattern and room for the values
   void hessian(const State3&, Hessian&) const;
 
+  /// Largest flux density in the middles of cells with a steel, T; 0 without steel.
+  double largest_steel_field(const State3&) const;
+
   /// Potential of every node, fixed and tied ones included.
   std::vector<double> nodal(const State3&) const;
 

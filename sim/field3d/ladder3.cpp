@@ -11,7 +11,7 @@ namespace {
 
 /// One gap of a table.
 struct Slice3 {
-  std::vector<double> nodes;
+  std::vector<double> nodes, steel_field;  ///< steel_field: largest flux density in the steel by node, T
   TableReport report;
   double largest_pull = 0, stress_distance = 0;  ///< N
 };
@@ -28,6 +28,7 @@ class Sweep3 {
   Slice3 run() {
     const std::size_t rings = ring_ ? plan_.ring.size() : 1;
     slice_.nodes.resize(rings * plan_.psi.size() * (ring_ ? 8 : 4));
+    slice_.steel_field.resize(rings * plan_.psi.size());
     State3 start;
     for (std::size_t r = rings / 2; r < rings; ++r) {
       const double ring = ring_ ? plan_.ring[r] : 0;
@@ -116,6 +117,7 @@ class Sweep3 {
               : std::vector{r.energy, r.current, r.pull, r.current_gap};
     std::copy(values.begin(), values.end(),
               slice_.nodes.begin() + static_cast<std::ptrdiff_t>(node * values.size()));
+    slice_.steel_field[node] = field_.function().largest_steel_field(p.solution.state);
     slice_.largest_pull = std::max(slice_.largest_pull, std::fabs(r.pull));
     slice_.stress_distance = std::max(slice_.stress_distance, std::fabs(r.pull - p.stress_pull));
   }
@@ -196,6 +198,7 @@ PotentialTable fill_table3(MagnetField3& field, MagnetField3& bare, const TableP
   for (std::size_t g = 0; g < plan.gap.size(); ++g) {
     const Slice3 s = Sweep3(field, plan, ring, plan.gap[g]).run();
     table.nodes.insert(table.nodes.end(), s.nodes.begin(), s.nodes.end());
+    table.steel_field.insert(table.steel_field.end(), s.steel_field.begin(), s.steel_field.end());
     sum.solutions += s.report.solutions;
     sum.iterations += s.report.iterations;
     sum.most_iterations = std::max(sum.most_iterations, s.report.most_iterations);

@@ -90,8 +90,10 @@ PotentialTable build_table(const SpaceMagnet& d, const TableOptions& options, Ta
   PotentialTable t = fill_table3(field, bare, plan, sum, progress);
   estimate_errors(t);
   t.mesh_error = error;
-  for (const auto& s : d.steels)
-    t.data_end = t.data_end == 0 ? s.data_end() : std::min(t.data_end, s.data_end());
+  for (const auto& s : d.steels) {
+    const double end = d.sheets < 0 ? s.data_end() : s.stacked(d.stack_factor).data_end();
+    t.data_end = t.data_end == 0 ? end : std::min(t.data_end, end);
+  }
   t.design_hash = table_hash(d, options);
   char text[240];
   std::snprintf(text, sizeof text,

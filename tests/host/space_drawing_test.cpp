@@ -7,8 +7,13 @@
 #include <cstdio>
 #include <fstream>
 #include <sstream>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include "host/config/space_file.h"
+#include "host/export/field_frame.h"
+#include "host/export/space_svg.h"
 #include "sim/fields/msh.h"
 #include "tests/folder.h"
 #include "tests/places.h"
@@ -115,4 +120,57 @@ TEST_CASE("a drawing in space that lies on its side has the same states", "[.slo
   const auto a = field.at_current(0.2), b = side.at_current(0.2);
   CHECK(b.psi == Approx(a.psi).epsilon(1e-8));
   CHECK(b.response.pull == Approx(a.response.pull).epsilon(1e-7));
+}
+
+namespace {
+
+/// Area of all polygons of path data, pixels squared.
+double area_of(const std::string& path) {
+  std::istringstream in(path);
+  std::vector<std::pair<double, double>> corners;
+  double area = 0;
+  const auto close = [&] {
+    double twice = 0;
+    for (std::size_t k = 0; k < corners.size(); ++k) {
+      const auto &a = corners[k], &b = corners[(k + 1) % corners.size()];
+      twice += a.first * b.second - b.first * a.second;
+    }
+    area += std::fabs(twice) / 2;
+    corners.clear();
+  };
+  for (char mark; in >> mark;) {
+    if (mark == 'Z') {
+      close();
+      continue;
+    }
+    double x = 0, y = 0;
+    in >> x >> y;
+    corners.emplace_back(x, y);
+  }
+  return area;
+}
+
+}  // namespace
+
+TEST_CASE("the section through a drawing in space shows all of its plane, once", "[.slow]") {
+  const auto drawing = host::read_space_drawing(relay + ".magnet.toml");
+  auto field = sim::space_field(*drawing, true);
+  field.set_gap(0.5e-3);
+  const auto point = field.at_flux(0.01, 0, {}, true);
+  const std::string svg =
+      host::space_svg(*drawing, field.function(), point.solution.state, "half: gap 0.50 mm");
+  CHECK(svg.find("half: gap 0.50 mm") != std::string::npos);
+  double area = 0;
+  const std::string mark = "<path d=\"";
+  for (std::size_t at = svg.find(mark); at != std::string::npos; at = svg.find(mark, at + 1)) {
+    const std::size_t from = at + mark.size(), to = svg.find('"', from);
+    const std::string path = svg.substr(from, to - from);
+    if (path.find('Z') != std::string::npos) area += area_of(path);
+  }
+  double low[3] = {1, 1, 1}, high[3] = {-1, -1, -1};
+  for (const auto& n : field.function().problem().mesh.nodes)
+    for (std::size_t i = 0; i < 3; ++i) low[i] = std::min(low[i], n[i]), high[i] = std::max(high[i], n[i]);
+  // mirrored at y = 0, where the drawing ends in the middle of its winding
+  const double box = (high[0] - low[0]) * (high[2] - low[2]) * host::field_pixels * host::field_pixels;
+  CHECK(area == Approx(box).epsilon(2e-3));
 }

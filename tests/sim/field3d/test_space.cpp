@@ -169,6 +169,16 @@ TEST_CASE(
   CHECK(table.table().design_hash == sim::table_hash(d, options));
   auto field = sim::space_field(d, false);
   const double psi = table.table().psi[1], ring = table.table().ring[2], gap = table.table().gap[1];
+  // of each state how far the steel is driven, and so what share is above its B-H data
+  REQUIRE(table.table().steel_field.size() == 64);
+  const auto share = sim::extrapolated_share(table.table());
+  CHECK(share.largest_field > 1.2);
+  CHECK(share.largest_field < 3);
+  CHECK(table.table().data_end > 0);
+  field.set_gap(gap);
+  const auto state = field.at_flux(psi, ring).solution.state;
+  CHECK(table.table().steel_field[1 + 4 * (2 + 4 * 1)] ==
+        Approx(field.function().largest_steel_field(state)).epsilon(1e-4));
   const auto at = [&](double r, double g) {
     field.set_gap(g);
     return field.at_flux(psi, r).response;
