@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <string>
 #include <vector>
 
@@ -22,8 +23,12 @@ CcxRun run_ccx(const std::string& input);
 /// 5000 cells of 1 mm, 300 increments or so; contact: "tied", "n2s" (node to surface) or "s2s".
 std::string ccx_bar(const std::string& contact, double end);
 
-/// The rod of taylor_bar() with its foot held in z, C3D8 cells, `dt` > 0 for a fixed increment. SI turned to mm, N, t.
-std::string ccx_taylor(const sim::SolidMesh&, double dt);
+/// The same cells with nodes in the middles of their edges, on the skin of a rod of this radius where both ends are.
+sim::SolidMesh with_middles(const sim::SolidMesh&, double radius, std::vector<std::array<int, 20>>& cells);
+
+/// The rod of taylor_bar() with its foot held in z: C3D20R, which does not lock where the flow keeps the volume, in
+/// implicit steps of at most `dt`. Explicit C3D8 locks. SI turned to mm, N, t.
+std::string ccx_taylor(const sim::SolidMesh&, const std::vector<std::array<int, 20>>& cells, double dt);
 
 struct CcxTaylor {
   bool ran = false;

@@ -275,7 +275,7 @@ SolidMesh taylor_mesh(int across, int along) {
   return mesh;
 }
 
-TaylorBar taylor_bar(int across, int along, bool held, TaylorCells cells) {
+TaylorBar taylor_bar(int across, int along, bool held, TaylorCells cells, double hourglass) {
   const SolidMesh hexes = taylor_mesh(across, along),
                   mesh = cells == TaylorCells::tetrahedra ? tetrahedra_around_middles(hexes) : hexes;
   SolidMaterial copper;
@@ -283,6 +283,7 @@ TaylorBar taylor_bar(int across, int along, bool held, TaylorCells cells) {
   copper.density = 8970;
   copper.yield = 400e6;
   copper.hardening = 100e6;
+  copper.hourglass = hourglass;
   SolidOptions options;
   options.safety = 0.6;
   options.ledger_every = 100;

@@ -125,12 +125,13 @@ TwoBars two_bars(bool nodes_meet) {
   return r;
 }
 
-double cantilever_error(int through, double slenderness) {
+double cantilever_error(int through, double slenderness, double hourglass) {
   SolidMesh mesh;
   const double h = 1e-3, length = slenderness * h;
   const int along = static_cast<int>(slenderness * through / 2);  // cells twice as long as high
   add_box(mesh, mesh.add_part("beam"), {0, 0, 0}, {length, h, h}, along, 2, through);
   SolidMaterial m = material(2.1e11, 0.3, 7850);
+  m.hourglass = hourglass;
   SolidOptions options;
   options.ledger_every = 0;
   ExplicitSolid s(mesh, {m}, options);

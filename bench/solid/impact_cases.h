@@ -54,8 +54,10 @@ struct TaylorBar {
 };
 /// Copper rod R 3.2 mm, L 32.4 mm, 227 m/s, yield 400 MPa, hardening 100 MPa, quarter mesh; after 80 us.
 /// `held`: the foot cannot leave the wall, as the peer has it. Tetrahedra: twelve around the middle of each hexahedron.
+/// `hourglass`: SolidMaterial::hourglass.
 enum class TaylorCells { hexahedra, tetrahedra };
-TaylorBar taylor_bar(int across, int along, bool held, TaylorCells = TaylorCells::hexahedra);
+TaylorBar taylor_bar(int across, int along, bool held, TaylorCells = TaylorCells::hexahedra,
+                     double hourglass = 1);
 /// The mesh of it, for the peer.
 sim::SolidMesh taylor_mesh(int across, int along);
 
@@ -72,6 +74,6 @@ struct BridgeOnPads {
 std::vector<BridgeOnPads> bridge_on_pads(const std::vector<int>& modes, bool attachments);
 
 /// First bending frequency of a square steel beam (nu 0.3) over the Euler-Bernoulli value less 1; slenderness L / h.
-double cantilever_error(int through, double slenderness);
+double cantilever_error(int through, double slenderness, double hourglass = 1);
 
 }  // namespace powbench::bench

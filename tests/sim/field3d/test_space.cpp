@@ -172,8 +172,9 @@ TEST_CASE(
   // of each state how far the steel is driven, and so what share is above its B-H data
   REQUIRE(table.table().steel_field.size() == 64);
   const auto share = sim::extrapolated_share(table.table());
-  CHECK(share.largest_field > 1.2);
-  CHECK(share.largest_field < 3);
+  CHECK(share.largest_field > 1.2);  // far more where the fluxes of coil and ring are opposed
+  CHECK(share.share > 0);
+  CHECK(share.share < 1);
   CHECK(table.table().data_end > 0);
   field.set_gap(gap);
   const auto state = field.at_flux(psi, ring).solution.state;

@@ -5,8 +5,8 @@
 #include <cstdio>
 #include <vector>
 
-#include "tests/sim/mechanics/friction.h"
-#include "tests/sim/mechanics/smooth.h"
+#include "bench/mechanics/friction.h"
+#include "bench/mechanics/smooth.h"
 #include "tests/sim/mechanics/zeno.h"
 
 namespace {

@@ -5,8 +5,8 @@
 #include <cstdio>
 #include <memory>
 
+#include "bench/mechanics/chain.h"
 #include "sim/mechanics/rigid_contactor.h"
-#include "tests/sim/mechanics/chain.h"
 
 namespace {
 

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <cstdio>
 
+#include "bench/mechanics/chain.h"
 #include "core/units.h"
-#include "tests/sim/mechanics/chain.h"
 
 namespace {
 

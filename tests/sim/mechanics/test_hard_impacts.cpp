@@ -5,9 +5,9 @@
 #include <cmath>
 #include <cstdio>
 
+#include "bench/mechanics/chain.h"
 #include "sim/mechanics/bounce_error.h"
 #include "sim/mechanics/rigid_run.h"
-#include "tests/sim/mechanics/chain.h"
 
 using namespace powbench::sim;
 

@@ -6,7 +6,7 @@
 #include <cstdio>
 #include <utility>
 
-#include "tests/sim/mechanics/smooth.h"
+#include "bench/mechanics/smooth.h"
 
 namespace {
 

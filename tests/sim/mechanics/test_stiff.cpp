@@ -4,10 +4,10 @@
 #include <cmath>
 #include <cstdio>
 
+#include "bench/mechanics/smooth.h"
 #include "sim/mechanics/bounce_error.h"
 #include "sim/mechanics/rigid_run.h"
 #include "sim/mechanics/stiff_solver.h"
-#include "tests/sim/mechanics/smooth.h"
 
 using namespace powbench::sim;
 

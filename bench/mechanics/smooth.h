@@ -2,8 +2,8 @@
 
 #include <functional>
 
+#include "bench/mechanics/no_roots.h"
 #include "sim/mechanics/event_solver.h"
-#include "tests/sim/mechanics/no_roots.h"
 
 namespace powbench::sim {
 
