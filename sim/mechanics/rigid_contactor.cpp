@@ -4,44 +4,52 @@
 #include <cmath>
 
 #include "core/units.h"
+#include "sim/mechanics/rigid_halves.h"
 
 /// The right-hand side and the guards of the rigid contactor.
 
 namespace powbench::sim {
 namespace {
 
+#ifdef __x86_64__
+const bool takes_halves = __builtin_cpu_supports("avx2") && !__builtin_cpu_supports("avx512f");
+#else
+constexpr bool takes_halves = false;
+void rigid_rhs_in_halves(const void*, const double*, double, double*, double*) {}
+void rigid_guards_in_halves(const void*, const void*, const double*, const double*, double*, double*,
+                            double*) {}
+#endif
+
 POWBENCH_CLONES
-void rhs_kernel(const RigidLanes<double>& p, const double* s, double pull, double* ds, double* losses) {
+void rhs_whole(const RigidLanes<double>& p, const double* s, double pull, double* ds, double* losses) {
   rigid_rhs(p, s, pull, ds, losses);
+}
+void rhs_kernel(const RigidLanes<double>& p, const double* s, double pull, double* ds, double* losses) {
+  if (takes_halves)
+    rigid_rhs_in_halves(&p, s, pull, ds, losses);
+  else
+    rhs_whole(p, s, pull, ds, losses);
 }
 void rhs_kernel(const RigidLanes<long double>& p, const long double* s, long double pull, long double* ds,
                 long double* losses) {
   rigid_rhs(p, s, pull, ds, losses);
 }
 
-/// Depths with the sign of their mode, and their derivatives; idle lanes get 1, 0, 0.
-template <class Real>
-POWBENCH_INLINE void signed_depths(const RigidLanes<Real>& p, const Lanes<Real>* sign, const Real* s,
-                                   const Real* ds, Real* value, Real* rate, Real* curve) {
-  Lanes<Real> d[rigid_groups];
-  rigid_depths(p, s, Real(1), d);
-  for (int g = 0; g < rigid_groups; ++g)
-    store<Real>(sign[g] * d[g] + (Real(1) - sign[g] * sign[g]), value + g * lane_count);
-  rigid_depths(p, s + p.dof, Real(0), d);
-  for (int g = 0; g < rigid_groups; ++g) store<Real>(sign[g] * d[g], rate + g * lane_count);
-  if (ds == nullptr) return;
-  rigid_depths(p, ds + p.dof, Real(0), d);
-  for (int g = 0; g < rigid_groups; ++g) store<Real>(sign[g] * d[g], curve + g * lane_count);
-}
-
 POWBENCH_CLONES
+void guards_whole(const RigidLanes<double>& p, const Lanes<double>* sign, const double* s, const double* ds,
+                  double* value, double* rate, double* curve) {
+  rigid_signed_depths(p, sign, s, ds, value, rate, curve);
+}
 void guard_kernel(const RigidLanes<double>& p, const Lanes<double>* sign, const double* s, const double* ds,
                   double* value, double* rate, double* curve) {
-  signed_depths(p, sign, s, ds, value, rate, curve);
+  if (takes_halves)
+    rigid_guards_in_halves(&p, sign, s, ds, value, rate, curve);
+  else
+    guards_whole(p, sign, s, ds, value, rate, curve);
 }
 void guard_kernel(const RigidLanes<long double>& p, const LongLanes* sign, const long double* s,
                   const long double* ds, long double* value, long double* rate, long double* curve) {
-  signed_depths(p, sign, s, ds, value, rate, curve);
+  rigid_signed_depths(p, sign, s, ds, value, rate, curve);
 }
 
 template <class Real>

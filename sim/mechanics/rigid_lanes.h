@@ -8,6 +8,7 @@
 /// that yield no force. Private to the rigid rung.
 
 namespace powbench::sim {
+inline namespace POWBENCH_LANE_SPACE {
 
 /// Contacts in groups of eight lanes: pads of end 0, pads of end 1, seats of end 0, seats of end 1, and core
 /// (pole faces 0, 1, stops 0, 1).
@@ -214,4 +215,20 @@ POWBENCH_INLINE void rigid_rhs(const RigidLanes<Real>& p, const Real* s, Real pu
   store<Real>(at, a + first + p.bridges);
 }
 
+/// Depths with the sign of their mode, and their derivatives; idle lanes get 1, 0, 0.
+template <class Real>
+POWBENCH_INLINE void rigid_signed_depths(const RigidLanes<Real>& p, const Lanes<Real>* sign, const Real* s,
+                                         const Real* ds, Real* value, Real* rate, Real* curve) {
+  Lanes<Real> d[rigid_groups];
+  rigid_depths(p, s, Real(1), d);
+  for (int g = 0; g < rigid_groups; ++g)
+    store<Real>(sign[g] * d[g] + (Real(1) - sign[g] * sign[g]), value + g * lane_count);
+  rigid_depths(p, s + p.dof, Real(0), d);
+  for (int g = 0; g < rigid_groups; ++g) store<Real>(sign[g] * d[g], rate + g * lane_count);
+  if (ds == nullptr) return;
+  rigid_depths(p, ds + p.dof, Real(0), d);
+  for (int g = 0; g < rigid_groups; ++g) store<Real>(sign[g] * d[g], curve + g * lane_count);
+}
+
+}  // namespace POWBENCH_LANE_SPACE
 }  // namespace powbench::sim
