@@ -42,7 +42,9 @@ TEST_CASE(
 }
 
 TEST_CASE("given flux and given current are the same field") {
-  MagnetField field(reference_contactor(), coarse());
+  FieldOptions options = coarse();
+  options.newton.tolerance = 1e-13;  // at 1e-9 it depends on rounding whether 1e-7 is one iteration away
+  MagnetField field(reference_contactor(), options);
   for (const double gap : {0.0, 0.3e-3, 4e-3}) {
     field.set_gap(gap);
     const auto p = field.at_current(1500, 0);
