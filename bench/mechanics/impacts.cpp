@@ -1,6 +1,6 @@
 // Impacts and dry friction with exact answers: error against CPU time of the event solver of the rigid rung and of
 // Simbody in the same process, where it is installed. Bounces: a mass of 5 g falls 1 mm on a Hertz contact under 4 N
-// and loses nothing; the error is that of its seventeenth touch, 57 ms later. Dry stop: a mass on a spring with dry
+// and loses nothing; the error is that of its seventeenth touch, 56 ms later. Dry stop: a mass on a spring with dry
 // friction; the error is that of its place at 100 s, when it has stood for 87 s.
 //   bench_mechanics_impacts [--json PATH]
 

@@ -41,13 +41,10 @@ std::vector<SpaceState> space_states(const std::filesystem::path& folder, const 
     const auto p = field.at_flux(psi, 0, {}, true);
     s.response = p.response;
     const VtuGrid grid = space_grid(field.function(), p.solution.state);
-    const auto& size = grid.cell_fields[1].values;
-    for (std::size_t c = 0; c < size.size(); ++c)
-      if (d.parts[static_cast<std::size_t>(d.mesh.region[c])].steel >= 0)
-        s.largest_field = std::max(s.largest_field, size[c]);
+    s.largest_field = field.function().largest_steel_field(p.solution.state);
     s.files.push_back(folder / fmt::format("{}-{}.svg", d.name, name));
     write_file(s.files.back(),
-               space_svg(d, field.function(), p.solution.state,
+               space_svg(d, field.function().problem().mesh, grid.cell_fields[1].values,
                          fmt::format("{}: gap {:.2f} mm, {:.3g} Wb, {:.3g} A, pull {:.3g} N", name,
                                      s.gap * 1e3, psi, s.response.current, s.response.pull)));
     s.files.push_back(folder / fmt::format("{}-{}.vtu", d.name, name));

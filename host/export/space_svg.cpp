@@ -154,17 +154,9 @@ class Section {
 
 }  // namespace
 
-std::string space_svg(const sim::SpaceMagnet& magnet, const sim::Coenergy3& function,
-                      const sim::State3& state, const std::string& title) {
-  const auto& mesh = function.problem().mesh;
+std::string space_svg(const sim::SpaceMagnet& magnet, const sim::Mesh3& mesh, const std::vector<double>& b,
+                      const std::string& title) {
   const Section across_x(magnet, mesh, 0), across_y(magnet, mesh, 1);
-  const auto potential = function.nodal(state);
-  const int middle = sim::cell_rule(mesh.cell).points / 2;
-  std::vector<double> b;
-  for (int c = 0; c < mesh.count(); ++c) {
-    const sim::Vec3 v = function.law(c).at(function.field(c, middle, potential, state)).b;
-    b.push_back(std::sqrt(dot(v, v)));
-  }
   const Section& best = across_x.iron() > across_y.iron() ? across_x : across_y;
   return framed_field(best.drawing(b), title);
 }

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "sim/field3d/space_magnet.h"
 
@@ -8,8 +9,9 @@ namespace powbench::host {
 
 /// A section through a magnet drawn in space, along z: |B| as colour, the outlines of iron, winding and ring. The plane
 /// goes through the middle of the winding, or, where the drawing ends at a plane of symmetry inside the winding, along
-/// that; of the two planes along z the one that cuts more iron. The gap is the one last set on the field.
-std::string space_svg(const sim::SpaceMagnet&, const sim::Coenergy3&, const sim::State3&,
+/// that; of the two planes along z the one that cuts more iron. The mesh is that of a field at its gap, `b` |B| in the
+/// middle of each of its cells, T.
+std::string space_svg(const sim::SpaceMagnet&, const sim::Mesh3&, const std::vector<double>& b,
                       const std::string& title);
 
 }  // namespace powbench::host
