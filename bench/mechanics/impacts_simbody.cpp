@@ -31,7 +31,6 @@ class Touches : public TriggeredEventReporter {
  public:
   explicit Touches(std::vector<double>& times) : TriggeredEventReporter(Stage::Position), times_(times) {
     getTriggerInfo().setTriggerOnFallingSignTransition(false);
-    getTriggerInfo().setRequiredLocalizationTimeWindow(1e-12);
   }
   Real getValue(const State& state) const override { return state.getQ()[0]; }
   void handleEvent(const State& state) const override { times_.push_back(state.getTime()); }
