@@ -74,13 +74,15 @@ TEST_CASE("live page: what was asked once before a STOP is not fired by a second
       "[...document.querySelectorAll('#campaigns button')].find(b=>b.textContent.startsWith('Fire the "
       "rest'))";
   tab.until("!!" + rest);
-  tab.value(rest + ".click()");
-  CHECK(tab.value(rest + ".textContent") == "Fire the rest of campaign 1 now");
+  // the news of a STOP takes back what was asked before it came, also after the key: then it is asked again
+  const std::string ask = "(" + rest + ".textContent === 'Fire the rest' && " + rest + ".click(), false)";
+  tab.until("(" + rest + ".textContent === 'Fire the rest of campaign 1 now') || " + ask);
   tab.key("Escape");
   CHECK(tab.value(rest + ".textContent") == "Fire the rest");
   tab.value(rest + ".click()");
   CHECK(tab.value(no_job) == true);
-  tab.until(says("Nothing was fired: the button must be pressed twice within 6 s."));
+  tab.until(says("Nothing was fired: the button must be pressed twice within 6 s.") + " || " + ask);
+  CHECK(tab.value(no_job) == true);
   CHECK(tab.errors() == std::vector<std::string>());
 }
 
