@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
 
 #include "dsp/statistics.h"
@@ -71,7 +72,13 @@ void Tally::add(const std::vector<TrueContact>& truth, const ContactTrain& train
   const std::vector<Contact>& found = train.contacts;
   std::vector<bool> used(found.size(), false);
   int pairs = 0;
-  for (const TrueContact& c : truth) {
+  const auto beside = [&](double seconds) -> QuantityErrors& {
+    const auto at =
+        std::lower_bound(longest_opening.begin(), std::prev(longest_opening.end()), 1e3 * seconds);
+    return beside_opening[static_cast<std::size_t>(at - longest_opening.begin())];
+  };
+  for (std::size_t k = 0; k < truth.size(); ++k) {
+    const TrueContact& c = truth[k];
     std::size_t best = found.size();
     double distance = window;
     for (std::size_t j = 0; j < found.size(); ++j) {
@@ -82,6 +89,8 @@ void Tally::add(const std::vector<TrueContact>& truth, const ContactTrain& train
     used[best] = true;
     ++pairs;
     touch.add(found[best].touch, c.touch);
+    if (k > 0) beside(c.touch - truth[k - 1].release).add(found[best].touch, c.touch);
+    if (k + 1 < truth.size()) beside(truth[k + 1].touch - c.release).add(found[best].release, c.release);
     if (std::isfinite(c.release)) {
       release.add(found[best].release, c.release);
       peak.add(found[best].peak, c.peak);
@@ -108,6 +117,7 @@ void Tally::add(const Tally& o) {
   records += o.records, exact += o.exact, matched += o.matched, missed += o.missed, invented += o.invented;
   flagged += o.flagged, contacts += o.contacts;
   doubted.listed += o.doubted.listed, doubted.real += o.doubted.real, doubted.expected += o.doubted.expected;
+  for (std::size_t k = 0; k < beside_opening.size(); ++k) beside_opening[k].add(o.beside_opening[k]);
   touch.add(o.touch), release.add(o.release), peak.add(o.peak), settled.add(o.settled);
 }
 

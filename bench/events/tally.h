@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <vector>
 
 #include "bench/dsp_synth.h"
@@ -30,6 +31,9 @@ struct Tally {
     double expected = 0;
   } doubted;
   QuantityErrors touch, release, peak, settled;
+  /// Openings between two contacts by how long they truly are, ms: up to each of these.
+  static constexpr std::array<double, 5> longest_opening{0.1, 0.2, 0.3, 0.5, 1e9};
+  std::array<QuantityErrors, longest_opening.size()> beside_opening;  ///< the release before, the touch after
   double recall() const;
   double precision() const;
   double exact_share() const;
