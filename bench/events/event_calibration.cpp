@@ -264,11 +264,11 @@ int main(int argc, char** argv) try {
       lowpass.recall(), lowpass.precision(), 1e6 * lowpass.touch.median(), lowpass_silent.invented);
   std::printf(
       "\nrelease before and touch after an opening, by its true length: edges, rms us, std of z, beyond 3 u "
-      "%%\n"
-      "%-14s | up to 0.1 ms            | 0.1 .. 0.2 ms           | 0.2 .. 0.3 ms           | 0.3 .. 0.5 ms   "
-      "        "
-      "| longer\n",
+      "%%\n%-14s",
       "");
+  for (const char* length : {"up to 0.1 ms", "0.1 .. 0.2 ms", "0.2 .. 0.3 ms", "0.3 .. 0.5 ms", "longer"})
+    std::printf(" | %-23s", length);
+  std::printf("\n");
   const nlohmann::json openings{print_openings("impacts", all.tally), print_openings("simulated rig", rig)};
   const nlohmann::json stream = streamed(a);
   Tally whole = all.tally;
