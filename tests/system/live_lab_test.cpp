@@ -79,6 +79,7 @@ TEST_CASE("live page: what was asked once before a STOP is not fired by a second
   tab.until("(" + rest + ".textContent === 'Fire the rest of campaign 1 now') || " + ask);
   tab.key("Escape");
   CHECK(tab.value(rest + ".textContent") == "Fire the rest");
+  CHECK(tab.value(says("Nothing was fired: the STOP came between the two presses.")) == true);
   tab.value(rest + ".click()");
   CHECK(tab.value(no_job) == true);
   tab.until(says("Nothing was fired: the button must be pressed twice within 6 s.") + " || " + ask);

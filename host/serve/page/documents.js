@@ -97,8 +97,13 @@ function restButton(c) {
   });
   return rest;
 }
-/** Also at a STOP: a second press must not fire what was asked before it. */
-export function noLongerAsked() {
+/** At a STOP: a second press must not fire what was asked before it. */
+export function takeBackAtStop() {
+  if (asked === null) return;
+  noLongerAsked();
+  $('not-resumed').textContent = 'Nothing was fired: the STOP came between the two presses. They begin anew.';
+}
+function noLongerAsked() {
   if (asked !== null) clear('not-resumed');
   window.clearTimeout(forget);
   asked = null;

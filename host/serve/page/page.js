@@ -28,7 +28,7 @@ const stopWords = (answer) => 'STOP: ' + answer.text + ' (' + (answer.ms < 1 ? '
 async function stop() {
   unconfirmed = clock();
   said = '';
-  documents.noLongerAsked();
+  documents.takeBackAtStop();
   alarm('stopping …');
   try {
     const answer = await call('POST', '/api/stop');
@@ -228,7 +228,7 @@ function show(next) {
   showJob(next);
   showFault(next);
   if (next.stop && next.stop.text !== before?.stop?.text) {
-    documents.noLongerAsked();
+    documents.takeBackAtStop();
     if (!next.stop.off && !unconfirmed) unconfirmed = clock();
     said = next.stop.text;
     alarm(stopWords(next.stop), next.stop.off ? 'done' : '');
