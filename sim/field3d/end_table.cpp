@@ -59,10 +59,6 @@ std::vector<double> inside(const PotentialTable& t, double psi, double ring, dou
   return out;
 }
 
-bool with_ring(const MagnetDesign& d, const TableOptions& o) {
-  return o.ring && d.shape.ring_share > 0;
-}
-
 }  // namespace
 
 PotentialTable build_table_with_ends(const MagnetDesign& given, const TableOptions& options,

@@ -1,4 +1,5 @@
 #include "sim/field3d/newton3.h"
+#include "sim/dot.h"
 
 #include <algorithm>
 #include <cassert>
@@ -7,12 +8,6 @@
 
 namespace powbench::sim {
 namespace {
-
-double dot(const std::vector<double>& a, const std::vector<double>& b) {
-  double sum = 0;
-  for (std::size_t k = 0; k < a.size(); ++k) sum += a[k] * b[k];
-  return sum;
-}
 
 /// Solves the small dense symmetric positive definite system by Gauss.
 std::vector<double> solve_dense(std::vector<double> a, std::vector<double> b) {

@@ -4,6 +4,7 @@
 #include <map>
 #include <stdexcept>
 
+#include "sim/dot.h"
 #include "sim/fields/drawn_magnet.h"
 #include "sim/magnetic_circuit.h"
 
@@ -58,12 +59,6 @@ std::vector<double> product(const std::vector<FormEntry>& form, const std::vecto
     if (e.row != e.column) y[place(e.column)] += e.value * a[place(e.row)];
   }
   return y;
-}
-
-double dot_product(const std::vector<double>& a, const std::vector<double>& b) {
-  double sum = 0;
-  for (std::size_t k = 0; k < a.size(); ++k) sum += a[k] * b[k];
-  return sum;
 }
 
 /// Maxwell's stress in the air where `weight` varies, F = a^T (values) a with the lower triangle by `space.pattern`:
@@ -151,8 +146,8 @@ FieldPoint DrawnField::solve(const std::vector<Circuit>& circuits, std::vector<d
   r.current = current[0];
   if (has_ring()) r.ring_current = current[1];
   pulled_ = product(pull_, a);
-  r.pull = dot_product(pulled_, a);
-  p.stress_pull = dot_product(product(rough_, a), a);
+  r.pull = dot(pulled_, a);
+  p.stress_pull = dot(product(rough_, a), a);
   p.largest_field = problem_.largest_field(a.data());
   for (const auto& s : problem_.setup().steels)
     p.beyond_data = p.beyond_data || p.largest_field > s.data_end();
@@ -169,11 +164,11 @@ FieldPoint DrawnField::at_flux(double psi, double ring, std::vector<double> star
   const auto d = newton_.derivatives(p.a);
   auto& r = p.response;
   r.current_psi = d.flux_flux[0];
-  r.current_gap = 2 * dot_product(pulled_, tangent(0));
+  r.current_gap = 2 * dot(pulled_, tangent(0));
   if (bound) {
     r.current_ring = d.flux_flux[1];
     r.ring_ring = d.flux_flux[3];
-    r.ring_gap = 2 * dot_product(pulled_, tangent(1));
+    r.ring_gap = 2 * dot(pulled_, tangent(1));
   }
   return p;
 }
@@ -185,7 +180,7 @@ FieldPoint DrawnField::at_current(double current, double ring_current, std::vect
 }
 
 std::pair<double, double> DrawnField::fluxes(const FieldPoint& p) const {
-  return {dot_product(problem_.winding(0), p.a), has_ring() ? dot_product(problem_.winding(1), p.a) : 0};
+  return {dot(problem_.winding(0), p.a), has_ring() ? dot(problem_.winding(1), p.a) : 0};
 }
 
 DrawnMagnet refined(const DrawnMagnet& d) {

@@ -1,4 +1,5 @@
 #include "sim/fields/magnet_field.h"
+#include "sim/dot.h"
 
 #include <algorithm>
 #include <cmath>
@@ -7,12 +8,6 @@
 
 namespace powbench::sim {
 namespace {
-
-double dot(const std::vector<double>& a, const std::vector<double>& b) {
-  double sum = 0;
-  for (std::size_t k = 0; k < a.size(); ++k) sum += a[k] * b[k];
-  return sum;
-}
 
 FieldSetup setup_of(const MagnetDesign& d, const FieldOptions& o, double iron_conductivity) {
   FieldSetup f;

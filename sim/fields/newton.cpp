@@ -1,16 +1,11 @@
 #include "sim/fields/newton.h"
+#include "sim/dot.h"
 
 #include <algorithm>
 #include <cmath>
 
 namespace powbench::sim {
 namespace {
-
-double scalar_product(const std::vector<double>& a, const std::vector<double>& b) {
-  double sum = 0;
-  for (std::size_t k = 0; k < a.size(); ++k) sum += a[k] * b[k];
-  return sum;
-}
 
 double absolute_dot(const std::vector<double>& a, const std::vector<double>& b) {
   double sum = 1e-300;
@@ -66,9 +61,9 @@ double Newton::evaluate(const std::vector<double>& a, bool hessian) {
   const auto& linear = matrix_ ? *matrix_ : problem_.linear();
   multiply(problem_.space().pattern, linear, a.data(), gradient_.data());
   gradient_.back() = 0;
-  quadratic_ = 0.5 * scalar_product(a, gradient_);
+  quadratic_ = 0.5 * dot(a, gradient_);
   if (load_) {
-    quadratic_ -= scalar_product(*load_, a);
+    quadratic_ -= dot(*load_, a);
     for (std::size_t k = 0; k + 1 < a.size(); ++k) gradient_[k] -= (*load_)[k];
   }
   if (hessian) values_ = linear;
@@ -104,12 +99,12 @@ bool Newton::direction(const std::vector<Circuit>& circuits, const std::vector<d
   for (std::size_t k = 0; k < n; ++k) {
     const auto& w = problem_.winding(bordered_[k]);
     const auto& circuit = circuits[bordered_[k]];
-    const double missing = circuit.value - scalar_product(w, a) - circuit.resistance * current[bordered_[k]];
+    const double missing = circuit.value - dot(w, a) - circuit.resistance * current[bordered_[k]];
     step.miss =
         std::max(step.miss, std::fabs(missing) / std::max(std::fabs(circuit.value), absolute_dot(w, a)));
-    rest[k] = missing - scalar_product(w, step.da);
+    rest[k] = missing - dot(w, step.da);
     for (std::size_t l = 0; l < n; ++l)
-      schur[k * n + l] = scalar_product(w, border_[l]) + (k == l ? circuit.resistance : 0);
+      schur[k * n + l] = dot(w, border_[l]) + (k == l ? circuit.resistance : 0);
   }
   inverse_ = inverse_of(schur, n);
   for (std::size_t k = 0; k < n; ++k) {
@@ -130,11 +125,11 @@ double Newton::line_search(const std::vector<double>& a, const Step& step,
   const auto& linear = matrix_ ? *matrix_ : problem_.linear();
   multiply(problem_.space().pattern, linear, step.da.data(), product_.data());
   product_.back() = 0;
-  double slope = scalar_product(a, product_), bend = scalar_product(step.da, product_);
-  if (load_) slope -= scalar_product(*load_, step.da);
+  double slope = dot(a, product_), bend = dot(step.da, product_);
+  if (load_) slope -= dot(*load_, step.da);
   for (std::size_t c = 0; c < circuits.size(); ++c) {
     const double r = circuits[c].resistance;
-    if (!circuits[c].flux_given) slope -= circuits[c].value * scalar_product(problem_.winding(c), step.da);
+    if (!circuits[c].flux_given) slope -= circuits[c].value * dot(problem_.winding(c), step.da);
     slope += r * current[c] * step.di[c];
     bend += r * step.di[c] * step.di[c];
   }
@@ -161,10 +156,10 @@ NewtonReport Newton::solve(const std::vector<Circuit>& circuits, std::vector<dou
     if (!direction(circuits, a, current, step)) return report;
     ++report.iterations;
     // lambda^2 = da^T H da = -(gradient - C i)^T da on what the circuits leave free
-    double decrement = -scalar_product(gradient_, step.da);
+    double decrement = -dot(gradient_, step.da);
     for (std::size_t c = 0; c < circuits.size(); ++c)
-      decrement += (current[c] + (circuits[c].flux_given ? step.di[c] : 0)) *
-                   scalar_product(problem_.winding(c), step.da);
+      decrement +=
+          (current[c] + (circuits[c].flux_given ? step.di[c] : 0)) * dot(problem_.winding(c), step.da);
     decrement = std::fabs(decrement);
     const bool feasible = step.miss < met;
     const double s = options.line_search && feasible && decrement > options.tolerance * energy_
@@ -195,11 +190,11 @@ FieldDerivatives Newton::derivatives(const std::vector<double>& a) {
   auto moved = force;
   cholesky_.solve(moved.data());
   moved.back() = 0;
-  d.gap_gap = problem_.gap_curvature(a.data()) - scalar_product(force, moved);
+  d.gap_gap = problem_.gap_curvature(a.data()) - dot(force, moved);
   for (std::size_t k = 0; k < n; ++k) {
     for (std::size_t l = 0; l < n; ++l)
-      d.flux_gap[k] += inverse_[k * n + l] * scalar_product(problem_.winding(bordered_[l]), moved);
-    d.gap_gap += d.flux_gap[k] * scalar_product(force, border_[k]);
+      d.flux_gap[k] += inverse_[k * n + l] * dot(problem_.winding(bordered_[l]), moved);
+    d.gap_gap += d.flux_gap[k] * dot(force, border_[k]);
   }
   return d;
 }

@@ -1,20 +1,13 @@
 #include <algorithm>
 #include <cmath>
 
+#include "sim/dot.h"
 #include "sim/fields/solenoid_field.h"
 
 /// Eddy currents in the solid parts of a solenoid.
 
 namespace powbench::sim {
-namespace {
-
-double dot(const std::vector<double>& a, const std::vector<double>& b) {
-  double sum = 0;
-  for (std::size_t k = 0; k < a.size(); ++k) sum += a[k] * b[k];
-  return sum;
-}
-
-}  // namespace
+namespace {}  // namespace
 
 /// The grid has one topology, and a column stays a column: vertices and middles of edges at one radius, in turns.
 void SolenoidField::find_columns() {

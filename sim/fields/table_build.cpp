@@ -19,10 +19,6 @@ namespace {
 
 constexpr double mesh_share = 0.4;  ///< of the wanted error, for the mesh
 
-bool with_ring(const MagnetDesign& d, const TableOptions& o) {
-  return o.ring && d.shape.ring_share > 0;
-}
-
 int nodes_for(double accuracy) {
   return std::clamp(static_cast<int>(std::lround(24 * std::pow(accuracy / 0.005, -0.2))), 12, 48);
 }
@@ -50,6 +46,10 @@ void check(const TableOptions& o) {
 }
 
 }  // namespace
+
+bool with_ring(const MagnetDesign& d, const TableOptions& o) {
+  return o.ring && d.shape.ring_share > 0;
+}
 
 TablePlan plan_table(const TableOptions& o, double largest_psi) {
   check(o);

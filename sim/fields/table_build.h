@@ -52,6 +52,9 @@ using SliceSource =
 PotentialTable build_table(const MagnetDesign&, const TableOptions&, Team&, TableReport* report = nullptr,
                            const SliceSource& source = {});
 
+/// Whether the table is one of three variables.
+bool with_ring(const MagnetDesign&, const TableOptions&);
+
 /// The nodes and mesh that `build_table` takes.
 struct TablePlan {
   std::vector<double> psi, ring, gap;

@@ -1,4 +1,5 @@
 #include "sim/solid/added_inertia.h"
+#include "sim/dot.h"
 
 #include <algorithm>
 #include <cmath>
@@ -6,12 +7,6 @@
 
 namespace powbench::sim {
 namespace {
-
-double product(const std::vector<double>& a, const std::vector<double>& b) {
-  double sum = 0;
-  for (std::size_t k = 0; k < a.size(); ++k) sum += a[k] * b[k];
-  return sum;
-}
 
 Vec3 times(const std::array<Vec3, 3>& m, const Vec3& a) {
   return {dot(m[0], a), dot(m[1], a), dot(m[2], a)};
@@ -131,18 +126,18 @@ std::vector<double> AddedInertia::solve(const std::vector<double>& diagonal,
   };
   prepare();
   p = z;
-  double size = product(r, z);
+  double size = dot(r, z);
   const double wanted = goal * goal * size;
   for (int k = 0; k < most && size > wanted; ++k) {
     std::vector<double> ap = times(p);
     for (std::size_t i = 0; i < ap.size(); ++i) ap[i] = diagonal[i] > 0 ? ap[i] + diagonal[i] * p[i] : 0;
-    const double step = size / product(p, ap);
+    const double step = size / dot(p, ap);
     for (std::size_t i = 0; i < x.size(); ++i) {
       x[i] += step * p[i];
       r[i] -= step * ap[i];
     }
     prepare();
-    const double next = product(r, z), share = next / size;
+    const double next = dot(r, z), share = next / size;
     for (std::size_t i = 0; i < p.size(); ++i) p[i] = z[i] + share * p[i];
     size = next;
     ++iterations_;
@@ -177,7 +172,7 @@ void AddedInertia::correct(const std::vector<double>& diagonal, double drift, do
 }
 
 double AddedInertia::kinetic(const double* v_before, const double* v_now) const {
-  return 0.25 * (product(gather(v_before), momentum_) + product(gather(v_now), before_));
+  return 0.25 * (dot(gather(v_before), momentum_) + dot(gather(v_now), before_));
 }
 
 double AddedInertia::kinetic_of(int first, int last, const double* v) const {

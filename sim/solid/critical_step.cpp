@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "sim/dot.h"
 #include "sim/solid/explicit_solid.h"
 
 namespace powbench::sim {
@@ -32,12 +33,6 @@ double noise(std::size_t k) {
   z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9ull;
   z = (z ^ (z >> 27)) * 0x94d049bb133111ebull;
   return static_cast<double>(z >> 11) / 9007199254740992.0 - 0.5;
-}
-
-double product(const std::vector<double>& a, const std::vector<double>& b) {
-  double sum = 0;
-  for (std::size_t k = 0; k < a.size(); ++k) sum += a[k] * b[k];
-  return sum;
 }
 
 /// The masses in units of the lumped ones: 1 where no inertia is added.
@@ -102,7 +97,7 @@ double cell_critical_step(const SolidMesh& mesh, const std::vector<SolidMaterial
   // in u = M^-1/2 q the masses are S = 1 + M^-1/2 (M' - M) M^-1/2; p = S q, and vectors are orthonormal in S
   const ScaledMasses scaled(inertia, root);
   std::vector<double> diagonal, beside, p = scaled.times(q);
-  double beta = std::sqrt(product(q, p)), previous = 0, found = 0;
+  double beta = std::sqrt(dot(q, p)), previous = 0, found = 0;
   if (!(beta > 0)) return 1e300;  // everything is fixed
   constexpr int most = 120;
   for (int step = 0; step < most && beta > 0; ++step) {
@@ -127,7 +122,7 @@ double cell_critical_step(const SolidMesh& mesh, const std::vector<SolidMaterial
     last = p;
     p = w;
     q = scaled.solve(w);
-    beta = std::sqrt(product(q, p));
+    beta = std::sqrt(dot(q, p));
     if (step % 10 == 9) {
       found = largest_eigenvalue(diagonal, beside);
       if (found - previous < 1e-7 * found) break;
