@@ -1,10 +1,11 @@
 #include "sim/field3d/newton3.h"
-#include "sim/dot.h"
 
 #include <algorithm>
 #include <cassert>
 #include <cmath>
 #include <stdexcept>
+
+#include "sim/dot.h"
 
 namespace powbench::sim {
 namespace {

@@ -1,10 +1,11 @@
 #include "sim/fields/magnet_field.h"
-#include "sim/dot.h"
 
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
 #include <string>
+
+#include "sim/dot.h"
 
 namespace powbench::sim {
 namespace {

@@ -1,8 +1,9 @@
 #include "sim/fields/newton.h"
-#include "sim/dot.h"
 
 #include <algorithm>
 #include <cmath>
+
+#include "sim/dot.h"
 
 namespace powbench::sim {
 namespace {

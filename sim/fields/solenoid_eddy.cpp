@@ -7,7 +7,6 @@
 /// Eddy currents in the solid parts of a solenoid.
 
 namespace powbench::sim {
-namespace {}  // namespace
 
 /// The grid has one topology, and a column stays a column: vertices and middles of edges at one radius, in turns.
 void SolenoidField::find_columns() {

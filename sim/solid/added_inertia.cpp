@@ -1,9 +1,10 @@
 #include "sim/solid/added_inertia.h"
-#include "sim/dot.h"
 
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
+
+#include "sim/dot.h"
 
 namespace powbench::sim {
 namespace {
