@@ -2,7 +2,6 @@
 
 #include <array>
 #include <atomic>
-#include <cmath>
 #include <cstdint>
 #include <functional>
 #include <memory>
@@ -96,12 +95,6 @@ inline constexpr double estimator_factor = 2.5;
 /// its own model either. NaN: not known. Infinite where only one has the time.
 LadderTimes model_difference(const LadderRun&, const LadderRun& other,
                              const LadderTimes& step_error_of_other);
-
-/// Step and model error together, s: the root of their squares. The difference to another rung holds the step error of
-/// this one already; added in full that would count twice.
-inline double total_error(double step, double model) {
-  return std::hypot(step, model);
-}
 
 struct LadderRow {
   LadderRun run;

@@ -174,10 +174,9 @@ class Chooser {
   Reached judge_time(SceneStep& s, std::size_t q) const {
     const double allowed = wanted_[q] * whole_of(s.run);
     const auto known = [](double x) { return std::isnan(x) ? 0.0 : x; };
-    double model = known(s.fields.next[q]) + known(s.mechanics.next[q]);
-    const auto total = [&](double more) { return total_error(known(s.step_error[q]), model + more); };
-    s.share = std::max(s.share, total(0) / allowed);
-    const bool too_large = total(0) > allowed;
+    double sum = known(s.step_error[q]) + known(s.fields.next[q]) + known(s.mechanics.next[q]);
+    s.share = std::max(s.share, sum / allowed);
+    const bool too_large = sum > allowed;
     const std::size_t before = s.unknown.size();
     const std::string time(ladder_quantities[q]);
     if (!s.stopped.empty()) {
@@ -193,10 +192,10 @@ class Chooser {
             time + ": error of " + axis + ", nothing to compare " + std::string(rung) + " with";
         if (std::isnan(last))
           s.unknown.push_back(of);
-        else if (total(last) > allowed)
+        else if (sum + last > allowed)
           s.unknown.push_back(of + " but the rung below, which differs by " + microseconds(last));
         else
-          model += last;
+          sum += last;
       };
       judge_axis(s.fields, "the fields", s.name.substr(0, s.name.find('+')));
       judge_axis(s.mechanics, "the mechanics", s.name.substr(s.name.find('+') + 1));

@@ -33,7 +33,7 @@ struct SceneAxes {
 
 /// Whether a wanted accuracy is reached.
 enum class Reached : std::uint8_t {
-  met,        ///< every error is known, and together they are within what is wanted
+  met,        ///< every error is known, and their sum is within what is wanted
   not_met,    ///< what is known is too large already
   not_known,  ///< what is known is small enough, and something is not known
 };
@@ -60,7 +60,7 @@ struct SceneStep {
   LadderTimes step_error{};  ///< s, of the step
   AxisError fields, mechanics;
   LadderTimes model_error{};  ///< s, of fields and mechanics together; NaN: not known
-  double share = 0;           ///< largest total_error of what is known over what is wanted
+  double share = 0;           ///< largest sum of the known errors over what is wanted
   std::array<Reached, 3> by_time{Reached::not_known, Reached::not_known,
                                  Reached::not_known};  ///< where wanted
   Reached reached = Reached::not_known;                ///< of all that are wanted
