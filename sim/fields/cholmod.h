@@ -12,6 +12,7 @@ struct Cholmod {
   POWBENCH_LATE(cholmod_start);
   POWBENCH_LATE(cholmod_finish);
   POWBENCH_LATE(cholmod_analyze);
+  POWBENCH_LATE(cholmod_analyze_p);
   POWBENCH_LATE(cholmod_factorize);
   POWBENCH_LATE(cholmod_solve);
   POWBENCH_LATE(cholmod_free_factor);

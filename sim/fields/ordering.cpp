@@ -46,7 +46,10 @@ int position(const Pattern& p, int i, int j) {
   return static_cast<int>(std::lower_bound(first, last, i) - p.row.begin());
 }
 
-std::vector<int> fill_reducing_order(const Pattern& p) {
+namespace {
+
+/// What CHOLMOD makes of a pattern: of `given` (new to old), or where there is none of the better of two methods.
+std::vector<int> analysed(const Pattern& p, int* given) {
   // nested dissection draws from rand(), seeded at its start: two at a time would make the order one of chance
   static std::mutex alone;
   const std::lock_guard lock(alone);
@@ -54,8 +57,8 @@ std::vector<int> fill_reducing_order(const Pattern& p) {
   cholmod().cholmod_start(&common);
   common.supernodal = CHOLMOD_SIMPLICIAL;
   common.print = 0;
-  common.nmethods = 2;
-  common.method[0].ordering = CHOLMOD_AMD;
+  common.nmethods = given ? 1 : 2;
+  common.method[0].ordering = given ? CHOLMOD_GIVEN : CHOLMOD_AMD;
   common.method[1].ordering = CHOLMOD_METIS;
   common.postorder = true;
   cholmod_sparse a{};
@@ -69,7 +72,7 @@ std::vector<int> fill_reducing_order(const Pattern& p) {
   a.dtype = CHOLMOD_DOUBLE;
   a.sorted = 1;
   a.packed = 1;
-  cholmod_factor* factor = cholmod().cholmod_analyze(&a, &common);
+  cholmod_factor* factor = cholmod().cholmod_analyze_p(&a, given, nullptr, 0, &common);
   std::vector<int> order;
   if (factor) {
     const int* const permutation = static_cast<const int*>(factor->Perm);
@@ -79,6 +82,16 @@ std::vector<int> fill_reducing_order(const Pattern& p) {
   cholmod().cholmod_finish(&common);
   if (order.empty() && p.size > 0) throw std::runtime_error("no memory for the order of elimination");
   return order;
+}
+
+}  // namespace
+
+std::vector<int> fill_reducing_order(const Pattern& p) {
+  return analysed(p, nullptr);
+}
+
+std::vector<int> postordered(const Pattern& p, std::vector<int> order) {
+  return analysed(p, order.data());
 }
 
 }  // namespace powbench::sim

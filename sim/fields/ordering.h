@@ -25,4 +25,7 @@ int position(const Pattern&, int i, int j);
 /// (SuiteSparse). Throws std::runtime_error if the library runs out of memory.
 std::vector<int> fill_reducing_order(const Pattern&);
 
+/// An order, new to old, with the same fill, postordered. Throws as that.
+std::vector<int> postordered(const Pattern&, std::vector<int> order);
+
 }  // namespace powbench::sim
