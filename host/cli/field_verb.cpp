@@ -149,12 +149,13 @@ sim::TableSlice slice_of(const std::string& bytes) {
   return s;
 }
 
-/// Gaps of the table as points: of the magnet alone (shape, steel, turns), whatever else the specimen has.
+/// Slices of the table as points: of the magnet alone (shape, steel, turns), whatever else the specimen has.
 sim::SliceSource slices(Points& points, const sim::MagnetDesign& design, const sim::TableOptions& options) {
   const std::string magnet = fmt::format("{:016x}", sim::table_hash(design, options));
-  return [&points, magnet](std::size_t gap, const std::function<sim::TableSlice()>& solve) {
-    const auto bytes = points.get(static_cast<std::int64_t>(gap), fmt::format("{} gap {}", magnet, gap),
-                                  [&] { return bytes_of(solve()); });
+  return [&points, magnet](std::size_t number, const std::function<sim::TableSlice()>& solve) {
+    const auto bytes =
+        points.get(static_cast<std::int64_t>(number), fmt::format("{} slice {}", magnet, number),
+                   [&] { return bytes_of(solve()); });
     return bytes ? std::optional(slice_of(*bytes)) : std::nullopt;
   };
 }

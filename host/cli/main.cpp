@@ -308,7 +308,7 @@ void add_study_verbs(CLI::App& app) {
   field->add_option("-j,--threads", field_args->threads, "threads; 0 = all cores")
       ->check(CLI::Range(0, 1024))
       ->capture_default_str();
-  add_shard_options(field, field_args->shards, "gap of the table with all its fluxes");
+  add_shard_options(field, field_args->shards, "group of four gaps of the table with all their fluxes");
   field->add_flag("--json", field_args->json, "JSON to stdout");
   auto steel_args = std::make_shared<SteelArgs>();
   CLI::App* steel =

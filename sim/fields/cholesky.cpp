@@ -1,9 +1,10 @@
 #include "sim/fields/cholesky.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "sim/fields/dense_kernel.h"
-#include "sim/fields/supernodes.h"
+#include "sim/fields/fronts.h"
 
 namespace powbench::sim {
 namespace {
@@ -24,7 +25,7 @@ std::size_t area(int ld, int columns) {
 }  // namespace
 
 Cholesky::Cholesky(const Pattern& pattern) : pattern_(pattern) {
-  analyse_structure(pattern);
+  take_structure(pattern);
   std::size_t panel = 0, top = 0, deepest = 0;
   std::vector<std::size_t> sizes(nodes_.size());
   int widest = 0;
@@ -46,47 +47,17 @@ Cholesky::Cholesky(const Pattern& pattern) : pattern_(pattern) {
   work_.assign(2 * index(work_rows_), 0);
 }
 
-void Cholesky::analyse_structure(const Pattern& p) {
-  const auto parent = elimination_tree(p);
-  const auto first = sim::supernodes(parent, column_counts(p, parent));
-  nodes_.resize(first.size() - 1);
-  std::vector<int> node_of(index(p.size)), mark(index(p.size), -1), local(index(p.size));
-  for (std::size_t s = 0; s < nodes_.size(); ++s)
-    for (int j = first[s]; j < first[s + 1]; ++j) node_of[index(j)] = static_cast<int>(s);
-  local_.resize(p.row.size());
-  for (std::size_t s = 0; s < nodes_.size(); ++s) {
-    auto& n = nodes_[s];
-    n.first = first[s];
-    n.columns = first[s + 1] - first[s];
-    n.structure = rows_.size();
-    const int end = n.first + n.columns;
-    for (int j = n.first; j < end; ++j) rows_.push_back(j);
-    const auto add = [&](int row) {
-      if (row < end || mark[index(row)] == static_cast<int>(s)) return;
-      mark[index(row)] = static_cast<int>(s);
-      rows_.push_back(row);
-    };
-    for (int at = p.start[index(n.first)]; at < p.start[index(end)]; ++at) add(p.row[index(at)]);
-    for (const int c : n.children)
-      for (int k = nodes_[index(c)].columns; k < nodes_[index(c)].rows; ++k)
-        add(rows_[nodes_[index(c)].structure + index(k)]);
-    n.rows = static_cast<int>(rows_.size() - n.structure);
+void Cholesky::take_structure(const Pattern& p) {
+  auto f = fronts_of(p, Joining::eager);
+  rows_ = std::move(f.rows);
+  relative_ = std::move(f.relative);
+  local_ = std::move(f.local);
+  for (auto& front : f.fronts) {
+    auto& n = nodes_.emplace_back(Node{std::move(front)});
     n.ld = padded(n.rows);
-    std::sort(rows_.begin() + static_cast<std::ptrdiff_t>(n.structure) + n.columns, rows_.end());
-    for (int k = 0; k < n.rows; ++k) local[index(rows_[n.structure + index(k)])] = k;
-    for (int j = n.first; j < end; ++j)
-      for (int at = p.start[index(j)]; at < p.start[index(j) + 1]; ++at)
-        local_[index(at)] = local[index(p.row[index(at)])] + (j - n.first) * n.ld;
-    for (const int c : n.children) {
-      auto& child = nodes_[index(c)];
-      child.relative = relative_.size();
-      for (int k = child.columns; k < child.rows; ++k)
-        relative_.push_back(local[index(rows_[child.structure + index(k)])]);
-    }
-    if (n.rows > n.columns) {
-      n.parent = node_of[index(rows_[n.structure + index(n.columns)])];
-      nodes_[index(n.parent)].children.push_back(static_cast<int>(s));
-    }
+    for (int j = 0; j < n.columns; ++j)
+      for (int at = p.start[index(n.first + j)]; at < p.start[index(n.first + j + 1)]; ++at)
+        local_[index(at)] += j * n.ld;
   }
 }
 

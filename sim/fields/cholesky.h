@@ -3,7 +3,7 @@
 #include <cstddef>
 #include <vector>
 
-#include "sim/fields/ordering.h"
+#include "sim/fields/fronts.h"
 
 /// Sparse Cholesky factorisation A = L L^T with one symbolic analysis for many matrices of equal pattern:
 /// multifrontal over relaxed supernodes. The pattern must be in a postordered order of elimination already
@@ -32,19 +32,14 @@ class Cholesky {
   std::size_t supernodes() const { return nodes_.size(); }
 
  private:
-  struct Node {
-    int first = 0, columns = 0, rows = 0;  ///< own columns first .. first + columns; rows of the front
-    int ld = 0;                            ///< of the panel
-    int parent = -1;
-    std::size_t panel = 0;      ///< offset in panels_
-    std::size_t structure = 0;  ///< offset in rows_: the rows of the front, own columns first
-    std::size_t relative = 0;   ///< offset in relative_: where the rows below lie in the parent's front
-    bool constant = false;      ///< with all below it
-    bool handed_over = false;   ///< constant, the parent is not: the update matrix is kept
-    std::size_t kept = 0;       ///< its offset in kept_
-    std::vector<int> children;
+  struct Node : Front {
+    int ld = 0;                ///< of the panel
+    std::size_t panel = 0;     ///< offset in panels_
+    bool constant = false;     ///< with all below it
+    bool handed_over = false;  ///< constant, the parent is not: the update matrix is kept
+    std::size_t kept = 0;      ///< its offset in kept_
   };
-  void analyse_structure(const Pattern&);
+  void take_structure(const Pattern&);
   void solve_some(double* const* b, int vectors) const;
   void add_child(const Node& parent, const Node& child, const double* from, double* update, int ldu);
 

@@ -3,10 +3,9 @@
 #include <cmath>
 #include <map>
 #include <stdexcept>
+#include <utility>
 
-#include "sim/dot.h"
 #include "sim/fields/drawn_magnet.h"
-#include "sim/magnetic_circuit.h"
 
 namespace powbench::sim {
 namespace {
@@ -15,8 +14,9 @@ std::size_t place(int i) {
   return static_cast<std::size_t>(i);
 }
 
-FieldSetup drawn_setup(const DrawnMagnet& d) {
+FieldSetup drawn_setup(const DrawnMagnet& d, int order) {
   FieldSetup f;
+  f.order = order;
   f.axisymmetric = d.axisymmetric;
   f.depth = d.copies * d.depth;
   f.steels = d.steels;
@@ -42,61 +42,11 @@ std::vector<double> whole_only(const std::vector<double>& motion) {
   return out;
 }
 
-/// Entries other than 0.
-std::vector<FormEntry> entries_of(const Pattern& p, const std::vector<double>& values) {
-  std::vector<FormEntry> out;
-  for (int j = 0; j < p.size; ++j)
-    for (int at = p.start[place(j)]; at < p.start[place(j) + 1]; ++at)
-      if (const double v = values[place(at)]; v != 0) out.push_back({p.row[place(at)], j, v});
-  return out;
-}
-
-/// (form) a. Sums by rows: the entries of one row nearly cancel.
-std::vector<double> product(const std::vector<FormEntry>& form, const std::vector<double>& a) {
-  std::vector<double> y(a.size(), 0);
-  for (const auto& e : form) {
-    y[place(e.row)] += e.value * a[place(e.column)];
-    if (e.row != e.column) y[place(e.column)] += e.value * a[place(e.row)];
-  }
-  return y;
-}
-
-/// Maxwell's stress in the air where `weight` varies, F = a^T (values) a with the lower triangle by `space.pattern`:
-/// the force against y on what has the weight 1.
-std::vector<FormEntry> pull_form(const FieldSpace& space, const std::vector<double>& weight) {
-  const Mesh& m = space.mesh;
-  std::vector<double> values(space.pattern.row.size() + 1, 0);
-  for (std::size_t t = 0; t < m.triangle.size(); ++t) {
-    const auto& v = m.triangle[t];
-    const std::array<double, 3> w{weight[place(v[0])], weight[place(v[1])], weight[place(v[2])]};
-    if (w[0] == w[1] && w[1] == w[2]) continue;
-    double dx = 0, dy = 0;
-    for (std::size_t k = 0; k < 3; ++k) {
-      const auto p = place(v[(k + 1) % 3]), q = place(v[(k + 2) % 3]);
-      dx += w[k] * (m.y[p] - m.y[q]) / twice_area(m, v);
-      dy += w[k] * (m.x[q] - m.x[p]) / twice_area(m, v);
-    }
-    const int* const to = element_positions(space, t);
-    for (const auto& p : shape_points(space, t, space.axisymmetric ? 4 : space.order)) {
-      const double scale = 0.5 * p.weight / mu0;
-      for (std::size_t i = 0, next = 0; i < place(space.nodes); ++i)
-        for (std::size_t j = 0; j <= i; ++j, ++next)
-          values[place(to[next])] += scale * ((p.curl_y[i] * p.curl_y[j] - p.curl_x[i] * p.curl_x[j]) * dy +
-                                              (p.curl_x[i] * p.curl_y[j] + p.curl_y[i] * p.curl_x[j]) * dx);
-    }
-  }
-  return entries_of(space.pattern, values);
-}
-
 }  // namespace
 
 bool DrawnMagnet::has_ring() const {
   return std::any_of(parts.begin(), parts.end(),
                      [](const DrawnPart& p) { return p.role == DrawnRole::ring; });
-}
-
-std::vector<Steel> air_steels(const DrawnMagnet& d) {
-  return std::vector<Steel>(d.steels.size(), Steel::linear(1));
 }
 
 double DrawnMagnet::turns() const {
@@ -106,25 +56,12 @@ double DrawnMagnet::turns() const {
   return std::max(out, in) * (copies == 4 ? 2 : 1);
 }
 
-DrawnField::DrawnField(std::shared_ptr<const DrawnMagnet> drawing, const NewtonOptions& options)
-    : drawing_(std::move(drawing)),
-      options_(options),
-      problem_(drawing_->mesh, drawn_setup(*drawing_)),
-      newton_(problem_),
+DrawnGap::DrawnGap(std::shared_ptr<const DrawnMagnet> drawing, int order)
+    : GapField(FieldProblem(drawing->mesh, drawn_setup(*drawing, order))),
+      drawing_(std::move(drawing)),
       layer_(whole_only(drawing_->motion)) {}
 
-DrawnField::DrawnField(const DrawnField& other)
-    : drawing_(other.drawing_),
-      options_(other.options_),
-      problem_(other.problem_),
-      newton_(problem_),
-      layer_(other.layer_) {}
-
-DrawnField::DrawnField(const DrawnField& other, std::vector<Steel> steels) : DrawnField(other) {
-  problem_.set_steels(std::move(steels));
-}
-
-void DrawnField::set_gap(double gap) {
+void DrawnGap::set_gap(double gap) {
   if (!(gap >= 0))
     throw std::invalid_argument("gap_mm = " + std::to_string(gap * 1e3) + ", allowed 0 and above");
   const auto& d = *drawing_;
@@ -132,55 +69,22 @@ void DrawnField::set_gap(double gap) {
   auto y = d.mesh.y;
   for (std::size_t k = 0; k < y.size(); ++k) y[k] += rise * d.motion[k];
   problem_.move_vertices(d.mesh.x, std::move(y));
-  pull_ = pull_form(problem_.space(), d.motion);
-  rough_ = pull_form(problem_.space(), layer_);
+  pull_ = PullForm(problem_.space(), d.motion);
+  rough_ = PullForm(problem_.space(), layer_);
 }
 
-FieldPoint DrawnField::solve(const std::vector<Circuit>& circuits, std::vector<double> a) {
-  a.resize(place(unknowns()) + 1, 0);
-  FieldPoint p;
-  std::vector<double> current;
-  p.newton = newton_.solve(circuits, a, current, options_);
-  auto& r = p.response;
-  r.energy = newton_.energy();
-  r.current = current[0];
-  if (has_ring()) r.ring_current = current[1];
-  pulled_ = product(pull_, a);
-  r.pull = dot(pulled_, a);
-  p.stress_pull = dot(product(rough_, a), a);
-  p.largest_field = problem_.largest_field(a.data());
-  for (const auto& s : problem_.setup().steels)
-    p.beyond_data = p.beyond_data || p.largest_field > s.data_end();
-  p.beyond_data = p.beyond_data && problem_.share_beyond_data(a.data()) > 0;
-  p.a = std::move(a);
-  return p;
-}
+DrawnField::DrawnField(std::shared_ptr<const DrawnMagnet> drawing, const NewtonOptions& options, int order)
+    : options_(options), gap_(std::move(drawing), order), newton_(gap_.problem()) {}
+
+DrawnField::DrawnField(const DrawnField& other)
+    : options_(other.options_), gap_(other.gap_), newton_(gap_.problem()) {}
 
 FieldPoint DrawnField::at_flux(double psi, double ring, std::vector<double> start, bool ring_open) {
-  std::vector<Circuit> circuits{{true, psi, 0}};
-  const bool bound = has_ring() && !ring_open;
-  if (has_ring()) circuits.push_back({bound, bound ? ring : 0, 0});
-  auto p = solve(circuits, std::move(start));
-  const auto d = newton_.derivatives(p.a);
-  auto& r = p.response;
-  r.current_psi = d.flux_flux[0];
-  r.current_gap = 2 * dot(pulled_, tangent(0));
-  if (bound) {
-    r.current_ring = d.flux_flux[1];
-    r.ring_ring = d.flux_flux[3];
-    r.ring_gap = 2 * dot(pulled_, tangent(1));
-  }
-  return p;
+  return state_in(gap_.with_fluxes(psi, ring, ring_open), gap_, newton_, std::move(start), options_);
 }
 
 FieldPoint DrawnField::at_current(double current, double ring_current, std::vector<double> start) {
-  std::vector<Circuit> circuits{{false, current, 0}};
-  if (has_ring()) circuits.push_back({false, ring_current, 0});
-  return solve(circuits, std::move(start));
-}
-
-std::pair<double, double> DrawnField::fluxes(const FieldPoint& p) const {
-  return {dot(problem_.winding(0), p.a), has_ring() ? dot(problem_.winding(1), p.a) : 0};
+  return state_in(gap_.with_currents(current, ring_current), gap_, newton_, std::move(start), options_);
 }
 
 DrawnMagnet refined(const DrawnMagnet& d) {
@@ -242,13 +146,8 @@ std::vector<double> on_refined(const FieldSpace& coarse, const std::vector<doubl
 }
 
 double saturated_flux(const std::shared_ptr<const DrawnMagnet>& drawing) {
-  const DrawnField field(drawing, {});
-  return saturated_flux(field);
-}
-
-double saturated_flux(const DrawnField& prototype) {
-  const auto* const drawing = &prototype.drawing();
-  DrawnField air(prototype, air_steels(*drawing)), field(prototype);
+  DrawnField field(drawing, {1e-6}, 1), air(field);
+  air.set_air();
   air.set_gap(0);
   field.set_gap(0);
   const double wanted = air.at_flux(1e-3, 0, {}, true).response.current_psi / 1.25;

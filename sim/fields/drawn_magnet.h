@@ -7,7 +7,8 @@
 #include <utility>
 #include <vector>
 
-#include "sim/fields/magnet_field.h"
+#include "sim/fields/gap_field.h"
+#include "sim/fields/pull_form.h"
 #include "sim/fields/table_build.h"
 
 /// A magnet on a mesh that was drawn elsewhere, in the plane or around an axis. The armature moves along y as a rigid
@@ -72,57 +73,67 @@ std::pair<double, double> usable_gaps(const DrawnMagnet&);
 /// Least angle of the triangles that stretch at such a gap, rad.
 double least_angle(const DrawnMagnet&, double face_gap);
 
-/// One entry of the lower triangle of a quadratic form, row >= column.
-struct FormEntry {
-  int row, column;
-  double value;
-};
-
-/// States of a drawn magnet. The pull is the exact derivative of the discrete energy: Maxwell's stress weighted with
-/// `motion`.
-class DrawnField {
+/// A drawn magnet at one gap. The pull is the exact derivative of the discrete energy: Maxwell's stress weighted with
+/// `motion`; `stress_pull` is by the one layer of triangles around the armature.
+class DrawnGap final : public GapField {
  public:
-  DrawnField(std::shared_ptr<const DrawnMagnet>, const NewtonOptions&);
-  DrawnField(const DrawnField&);  ///< for another thread; shares only the drawing
-  /// The same mesh with other steels, as many: shares the order of elimination, which takes as long as 20 states.
-  DrawnField(const DrawnField&, std::vector<Steel>);
-  DrawnField& operator=(const DrawnField&) = delete;
-
-  int unknowns() const { return problem_.size(); }
-  bool has_ring() const { return drawing_->has_ring(); }
-  const FieldProblem& problem() const { return problem_; }
+  explicit DrawnGap(std::shared_ptr<const DrawnMagnet>, int order = 2);
+  std::unique_ptr<GapField> copy() const override { return std::make_unique<DrawnGap>(*this); }
   const DrawnMagnet& drawing() const { return *drawing_; }
 
-  /// m, >= 0; the residual gap is added. Throws std::invalid_argument where a triangle turns over.
-  void set_gap(double gap);
+  /// Throws std::invalid_argument where a triangle turns over, too.
+  void set_gap(double gap) override;
+
+ private:
+  double pull(const std::vector<double>& a, std::vector<double>& slope) const override {
+    return pull_.force(a, slope);
+  }
+  double stress_pull(const std::vector<double>& a) const override { return rough_.force(a); }
+
+  std::shared_ptr<const DrawnMagnet> drawing_;
+  std::vector<double> layer_;  ///< 1 on the armature and what moves with it, 0 elsewhere
+  PullForm pull_, rough_;      ///< at this gap: by `motion`, and by `layer_`
+};
+
+/// States of a drawn magnet.
+class DrawnField {
+ public:
+  DrawnField(std::shared_ptr<const DrawnMagnet>, const NewtonOptions&, int order = 2);
+  /// For another thread, or other steels: shares only the drawing, and spares the order of elimination, which takes as
+  /// long as 20 states.
+  DrawnField(const DrawnField&);
+  DrawnField& operator=(const DrawnField&) = delete;
+
+  int unknowns() const { return gap_.problem().size(); }
+  bool has_ring() const { return gap_.has_ring(); }
+  const FieldProblem& problem() const { return gap_.problem(); }
+  const DrawnMagnet& drawing() const { return gap_.drawing(); }
+  const DrawnGap& at_gap() const { return gap_; }
+
+  /// As DrawnGap's.
+  void set_gap(double gap) { gap_.set_gap(gap); }
+
+  /// Air in place of steel.
+  void set_air() { gap_.set_steels(gap_.air_steels()); }
 
   /// With both flux linkages given; without a ring, and with `ring_open`, the ring carries no current. `response` lacks
-  /// `pull_gap`. `stress_pull` is by the one layer of triangles around the armature.
+  /// `pull_gap`.
   FieldPoint at_flux(double psi, double ring, std::vector<double> start = {}, bool ring_open = false);
 
   /// With both currents given; the second derivatives stay zero.
   FieldPoint at_current(double current, double ring_current, std::vector<double> start = {});
 
   /// Flux linkages of a solution: coil and ring.
-  std::pair<double, double> fluxes(const FieldPoint&) const;
+  std::pair<double, double> fluxes(const FieldPoint& p) const { return gap_.fluxes(p); }
 
   /// da/dpsi and da/dring of the last `at_flux`.
   std::vector<double> tangent(std::size_t winding) const { return newton_.flux_tangent(winding); }
 
  private:
-  FieldPoint solve(const std::vector<Circuit>&, std::vector<double> start);
-
-  std::shared_ptr<const DrawnMagnet> drawing_;
   NewtonOptions options_;
-  FieldProblem problem_;
+  DrawnGap gap_;
   Newton newton_;
-  std::vector<double> layer_;            ///< 1 on the armature and what moves with it, 0 elsewhere
-  std::vector<FormEntry> pull_, rough_;  ///< at this gap: the pull, by `motion` and by `layer_`
-  std::vector<double> pulled_;           ///< (pull_) a of the last solution
 };
-
-/// As many steels as the drawing has, all of them air.
-std::vector<Steel> air_steels(const DrawnMagnet&);
 
 /// The same drawing with every triangle cut into four.
 DrawnMagnet refined(const DrawnMagnet&);
@@ -132,10 +143,9 @@ std::vector<double> on_refined(const FieldSpace& coarse, const std::vector<doubl
                                const FieldSpace& fine);
 
 /// Flux linkage, Wb, at which the closed magnet's differential inductance has come down to 1.25 times that of air:
-/// with steel beyond saturation everywhere on the path. Throws std::invalid_argument where the steel does not
-/// saturate.
+/// with steel beyond saturation everywhere on the path. By elements of the first order: it is where a table ends, and
+/// need not be sharp. Throws std::invalid_argument where the steel does not saturate.
 double saturated_flux(const std::shared_ptr<const DrawnMagnet>&);
-double saturated_flux(const DrawnField&);  ///< the field at any gap
 
 /// Throws std::invalid_argument for an estimated error of the mesh, relative, above 1: the table would mean nothing.
 void refuse_mesh_error(double);

@@ -10,20 +10,16 @@
 namespace powbench::sim {
 namespace {
 
-/// What the halving of all triangles changes at one flux and at two gaps: the larger of current and pull, relative.
-double halving_error(const DrawnField& prototype, DrawnField& fine, double psi, double open) {
-  DrawnField coarse(prototype);
-  double worst = 0;
-  for (const double gap : {0.0, open}) {
-    coarse.set_gap(gap);
-    fine.set_gap(gap);
-    const auto a = coarse.at_flux(psi, 0, {}, true);
-    const auto b =
-        fine.at_flux(psi, 0, on_refined(coarse.problem().space(), a.a, fine.problem().space()), true);
-    worst = std::max({worst, std::fabs(a.response.current / b.response.current - 1),
-                      std::fabs(a.response.pull / b.response.pull - 1)});
-  }
-  return worst;
+/// What the halving of all triangles changes at one flux and gap: the larger of current and pull, relative.
+double halving_error(const DrawnField& prototype, const DrawnField& finer, double psi, double gap) {
+  DrawnField coarse(prototype), fine(finer);
+  coarse.set_gap(gap);
+  fine.set_gap(gap);
+  const auto a = coarse.at_flux(psi, 0, {}, true);
+  const auto b =
+      fine.at_flux(psi, 0, on_refined(coarse.problem().space(), a.a, fine.problem().space()), true);
+  return std::max(std::fabs(a.response.current / b.response.current - 1),
+                  std::fabs(a.response.pull / b.response.pull - 1));
 }
 
 /// Flux through the open ring of the closed magnet, Wb: without its current no more passes it.
@@ -63,19 +59,17 @@ void refuse_mesh_error(double error) {
 PotentialTable build_table(const std::shared_ptr<const DrawnMagnet>& d, const TableOptions& o, Team& team,
                            TableReport* report) {
   check_reach(*d, o.largest_gap);
-  // The steps of the sweep are so short that one Newton step is mostly enough. The mixed derivatives are those before
-  // the last step, and err by about its relative size, the root of the tolerance; that of three variables is made of
-  // their differences.
   const bool ring = o.ring && d->has_ring();
-  const NewtonOptions newton{std::clamp(o.accuracy * o.accuracy / (ring ? 250 : 25), 1e-8, 1e-6)};
+  // on the halved mesh one step from the solution of the drawn one says what halving changes, to the square of it
+  const NewtonOptions single{1e-6}, rough{1e-4};
   double largest = d->largest_flux;
   std::optional<DrawnField> prototype, fine;
   for_each_index(team, 2, [&](int k) {
     if (k == 0) {
-      prototype.emplace(d, newton);
-      if (!(largest > 0)) largest = saturated_flux(*prototype);
+      prototype.emplace(d, single);
+      if (!(largest > 0)) largest = saturated_flux(d);
     } else {
-      fine.emplace(std::make_shared<const DrawnMagnet>(refined(*d)), NewtonOptions{});
+      fine.emplace(std::make_shared<const DrawnMagnet>(refined(*d)), rough);
     }
   });
   TableOptions dense = o;
@@ -88,18 +82,12 @@ PotentialTable build_table(const std::shared_ptr<const DrawnMagnet>& d, const Ta
         o.ring_nodes != 0 ? o.ring_nodes : std::max(8, static_cast<int>(plan.psi.size()) * 2 / 3);
     for (int k = 0; k < count; ++k) plan.ring.push_back(reach * (2.0 * k / (count - 1) - 1));
   }
-  const double states =
-      static_cast<double>(plan.psi.size() * std::max<std::size_t>(1, plan.ring.size()) * plan.gap.size());
-  constexpr double most_kept = 1e8;  // numbers of four bytes; a little more than half of the states are kept
-  double mesh_error = 0;
-  table_sweep::Filling filling;
-  filling.from_neighbours = 0.6 * states * prototype->unknowns() < most_kept;
-  filling.beside = [&] { mesh_error = halving_error(*prototype, *fine, largest / 2, d->travel); };
-  const auto air = air_steels(*d);
+  double closed = 0, open = 0;
   TableReport sum;
-  auto t = table_sweep::fill_table(
-      plan, ring, team, [&] { return DrawnField(*prototype); }, [&] { return DrawnField(*prototype, air); },
-      &sum, filling);
+  auto t = fill_table(plan, ring, team, prototype->at_gap(), newton_of_table(o.accuracy, ring), &sum, {},
+                      {[&] { closed = halving_error(*prototype, *fine, largest / 2, 0); },
+                       [&] { open = halving_error(*prototype, *fine, largest / 2, d->travel); }});
+  const double mesh_error = std::max(closed, open);
   refuse_mesh_error(mesh_error);
   if (ring) fill_triple(t);
   estimate_errors(t);

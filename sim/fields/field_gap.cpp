@@ -32,10 +32,8 @@ void FieldProblem::set_gap(double height) {
   ++linear_version_;
   linear_ = fixed_;
   stretch_steel();
-  if (strip_x_.empty()) return;
   const double stretch = height / setup_.strip_height;
-  for (std::size_t k = 0; k < linear_.size(); ++k)
-    linear_[k] += stretch * strip_y_[k] + strip_x_[k] / stretch;
+  for (const auto& e : strip_) linear_[index(e.at)] += stretch * e.y + e.x / stretch;
 }
 
 /// The steel in the strip, from its height as meshed to the true one.
@@ -74,19 +72,19 @@ void FieldProblem::each_stretched(const double* a, const Visit& visit) const {
   }
 }
 
-/// y = dK/dg a.
-void FieldProblem::linear_gap_gradient(const double* a, double* y) const {
-  const double h = setup_.strip_height;
-  std::vector<double> values(strip_x_.size());
-  for (std::size_t k = 0; k < values.size(); ++k)
-    values[k] = strip_y_[k] / h - strip_x_[k] * h / (gap_ * gap_);
-  multiply(space_.pattern, values, a, y);
+/// y += (by_x K_x + by_y K_y) a.
+void FieldProblem::add_strip(const double* a, double by_x, double by_y, double* y) const {
+  for (const auto& e : strip_) {
+    const double value = by_x * e.x + by_y * e.y;
+    y[e.row] += value * a[e.column];
+    if (e.row != e.column) y[e.column] += value * a[e.row];
+  }
 }
 
 void FieldProblem::gap_gradient(const double* a, double* y) const {
   std::fill(y, y + size() + 1, 0.0);
-  if (strip_x_.empty()) return;
-  linear_gap_gradient(a, y);
+  const double h = setup_.strip_height;
+  add_strip(a, -h / (gap_ * gap_), 1 / h, y);
   const auto lanes = index(space_.lanes);
   each_stretched(a, [&](const Stretched& s) {
     for (std::size_t n = 0; n < index(space_.nodes); ++n) {
@@ -98,9 +96,9 @@ void FieldProblem::gap_gradient(const double* a, double* y) const {
 }
 
 double FieldProblem::gap_slope(const double* a) const {
-  if (strip_x_.empty()) return 0;
+  const double h = setup_.strip_height;
   std::vector<double> y(index(size()) + 1);
-  linear_gap_gradient(a, y.data());
+  add_strip(a, -h / (gap_ * gap_), 1 / h, y.data());
   double sum = 0;
   for (int k = 0; k < size(); ++k) sum += a[k] * y[index(k)];
   sum *= 0.5;
@@ -109,12 +107,10 @@ double FieldProblem::gap_slope(const double* a) const {
 }
 
 double FieldProblem::gap_curvature(const double* a) const {
-  if (strip_x_.empty()) return 0;
   std::vector<double> y(index(size()) + 1);
-  multiply(space_.pattern, strip_x_, a, y.data());
+  add_strip(a, setup_.strip_height / (gap_ * gap_ * gap_), 0, y.data());
   double sum = 0;
   for (int k = 0; k < size(); ++k) sum += a[k] * y[index(k)];
-  sum *= setup_.strip_height / (gap_ * gap_ * gap_);
   each_stretched(a, [&](const Stretched& s) { sum += s.weight / (gap_ * gap_) * s.hx_x * s.bx * s.bx; });
   return sum;
 }

@@ -72,6 +72,13 @@ void FieldProblem::sort_elements() {
   for (std::size_t t = 0; t < region.size(); ++t)
     if (const int steel = of_region(setup_.steel_of_region, region[t], -1); steel >= 0)
       elements_.push_back({t, steel});
+  // neighbours in the order of elimination are neighbours in the matrix: what they add to is in the cache
+  const auto first = [&](const SteelElement& e) {
+    const int* const u = space_.unknowns(e.triangle);
+    return *std::min_element(u, u + space_.nodes);
+  };
+  std::stable_sort(elements_.begin(), elements_.end(),
+                   [&](const SteelElement& a, const SteelElement& b) { return first(a) < first(b); });
 }
 
 void FieldProblem::build_steel() {
@@ -100,9 +107,11 @@ void FieldProblem::build_steel() {
 void FieldProblem::build_linear() {
   const std::size_t entries = space_.pattern.row.size() + 1;
   fixed_.assign(entries, 0);
+  std::vector<double> strip_x, strip_y;
+  strip_.clear();
   if (setup_.strip_region >= 0) {
-    strip_x_.assign(entries, 0);
-    strip_y_.assign(entries, 0);
+    strip_x.assign(entries, 0);
+    strip_y.assign(entries, 0);
   }
   if (std::any_of(setup_.conductivity.begin(), setup_.conductivity.end(), [](double s) { return s > 0; }))
     mass_.assign(entries, 0);
@@ -122,12 +131,18 @@ void FieldProblem::build_linear() {
     };
     for (const auto& p : shape_points(space_, t, degree)) {
       if (!linear) break;
-      add(p, p.curl_x, strip ? strip_x_ : fixed_, 1 / mu0);
-      add(p, p.curl_y, strip ? strip_y_ : fixed_, 1 / mu0);
+      add(p, p.curl_x, strip ? strip_x : fixed_, 1 / mu0);
+      add(p, p.curl_y, strip ? strip_y : fixed_, 1 / mu0);
     }
     if (conductivity > 0)
       for (const auto& p : shape_points(space_, t, 4)) add(p, p.value, mass_, conductivity);
   }
+  if (setup_.strip_region < 0) return;
+  const Pattern& pattern = space_.pattern;
+  for (int j = 0; j < pattern.size; ++j)
+    for (int at = pattern.start[index(j)]; at < pattern.start[index(j) + 1]; ++at)
+      if (strip_x[index(at)] != 0 || strip_y[index(at)] != 0)
+        strip_.push_back({pattern.row[index(at)], j, at, strip_x[index(at)], strip_y[index(at)]});
 }
 
 void FieldProblem::build_windings() {

@@ -71,6 +71,20 @@ class FieldProblem {
   /// Steel alone: returns its energy; adds the gradient, and the Hessian where `values` is given.
   double add_steel(const double* a, double* gradient, double* values) const;
 
+  /// The quadrature of the steel: `points` a triangle, each with its weight and with the B of every node's shape
+  /// function, `lanes` x B_x, then `lanes` x B_y, as FieldSpace::lanes has them.
+  struct SteelElement {
+    std::size_t triangle;
+    int steel;
+  };
+  struct SteelQuadrature {
+    const std::vector<SteelElement>& elements;
+    int points;
+    const std::vector<double>& curls;
+    const std::vector<double>& weights;
+  };
+  SteelQuadrature steel_quadrature() const { return {elements_, points_, curls_, weights_}; }
+
   /// Energy of the steel at a + s d for many s: the flux densities are kept.
   class Ray {
    public:
@@ -109,7 +123,7 @@ class FieldProblem {
   void build_linear();
   void build_windings();
   void stretch_steel();
-  void linear_gap_gradient(const double* a, double* y) const;
+  void add_strip(const double* a, double by_x, double by_y, double* y) const;
   template <class Visit>
   void each_stretched(const double* a, const Visit& visit) const;
   template <int nodes, int lanes>
@@ -117,17 +131,19 @@ class FieldProblem {
 
   FieldSetup setup_;
   FieldSpace space_;
-  struct SteelElement {
-    std::size_t triangle;
-    int steel;
-  };
   std::vector<SteelElement> elements_;
   int points_ = 3;               ///< of the quadrature in the steel
   std::vector<double> curls_;    ///< by element and point: lanes x curl_x, lanes x curl_y
   std::vector<double> weights_;  ///< by element and point
   std::vector<double> meshed_curls_, meshed_weights_;  ///< of all steel, where some goes through the strip
   std::vector<double> centre_curls_;                   ///< by element and node: curl_x, curl_y in the middle
-  std::vector<double> fixed_, strip_x_, strip_y_, linear_, mass_;
+  std::vector<double> fixed_, linear_, mass_;
+  /// One entry of K_x and K_y of the strip: where it is, and at which place of the values.
+  struct StripEntry {
+    int row, column, at;
+    double x, y;
+  };
+  std::vector<StripEntry> strip_;
   std::vector<std::vector<double>> windings_;
   double gap_ = 0;
   int linear_version_ = 0;

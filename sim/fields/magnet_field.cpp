@@ -4,8 +4,7 @@
 #include <cmath>
 #include <stdexcept>
 #include <string>
-
-#include "sim/dot.h"
+#include <utility>
 
 namespace powbench::sim {
 namespace {
@@ -73,96 +72,41 @@ FieldProblem magnet_problem(const MagnetDesign& design, const FieldOptions& opti
                       setup_of(design, options, iron_conductivity));
 }
 
-MagnetField::MagnetField(const MagnetDesign& design, const FieldOptions& options)
-    : design_(design), options_(options) {
-  problem_ = std::make_unique<FieldProblem>(magnet_problem(design, options));
-  newton_ = std::make_unique<Newton>(*problem_);
-  layer_ = middle_layer(options, problem_->space().mesh);
-}
+CoreGap::CoreGap(const MagnetDesign& design, const FieldOptions& options)
+    : GapField(magnet_problem(design, options), design.end_leakage, design.ring_leakage),
+      residual_gap_(design.residual_gap),
+      layer_(middle_layer(options, problem_.space().mesh)) {}
 
-MagnetField::MagnetField(const MagnetField& other)
-    : design_(other.design_),
-      options_(other.options_),
-      problem_(std::make_unique<FieldProblem>(*other.problem_)),
-      newton_(std::make_unique<Newton>(*problem_)),
-      layer_(other.layer_) {}
-
-MagnetField::~MagnetField() = default;
-
-int MagnetField::unknowns() const {
-  return problem_->size();
-}
-
-bool MagnetField::has_ring() const {
-  return design_.shape.ring_share > 0;
-}
-
-const FieldProblem& MagnetField::problem() const {
-  return *problem_;
-}
-
-void MagnetField::set_gap(double gap) {
+void CoreGap::set_gap(double gap) {
   if (!(gap >= 0))
     throw std::invalid_argument("gap_mm = " + std::to_string(gap * 1e3) + ", allowed 0 and above");
-  problem_->set_gap(gap + design_.residual_gap);
+  problem_.set_gap(gap + residual_gap_);
 }
 
-FieldPoint MagnetField::finish(std::vector<double> a, const std::vector<double>& current,
-                               NewtonReport report) {
-  FieldPoint p;
-  p.newton = report;
-  p.response.current = current[0];
-  if (has_ring()) p.response.ring_current = current[1];
-  p.stress_pull = -problem_->stress_force(a.data(), layer_);
-  p.largest_field = problem_->largest_field(a.data());
-  p.beyond_data = p.largest_field > problem_->setup().steels.front().data_end();
-  p.response.energy = newton_->energy() + 0.5 * design_.end_leakage * current[0] * current[0];
-  if (has_ring()) p.response.energy += 0.5 * design_.ring_leakage * current[1] * current[1];
-  p.a = std::move(a);
+double CoreGap::pull(const std::vector<double>& a, std::vector<double>& slope) const {
+  slope.resize(a.size());
+  problem_.gap_gradient(a.data(), slope.data());
+  return problem_.gap_slope(a.data());
+}
+
+double CoreGap::stress_pull(const std::vector<double>& a) const {
+  return -problem_.stress_force(a.data(), layer_);
+}
+
+MagnetField::MagnetField(const MagnetDesign& design, const FieldOptions& options)
+    : gap_(design, options), options_(options.newton), newton_(gap_.problem()) {}
+
+MagnetField::MagnetField(const MagnetField& other)
+    : gap_(other.gap_), options_(other.options_), newton_(gap_.problem()) {}
+
+FieldPoint MagnetField::at_flux(double psi, double ring, std::vector<double> start, bool ring_open) {
+  auto p = state_in(gap_.with_fluxes(psi, ring, ring_open), gap_, newton_, std::move(start), options_);
+  p.response.pull_gap = newton_.gap_gap(p.a);
   return p;
 }
 
-FieldPoint MagnetField::at_flux(double psi, double ring, std::vector<double> a, bool ring_open) {
-  a.resize(static_cast<std::size_t>(unknowns()) + 1, 0);
-  std::vector<Circuit> circuits{{true, psi, design_.end_leakage}};
-  const bool bound = has_ring() && !ring_open;
-  if (has_ring()) circuits.push_back({bound, bound ? ring : 0, design_.ring_leakage});
-  std::vector<double> current(circuits.size(), 0);
-  const auto report = newton_->solve(circuits, a, current, options_.newton);
-  const auto d = newton_->derivatives(a);
-  auto p = finish(std::move(a), current, report);
-  auto& r = p.response;
-  r.pull = d.gap;
-  r.pull_gap = d.gap_gap;
-  r.current_psi = d.flux_flux[0];
-  r.current_gap = d.flux_gap[0];
-  if (bound) {
-    r.current_ring = d.flux_flux[1];
-    r.ring_ring = d.flux_flux[3];
-    r.ring_gap = d.flux_gap[1];
-  }
-  return p;
-}
-
-FieldPoint MagnetField::at_current(double current, double ring_current, std::vector<double> a) {
-  a.resize(static_cast<std::size_t>(unknowns()) + 1, 0);
-  std::vector<Circuit> circuits{{false, current, 0}};
-  if (has_ring()) circuits.push_back({false, ring_current, 0});
-  std::vector<double> currents;
-  const auto report = newton_->solve(circuits, a, currents, options_.newton);
-  const double pull = problem_->gap_slope(a.data());
-  auto p = finish(std::move(a), currents, report);
-  p.response.pull = pull;
-  return p;
-}
-
-std::pair<double, double> MagnetField::fluxes(const FieldPoint& p) const {
-  return {dot(problem_->winding(0), p.a) + design_.end_leakage * p.response.current,
-          has_ring() ? dot(problem_->winding(1), p.a) + design_.ring_leakage * p.response.ring_current : 0};
-}
-
-std::vector<double> MagnetField::tangent(std::size_t winding) const {
-  return newton_->flux_tangent(winding);
+FieldPoint MagnetField::at_current(double current, double ring_current, std::vector<double> start) {
+  return state_in(gap_.with_currents(current, ring_current), gap_, newton_, std::move(start), options_);
 }
 
 }  // namespace powbench::sim

@@ -4,8 +4,7 @@
 #include <vector>
 
 #include "sim/fields/core_mesh.h"
-#include "sim/fields/newton.h"
-#include "sim/fields/potential.h"
+#include "sim/fields/gap_field.h"
 
 /// The rung `field2d`: a core in its air, solved by finite elements in the plane of its laminations. The depth is the
 /// stack; the field at the ends of the stack is not in it.
@@ -37,51 +36,48 @@ CoreMeshSizes sizes_for(double accuracy);
 /// in S/m lets eddy currents flow in solid cores (0: laminated).
 FieldProblem magnet_problem(const MagnetDesign&, const FieldOptions&, double iron_conductivity = 0);
 
-/// One solved state.
-struct FieldPoint {
-  MagneticResponse response;
-  double stress_pull =
-      0;  ///< N: Maxwell's stress in one layer of the strip; its distance to `pull` is an error estimate
-  double largest_field = 0;  ///< T, in the steel
-  bool beyond_data = false;  ///< `largest_field` is above Steel::data_end: part of the curve is extrapolated
-  NewtonReport newton;
-  std::vector<double> a;  ///< the solution, for pictures and for the next start
+/// A core at one gap: the strip of air between the poles stretches. The pull is by virtual work.
+class CoreGap final : public GapField {
+ public:
+  CoreGap(const MagnetDesign&, const FieldOptions&);
+  std::unique_ptr<GapField> copy() const override { return std::make_unique<CoreGap>(*this); }
+  void set_gap(double gap) override;
+
+ private:
+  double pull(const std::vector<double>& a, std::vector<double>& slope) const override;
+  double stress_pull(const std::vector<double>& a) const override;
+
+  double residual_gap_;
+  std::vector<double> layer_;  ///< weight of the stress force: rises in the middle layer of the strip
 };
 
 class MagnetField {
  public:
   MagnetField(const MagnetDesign&, const FieldOptions&);
   MagnetField(const MagnetField&);  ///< for another thread; shares nothing
-  ~MagnetField();
+  MagnetField& operator=(const MagnetField&) = delete;
 
-  int unknowns() const;
-  bool has_ring() const;
-  const FieldProblem& problem() const;
+  int unknowns() const { return problem().size(); }
+  bool has_ring() const { return gap_.has_ring(); }
+  const FieldProblem& problem() const { return gap_.problem(); }
 
   /// m, >= 0; the residual gap is added.
-  void set_gap(double gap);
+  void set_gap(double gap) { gap_.set_gap(gap); }
 
-  /// With both flux linkages given; without a ring, and with `ring_open`, the ring carries no current and `state.ring`
-  /// is not read. `start`: a solution near by, or empty.
+  /// With both flux linkages given; without a ring, and with `ring_open`, the ring carries no current and `ring` is not
+  /// read. `start`: a solution near by, or empty.
   FieldPoint at_flux(double psi, double ring, std::vector<double> start = {}, bool ring_open = false);
 
   /// With both currents given. The second derivatives of the response stay zero.
   FieldPoint at_current(double current, double ring_current, std::vector<double> start = {});
 
   /// Flux linkages of a solution: coil (with end leakage times `current`) and ring.
-  std::pair<double, double> fluxes(const FieldPoint&) const;
-
-  /// da/dpsi and da/dring of the last `at_flux`.
-  std::vector<double> tangent(std::size_t winding) const;
+  std::pair<double, double> fluxes(const FieldPoint& p) const { return gap_.fluxes(p); }
 
  private:
-  FieldPoint finish(std::vector<double> a, const std::vector<double>& current, NewtonReport);
-
-  MagnetDesign design_;
-  FieldOptions options_;
-  std::unique_ptr<FieldProblem> problem_;
-  std::unique_ptr<Newton> newton_;
-  std::vector<double> layer_;  ///< weight of the stress force: rises in the middle layer of the strip
+  CoreGap gap_;
+  NewtonOptions options_;
+  Newton newton_;
 };
 
 }  // namespace powbench::sim

@@ -14,7 +14,8 @@ double absolute_dot(const std::vector<double>& a, const std::vector<double>& b) 
   return sum;
 }
 
-/// Inverse of a small symmetric positive definite matrix by rows, by Gauss and Jordan.
+}  // namespace
+
 std::vector<double> inverse_of(std::vector<double> m, std::size_t n) {
   std::vector<double> inverse(n * n, 0);
   for (std::size_t k = 0; k < n; ++k) inverse[k * n + k] = 1;
@@ -36,8 +37,6 @@ std::vector<double> inverse_of(std::vector<double> m, std::size_t n) {
   return inverse;
 }
 
-}  // namespace
-
 struct Newton::Step {
   std::vector<double> da;
   std::vector<double> di;  ///< by winding; 0 where the current is given
@@ -48,7 +47,6 @@ Newton::Newton(const FieldProblem& problem) : problem_(problem), cholesky_(probl
   const auto size = static_cast<std::size_t>(problem.size());
   values_.resize(problem.space().pattern.row.size() + 1);
   gradient_.resize(size + 1);
-  product_.resize(size + 1);
   cholesky_.set_changing(problem.steel_unknowns());
 }
 
@@ -118,28 +116,28 @@ bool Newton::direction(const std::vector<Circuit>& circuits, const std::vector<d
   return true;
 }
 
-double Newton::line_search(const std::vector<double>& a, const Step& step,
-                           const std::vector<Circuit>& circuits, const std::vector<double>& current,
-                           double decrement, NewtonReport& report) {
+double LineSearch::share(const std::vector<double>& a, const std::vector<double>& da,
+                         const std::vector<double>& current, const std::vector<double>& di, double decrement,
+                         double quadratic, int& cuts) const {
   constexpr double enough = 1e-4, least = 1e-6;
-  const FieldProblem::Ray ray(problem_, a.data(), step.da.data());
-  const auto& linear = matrix_ ? *matrix_ : problem_.linear();
-  multiply(problem_.space().pattern, linear, step.da.data(), product_.data());
-  product_.back() = 0;
-  double slope = dot(a, product_), bend = dot(step.da, product_);
-  if (load_) slope -= dot(*load_, step.da);
+  const FieldProblem::Ray ray(problem, a.data(), da.data());
+  std::vector<double> product(a.size());
+  multiply(problem.space().pattern, matrix, da.data(), product.data());
+  product.back() = 0;
+  double slope = dot(a, product), bend = dot(da, product);
+  if (load) slope -= dot(*load, da);
   for (std::size_t c = 0; c < circuits.size(); ++c) {
     const double r = circuits[c].resistance;
-    if (!circuits[c].flux_given) slope -= circuits[c].value * dot(problem_.winding(c), step.da);
-    slope += r * current[c] * step.di[c];
-    bend += r * step.di[c] * step.di[c];
+    if (!circuits[c].flux_given) slope -= circuits[c].value * dot(problem.winding(c), da);
+    slope += r * current[c] * di[c];
+    bend += r * di[c] * di[c];
   }
   const double start = ray.steel_energy(0);
   double s = 1;
   for (; s > least; s *= 0.5) {
     const double change = ray.steel_energy(s) - start + s * (slope + 0.5 * s * bend);
-    if (change <= -enough * s * decrement + 1e-14 * (std::fabs(quadratic_) + start)) break;
-    ++report.cuts;
+    if (change <= -enough * s * decrement + 1e-14 * (std::fabs(quadratic) + start)) break;
+    ++cuts;
   }
   return s;
 }
@@ -149,6 +147,7 @@ NewtonReport Newton::solve(const std::vector<Circuit>& circuits, std::vector<dou
   constexpr double met = 1e-8;  // circuits count as met
   NewtonReport report;
   Step step;
+  const LineSearch line{problem_, matrix_ ? *matrix_ : problem_.linear(), load_, circuits};
   current.resize(circuits.size(), 0);
   for (std::size_t c = 0; c < circuits.size(); ++c)
     if (!circuits[c].flux_given) current[c] = circuits[c].value;
@@ -164,7 +163,7 @@ NewtonReport Newton::solve(const std::vector<Circuit>& circuits, std::vector<dou
     decrement = std::fabs(decrement);
     const bool feasible = step.miss < met;
     const double s = options.line_search && feasible && decrement > options.tolerance * energy_
-                         ? line_search(a, step, circuits, current, decrement, report)
+                         ? line.share(a, step.da, current, step.di, decrement, quadratic_, report.cuts)
                          : 1.0;
     for (std::size_t k = 0; k < a.size(); ++k) a[k] += s * step.da[k];
     for (std::size_t c = 0; c < circuits.size(); ++c) current[c] += s * step.di[c];
@@ -179,25 +178,19 @@ NewtonReport Newton::solve(const std::vector<Circuit>& circuits, std::vector<dou
   return report;
 }
 
-FieldDerivatives Newton::derivatives(const std::vector<double>& a) {
-  FieldDerivatives d;
+double Newton::gap_gap(const std::vector<double>& a) const {
+  if (problem_.setup().strip_region < 0) return 0;
   const std::size_t n = bordered_.size();
-  d.flux_flux = inverse_;
-  d.flux_gap.assign(n, 0);
-  if (problem_.setup().strip_region < 0) return d;
   std::vector<double> force(a.size());
   problem_.gap_gradient(a.data(), force.data());
-  d.gap = problem_.gap_slope(a.data());
   auto moved = force;
   cholesky_.solve(moved.data());
   moved.back() = 0;
-  d.gap_gap = problem_.gap_curvature(a.data()) - dot(force, moved);
-  for (std::size_t k = 0; k < n; ++k) {
+  double sum = problem_.gap_curvature(a.data()) - dot(force, moved);
+  for (std::size_t k = 0; k < n; ++k)
     for (std::size_t l = 0; l < n; ++l)
-      d.flux_gap[k] += inverse_[k * n + l] * dot(problem_.winding(bordered_[l]), moved);
-    d.gap_gap += d.flux_gap[k] * dot(force, border_[k]);
-  }
-  return d;
+      sum += inverse_[k * n + l] * dot(problem_.winding(bordered_[l]), moved) * dot(force, border_[k]);
+  return sum;
 }
 
 std::vector<double> Newton::flux_tangent(std::size_t k) const {

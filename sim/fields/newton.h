@@ -35,13 +35,21 @@ struct NewtonReport {
   double decrement = 0;  ///< lambda^2 / E of the last step
 };
 
-/// Derivatives of the minimum energy by the fluxes of the circuits with r = 0 and by the gap; see MagneticResponse.
-struct FieldDerivatives {
-  std::vector<double> flux_flux;  ///< d i_k / d psi_l, a matrix by rows over the circuits
-  std::vector<double> flux_gap;   ///< d i_k / d gap
-  double gap = 0;                 ///< dE/dgap = F
-  double gap_gap = 0;
+/// Armijo's rule: the first of 1, 1/2, 1/4 .. of a step that meets the circuits with which the energy falls enough.
+struct LineSearch {
+  const FieldProblem& problem;
+  const std::vector<double>& matrix;  ///< of the linear part
+  const std::vector<double>* load;    ///< nullptr: none
+  const std::vector<Circuit>& circuits;
+
+  /// `quadratic`: energy of the linear part at a; `cuts` grows by the halvings.
+  double share(const std::vector<double>& a, const std::vector<double>& da,
+               const std::vector<double>& current, const std::vector<double>& di, double decrement,
+               double quadratic, int& cuts) const;
 };
+
+/// Inverse of a small symmetric positive definite matrix of n rows, by rows.
+std::vector<double> inverse_of(std::vector<double> matrix, std::size_t n);
 
 class Newton {
  public:
@@ -58,10 +66,12 @@ class Newton {
   /// Energy at the solution, J: with `set_quadratic` that of the changed functional.
   double energy() const { return energy_; }
 
-  /// Of the last solution, all circuits with given flux. One back-solve; those by the gap are 0 without a strip.
-  FieldDerivatives derivatives(const std::vector<double>& a);
+  /// Derivatives of the minimum energy at the last solution: d i_k / d psi_l of the circuits with given flux by rows,
+  /// and the second one by the height of the strip, which takes one more solve.
+  const std::vector<double>& flux_flux() const { return inverse_; }
+  double gap_gap(const std::vector<double>& a) const;
 
-  /// da/dpsi_k at the last solution, for starts by extrapolation.
+  /// da/dpsi_k at the last solution.
   std::vector<double> flux_tangent(std::size_t k) const;
 
   /// b becomes H^-1 b with the Hessian of the last factorisation.
@@ -73,14 +83,12 @@ class Newton {
   double evaluate(const std::vector<double>& a, bool hessian);
   bool direction(const std::vector<Circuit>&, const std::vector<double>& a,
                  const std::vector<double>& current, Step&);
-  double line_search(const std::vector<double>& a, const Step&, const std::vector<Circuit>&,
-                     const std::vector<double>& current, double decrement, NewtonReport&);
 
   const FieldProblem& problem_;
   Cholesky cholesky_;
   const std::vector<double>* matrix_ = nullptr;
   const std::vector<double>* load_ = nullptr;
-  std::vector<double> values_, gradient_, product_;
+  std::vector<double> values_, gradient_;
   std::vector<std::size_t> bordered_;        ///< windings with given flux
   std::vector<std::vector<double>> border_;  ///< H^-1 c_k of them
   std::vector<double> inverse_;              ///< (C^T H^-1 C + R)^-1, by rows

@@ -11,7 +11,7 @@ namespace powbench::sim {
 /// The grid has one topology, and a column stays a column: vertices and middles of edges at one radius, in turns.
 void SolenoidField::find_columns() {
   constexpr double same = 1e-9;  // m
-  const auto& space = problem_.space();
+  const auto& space = problem().space();
   std::vector<int> all;
   for (std::size_t t = 0; t < space.mesh.triangle.size(); ++t)
     if (space.mesh.region[t] == SolenoidRegion::plunger)
@@ -32,15 +32,15 @@ void SolenoidField::find_columns() {
 
 std::vector<double> SolenoidField::carry(const std::vector<double>& a, double old_gap) const {
   std::vector<double> carried = a;
-  const double fallen = old_gap - gap_;
+  const double fallen = old_gap - gap_.gap();
   if (fallen == 0) return carried;
-  const auto& mesh = grid_.mesh();
+  const auto& mesh = gap_.grid().mesh();
   // places of the unknowns at the old gap: the same interpolation from vertices as at the new one
-  FieldSpace old = problem_.space();
+  FieldSpace old = problem().space();
   old.mesh.x = mesh.x;
-  old.mesh.y = grid_.heights(old_gap + design_.residual_gap);
+  old.mesh.y = gap_.grid().heights(old_gap + design_.residual_gap);
   place_unknowns(old);
-  const auto& now = problem_.space().node_y;
+  const auto& now = problem().space().node_y;
   for (const auto& column : columns_) {
     const auto z = [&](std::size_t k) { return old.node_y[static_cast<std::size_t>(column[k])]; };
     const auto value = [&](std::size_t k) { return a[static_cast<std::size_t>(column[k])]; };
@@ -61,13 +61,13 @@ std::vector<double> SolenoidField::carry(const std::vector<double>& a, double ol
 
 FieldPoint SolenoidField::eddy_step(double b, double r, double step, std::vector<double> carried) {
   const double rate = 2 / step;
-  const auto& mass = problem_.mass();
+  const auto& mass = problem().mass();
   load_.assign(carried.size(), 0);
-  if (!mass.empty()) multiply(problem_.space().pattern, mass, carried.data(), load_.data());
+  if (!mass.empty()) multiply(problem().space().pattern, mass, carried.data(), load_.data());
   for (std::size_t k = 0; k < load_.size(); ++k)
     load_[k] = rate * load_[k] + (magnet_.empty() ? 0.0 : magnet_[k]);
   load_.back() = 0;
-  matrix_ = problem_.linear();
+  matrix_ = problem().linear();
   for (std::size_t k = 0; k < mass.size(); ++k) matrix_[k] += rate * mass[k];
   newton_.set_quadratic(&matrix_, &load_);
   auto p = solve({true, b, r}, std::move(carried));
@@ -76,19 +76,20 @@ FieldPoint SolenoidField::eddy_step(double b, double r, double step, std::vector
 }
 
 double SolenoidField::eddy_power(const std::vector<double>& rate) const {
-  if (problem_.mass().empty()) return 0;
+  if (problem().mass().empty()) return 0;
   std::vector<double> y(rate.size(), 0);
-  multiply(problem_.space().pattern, problem_.mass(), rate.data(), y.data());
+  multiply(problem().space().pattern, problem().mass(), rate.data(), y.data());
   y.back() = 0;
   return dot(rate, y);
 }
 
 double SolenoidField::energy(const std::vector<double>& a) const {
   std::vector<double> y(a.size(), 0);
-  multiply(problem_.space().pattern, problem_.linear(), a.data(), y.data());
+  multiply(problem().space().pattern, problem().linear(), a.data(), y.data());
   y.back() = 0;
   const double linear = 0.5 * dot(a, y);
-  return linear + problem_.add_steel(a.data(), y.data(), nullptr) - (magnet_.empty() ? 0.0 : dot(magnet_, a));
+  return linear + problem().add_steel(a.data(), y.data(), nullptr) -
+         (magnet_.empty() ? 0.0 : dot(magnet_, a));
 }
 
 }  // namespace powbench::sim

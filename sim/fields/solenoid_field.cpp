@@ -55,15 +55,38 @@ std::vector<double> body(const Mesh& m) {
 
 }  // namespace
 
+SolenoidGap::SolenoidGap(const SolenoidDesign& d, const FieldOptions& o, double iron_conductivity)
+    : SolenoidGap(SolenoidGrid(checked(d).shape, o.sizes, d.largest_gap + d.residual_gap), d, o,
+                  iron_conductivity) {}
+
+SolenoidGap::SolenoidGap(SolenoidGrid grid, const SolenoidDesign& d, const FieldOptions& o,
+                         double iron_conductivity)
+    : GapField(FieldProblem(grid.mesh(), setup_of(d, o, iron_conductivity))),
+      residual_gap_(d.residual_gap),
+      largest_gap_(d.largest_gap),
+      grid_(std::move(grid)),
+      layer_(body(grid_.mesh())) {
+  set_gap(largest_gap_);
+}
+
+std::vector<Steel> SolenoidGap::air_steels() const {
+  auto steels = problem_.setup().steels;
+  steels.front() = Steel::linear(1);
+  return steels;
+}
+
+void SolenoidGap::set_gap(double gap) {
+  check("gap_mm", gap * 1e3, 0, largest_gap_ * 1e3 * (1 + 1e-12));
+  const double whole = gap + residual_gap_;
+  gap_ = gap;
+  problem_.move_vertices(grid_.mesh().x, grid_.heights(whole));
+  pull_ = PullForm(problem_.space(), grid_.motion(whole));
+  rough_ = PullForm(problem_.space(), layer_);
+}
+
 SolenoidField::SolenoidField(const SolenoidDesign& design, const FieldOptions& options,
                              double iron_conductivity)
-    : design_(checked(design)),
-      options_(options),
-      grid_(design.shape, options.sizes, design.largest_gap + design.residual_gap),
-      problem_(grid_.mesh(), setup_of(design, options, iron_conductivity)),
-      newton_(problem_),
-      layer_(body(grid_.mesh())) {
-  set_gap(design.largest_gap);
+    : design_(design), options_(options), gap_(design, options, iron_conductivity), newton_(gap_.problem()) {
   if (design.remanence != 0) magnetise();
   if (iron_conductivity > 0) find_columns();
 }
@@ -71,7 +94,7 @@ SolenoidField::SolenoidField(const SolenoidDesign& design, const FieldOptions& o
 /// B = mu0 mu_r H + B_r has the energy (B - B_r)^2 / (2 mu0 mu_r): beside that of a linear material a load, constant
 /// because the magnet stands still.
 void SolenoidField::magnetise() {
-  const auto& space = problem_.space();
+  const auto& space = problem().space();
   const double strength = design_.remanence / (mu0 * design_.magnet_permeability);
   magnet_.assign(static_cast<std::size_t>(unknowns()) + 1, 0);
   for (std::size_t t = 0; t < space.mesh.triangle.size(); ++t) {
@@ -85,46 +108,12 @@ void SolenoidField::magnetise() {
   newton_.set_quadratic(nullptr, &magnet_);
 }
 
-void SolenoidField::set_gap(double gap) {
-  check("gap_mm", gap * 1e3, 0, design_.largest_gap * 1e3 * (1 + 1e-12));
-  const double whole = gap + design_.residual_gap;
-  gap_ = gap;
-  problem_.move_vertices(grid_.mesh().x, grid_.heights(whole));
-  motion_ = grid_.motion(whole);
-}
-
 FieldPoint SolenoidField::solve(const Circuit& circuit, std::vector<double> start) {
-  start.resize(static_cast<std::size_t>(unknowns()) + 1, 0);
-  FieldPoint p;
-  std::vector<double> current;
-  p.newton = newton_.solve({circuit}, start, current, options_.newton);
-  p.a = std::move(start);
-  auto& r = p.response;
-  r.energy = newton_.energy();
-  r.current = current[0];
-  r.pull = -problem_.stress_force(p.a.data(), motion_);
-  p.stress_pull = -problem_.stress_force(p.a.data(), layer_);
-  p.largest_field = problem_.largest_field(p.a.data());
-  p.beyond_data = p.largest_field > design_.steel.data_end();
-  return p;
+  return state_in({circuit}, gap_, newton_, std::move(start), options_.newton);
 }
 
 FieldPoint SolenoidField::at_flux(double psi, std::vector<double> start) {
-  auto p = solve({true, psi, 0}, std::move(start));
-  auto& r = p.response;
-  r.current_psi = newton_.derivatives(p.a).flux_flux[0];
-  // the pull is quadratic in a: its derivative along the tangent is exact from two points
-  const auto along = tangent();
-  const double step = std::max(std::fabs(psi), 1e-3);
-  auto high = p.a, low = p.a;
-  for (std::size_t k = 0; k < along.size(); ++k) {
-    high[k] += step * along[k];
-    low[k] -= step * along[k];
-  }
-  r.current_gap =
-      -(problem_.stress_force(high.data(), motion_) - problem_.stress_force(low.data(), motion_)) /
-      (2 * step);
-  return p;
+  return solve({true, psi, 0}, std::move(start));
 }
 
 FieldPoint SolenoidField::at_current(double current, std::vector<double> start) {
@@ -133,12 +122,6 @@ FieldPoint SolenoidField::at_current(double current, std::vector<double> start) 
 
 FieldPoint SolenoidField::in_circuit(double b, double r, std::vector<double> start) {
   return solve({true, b, r}, std::move(start));
-}
-
-double SolenoidField::flux(const FieldPoint& p) const {
-  double psi = 0;
-  for (std::size_t k = 0; k < p.a.size(); ++k) psi += problem_.winding(0)[k] * p.a[k];
-  return psi;
 }
 
 }  // namespace powbench::sim

@@ -2,6 +2,7 @@
 
 #include "sim/fields/field_transient.h"
 #include "sim/fields/magnet_field.h"
+#include "sim/fields/pull_form.h"
 #include "sim/fields/solenoid_mesh.h"
 #include "sim/fields/table_build.h"
 
@@ -21,10 +22,37 @@ struct SolenoidDesign {
   double largest_gap = 10e-3;         ///< m, of the closing: with the residual gap, the reach of the grid
 };
 
-/// One state at a time. The grid moves with the gap; parts slide past each other, so the pull is Maxwell's stress
-/// weighted with a motion that bends only air (SolenoidGrid::motion). That is the exact derivative of the discrete
-/// energy for this motion of the vertices; the energies of the grids of two gaps differ by it to the error of the
-/// mesh.
+/// A solenoid at one gap. The grid moves with it; parts slide past each other, so the pull is Maxwell's stress weighted
+/// with a motion that bends only air (SolenoidGrid::motion). That is the exact derivative of the discrete energy for
+/// this motion of the vertices; the energies of the grids of two gaps differ by it to the error of the mesh.
+/// `stress_pull` is by the one layer of cells around the plunger.
+class SolenoidGap final : public GapField {
+ public:
+  /// As SolenoidField.
+  SolenoidGap(const SolenoidDesign&, const FieldOptions&, double iron_conductivity);
+  std::unique_ptr<GapField> copy() const override { return std::make_unique<SolenoidGap>(*this); }
+  std::vector<Steel> air_steels() const override;  ///< a magnet stays what it is
+  const SolenoidGrid& grid() const { return grid_; }
+  double gap() const { return gap_; }  ///< m, without the residual gap
+
+  /// m, 0 .. largest gap.
+  void set_gap(double gap) override;
+
+ private:
+  double pull(const std::vector<double>& a, std::vector<double>& slope) const override {
+    return pull_.force(a, slope);
+  }
+  double stress_pull(const std::vector<double>& a) const override { return rough_.force(a); }
+
+  SolenoidGap(SolenoidGrid, const SolenoidDesign&, const FieldOptions&, double iron_conductivity);
+
+  double residual_gap_, largest_gap_, gap_ = 0;
+  SolenoidGrid grid_;
+  std::vector<double> layer_;
+  PullForm pull_, rough_;
+};
+
+/// One state at a time.
 class SolenoidField {
  public:
   /// Of `options`, `largest_gap` is taken from the design. Throws std::invalid_argument with key, value and range.
@@ -34,14 +62,14 @@ class SolenoidField {
   SolenoidField(const SolenoidField&) = delete;
   SolenoidField& operator=(const SolenoidField&) = delete;
 
-  int unknowns() const { return problem_.size(); }
-  const FieldProblem& problem() const { return problem_; }
+  int unknowns() const { return problem().size(); }
+  const FieldProblem& problem() const { return gap_.problem(); }
 
   /// m, 0 .. largest gap; the residual gap is added.
-  void set_gap(double gap);
+  void set_gap(double gap) { gap_.set_gap(gap); }
 
   /// With the coil's flux linkage, Wb, or current, A, given. `response` lacks the derivatives by the ring, and
-  /// `pull_gap`; `stress_pull` is by the one layer of cells around the plunger.
+  /// `pull_gap`.
   FieldPoint at_flux(double psi, std::vector<double> start = {});
   FieldPoint at_current(double current, std::vector<double> start = {});
 
@@ -66,10 +94,7 @@ class SolenoidField {
   /// J, in the field a; without eddy currents this is what `at_flux` gives.
   double energy(const std::vector<double>& a) const;
 
-  double flux(const FieldPoint&) const;  ///< Wb
-
-  /// da/dpsi of the last state.
-  std::vector<double> tangent() const { return newton_.flux_tangent(0); }
+  double flux(const FieldPoint& p) const { return gap_.fluxes(p).first; }  ///< Wb
 
  private:
   FieldPoint solve(const Circuit&, std::vector<double> start);
@@ -78,11 +103,8 @@ class SolenoidField {
 
   SolenoidDesign design_;
   FieldOptions options_;
-  SolenoidGrid grid_;
-  FieldProblem problem_;
+  SolenoidGap gap_;
   Newton newton_;
-  double gap_ = 0;  ///< m, without the residual gap
-  std::vector<double> motion_, layer_;
   std::vector<double> magnet_;  ///< load of the permanent magnet; empty: none
   std::vector<double> load_, matrix_;
   std::vector<std::vector<int>>

@@ -9,21 +9,6 @@
 namespace powbench::sim {
 namespace {
 
-/// A solenoid as the sweep wants it: without a ring.
-class Coil {
- public:
-  Coil(const SolenoidDesign& d, const FieldOptions& o) : field_(d, o) {}
-  int unknowns() const { return field_.unknowns(); }
-  void set_gap(double gap) { field_.set_gap(gap); }
-  std::vector<double> tangent(std::size_t) const { return field_.tangent(); }
-  FieldPoint at_flux(double psi, double, std::vector<double> start = {}, bool = true) {
-    return field_.at_flux(psi, std::move(start));
-  }
-
- private:
-  SolenoidField field_;
-};
-
 class SolenoidRung {
  public:
   SolenoidRung(const SolenoidDesign& d, const FieldOptions& o, const TransientSetup& s)
@@ -128,11 +113,9 @@ PotentialTable build_table(const SolenoidDesign& d, const TableOptions& o, Team&
   options.largest_gap = d.largest_gap;
   const double radius = d.shape.plunger_radius;
   const TablePlan plan = plan_table(options, d.turns * pi * radius * radius * o.largest_field);
-  SolenoidDesign bare = d;
-  bare.steel = Steel::linear(1);
   TableReport sum;
-  auto t = table_sweep::fill_table(
-      plan, false, team, [&] { return Coil(d, plan.field); }, [&] { return Coil(bare, plan.field); }, &sum);
+  auto t =
+      fill_table(plan, false, team, SolenoidGap(d, plan.field, 0), newton_of_table(o.accuracy, false), &sum);
   estimate_errors(t);
   t.mesh_error = plan.mesh_error;
   t.data_end = d.steel.data_end();

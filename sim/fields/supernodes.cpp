@@ -33,7 +33,8 @@ struct Block {
 };
 
 /// Joining a child of `columns` with its parent makes one block; worth it where the share of zeros is small.
-bool worth_joining(double columns, double zero_share) {
+bool worth_joining(double columns, double zero_share, Joining joining) {
+  if (joining == Joining::sparing) return columns <= 2 || zero_share < 0.05;
   if (columns <= 8) return true;
   if (columns <= 24) return zero_share < 0.5;
   if (columns <= 64) return zero_share < 0.15;
@@ -70,7 +71,7 @@ std::vector<int> column_counts(const Pattern& p, const std::vector<int>& parent)
   return count;
 }
 
-std::vector<int> supernodes(const std::vector<int>& parent, const std::vector<int>& counts) {
+std::vector<int> supernodes(const std::vector<int>& parent, const std::vector<int>& counts, Joining joining) {
   const int size = static_cast<int>(parent.size());
   std::vector<Block> blocks;
   for (int j = 0; j < size; ++j) {
@@ -94,7 +95,7 @@ std::vector<int> supernodes(const std::vector<int>& parent, const std::vector<in
         const double own = child.columns * (child.rows - 0.5 * (child.columns - 1));
         const double others = next.columns * (next.rows - 0.5 * (next.columns - 1)) - next.zeros;
         const double zeros = total - own - others;
-        if (worth_joining(columns, zeros / total)) {
+        if (worth_joining(columns, zeros / total, joining)) {
           next.first = child.first;
           next.columns += child.columns;
           next.rows = static_cast<int>(rows);

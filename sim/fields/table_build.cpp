@@ -13,8 +13,6 @@
 
 namespace powbench::sim {
 
-using table_sweep::fill_table;
-
 namespace {
 
 constexpr double mesh_share = 0.4;  ///< of the wanted error, for the mesh
@@ -81,24 +79,23 @@ TablePlan plan_table(const MagnetDesign& d, const TableOptions& o) {
   return plan;
 }
 
+NewtonOptions newton_of_table(double accuracy, bool ring) {
+  return {std::clamp(accuracy * accuracy / (ring ? 25 : 2.5), 1e-8, 1e-5)};
+}
+
 PotentialTable build_table(const MagnetDesign& d, const TableOptions& o, Team& team, TableReport* report,
                            const SliceSource& source) {
   const TablePlan plan = plan_table(d, o);
   const bool ring = with_ring(d, o);
-  const MagnetField prototype(d, plan.field);
-  MagnetDesign bare = d;
-  bare.steel = Steel::linear(1);
-  const MagnetField air_prototype(bare, plan.field);
-  auto t = fill_table(
-      plan, ring, team, [&] { return MagnetField(prototype); }, [&] { return MagnetField(air_prototype); },
-      report, {source});
+  const CoreGap prototype(d, plan.field);
+  auto t = fill_table(plan, ring, team, prototype, newton_of_table(o.accuracy, ring), report, source);
   if (t.nodes.empty()) return t;
   if (ring) fill_triple(t);
   estimate_errors(t);
   t.mesh_error = plan.mesh_error;
   t.data_end = d.steel.stacked(d.shape.stack_factor).data_end();
   t.design_hash = table_hash(d, o);
-  t.description = describe(d, plan, prototype.unknowns());
+  t.description = describe(d, plan, prototype.problem().size());
   return t;
 }
 
@@ -131,7 +128,7 @@ std::uint64_t mixed_hash(std::uint64_t hash, const TableOptions& o) {
 }
 
 std::uint64_t hash_values(const std::vector<double>& values, const Steel& steel) {
-  constexpr std::uint64_t version = 1;  // raise when the same input gives another table
+  constexpr std::uint64_t version = 2;  // raise when the same input gives another table
   std::uint64_t hash = version;
   const auto mix = [&](double value) { hash = mixed_hash(hash, value); };
   for (const double v : values) mix(v);

@@ -31,7 +31,7 @@ struct TableReport {
       0;  ///< largest |pull by stress - pull by virtual work|, relative, where the pull is above 1 % of the largest
 };
 
-/// What one gap contributes: a pure function of the design, the options and the gap.
+/// What four neighbouring gaps contribute, fewer at the end: a pure function of the design, the options and the gaps.
 struct TableSlice {
   std::vector<double> nodes;        ///< as PotentialTable::nodes
   std::vector<double> steel_field;  ///< T, by node
@@ -41,12 +41,12 @@ struct TableSlice {
   double stress_distance = 0;  ///< N: largest |pull by stress - pull by virtual work|
 };
 
-/// Takes the place of the solutions of gap number `gap`: calls `solve`, or knows what it would return. Nothing: this
-/// gap is not wanted. Called by several threads.
+/// Takes the place of the solutions of slice `number`, from 0: calls `solve`, or knows what it would return. Nothing:
+/// this slice is not wanted. Called by several threads.
 using SliceSource =
-    std::function<std::optional<TableSlice>(std::size_t gap, const std::function<TableSlice()>& solve)>;
+    std::function<std::optional<TableSlice>(std::size_t number, const std::function<TableSlice()>& solve)>;
 
-/// Gaps are shared out over the team; the result does not depend on the number of workers. Without a gap that
+/// Slices are shared out over the team; the result does not depend on the number of workers. Without a slice that
 /// `source` does not want the table is empty. Throws std::invalid_argument for a bad design or options,
 /// std::runtime_error where Newton does not converge.
 PotentialTable build_table(const MagnetDesign&, const TableOptions&, Team&, TableReport* report = nullptr,
@@ -62,6 +62,11 @@ struct TablePlan {
   double mesh_error = 0;  ///< relative, that the sizes are meant for
 };
 TablePlan plan_table(const MagnetDesign&, const TableOptions&);
+
+/// Where the iterations of a table's states end: energies, currents and pulls then err by far less than the tolerance,
+/// the mixed derivatives, which are those before the last step, by about its root; that of three variables is made of
+/// their differences.
+NewtonOptions newton_of_table(double accuracy, bool ring);
 
 /// The same for any coil without ring, up to this flux linkage, Wb.
 TablePlan plan_table(const TableOptions&, double largest_psi);

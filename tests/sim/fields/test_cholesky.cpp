@@ -4,6 +4,7 @@
 
 #include "core/random.h"
 #include "sim/fields/cholesky.h"
+#include "sim/fields/cholesky_four.h"
 #include "sim/fields/dense_kernel.h"
 
 using powbench::sim::Cholesky;
@@ -165,5 +166,134 @@ TEST_CASE("each instruction set solves with a panel as plain loops do") {
             }
           CHECK(worst < 1e-13);
         }
+      }
+}
+
+namespace {
+
+/// What one lane of `values` is, and the right sides: other numbers in each lane.
+std::vector<powbench::sim::Four> four_of(const std::vector<double>& values, powbench::Random& random) {
+  std::vector<powbench::sim::Four> out(values.size());
+  double scale[4];
+  for (double& s : scale) s = 1 + random.uniform();
+  for (std::size_t k = 0; k < values.size(); ++k)
+    for (std::size_t p = 0; p < 4; ++p) out[k].of[p] = scale[p] * values[k];
+  return out;
+}
+
+}  // namespace
+
+TEST_CASE("four matrices side by side have the solutions of each alone") {
+  for (const int n : {1, 2, 3, 7, 20, 61}) {
+    INFO("n = " << n);
+    const Square a = square(n, 0.01);
+    powbench::Random random(5);
+    auto values = four_of(a.values, random);
+    for (std::size_t j = 0; j + 1 < a.pattern.start.size(); ++j)
+      for (double& v : values[static_cast<std::size_t>(a.pattern.start[j])].of) v += random.uniform();
+    powbench::sim::CholeskyFour four(a.pattern);
+    for (std::size_t sides = 1; sides <= 3; ++sides) {
+      std::vector<std::vector<powbench::sim::Four>> b;
+      std::vector<powbench::sim::Four*> to;
+      for (std::size_t v = 0; v < sides; ++v) {
+        std::vector<double> side(a.pattern.start.size() - 1);
+        for (double& x : side) x = random.uniform() - 0.5;
+        b.push_back(four_of(side, random));
+      }
+      auto solved = b;
+      for (auto& s : solved) to.push_back(s.data());
+      REQUIRE(four.solve(values.data(), to));
+      for (std::size_t p = 0; p < 4; ++p) {
+        Cholesky alone(a.pattern);
+        std::vector<double> own;
+        for (const auto& v : values) own.push_back(v.of[p]);
+        REQUIRE(alone.factor(own.data()));
+        for (std::size_t v = 0; v < sides; ++v) {
+          std::vector<double> x;
+          for (const auto& k : b[v]) x.push_back(k.of[p]);
+          alone.solve(x.data());
+          double worst = 0;
+          for (std::size_t k = 0; k < x.size(); ++k)
+            worst = std::max(worst, std::fabs(x[k] - solved[v][k].of[p]));
+          CHECK(worst < 1e-12);
+        }
+      }
+    }
+    values[static_cast<std::size_t>(a.pattern.start[(a.pattern.start.size() - 1) / 2])].of[2] = -9;
+    auto x = four_of(std::vector<double>(a.pattern.start.size() - 1, 1), random);
+    CHECK_FALSE(four.solve(values.data(), {x.data()}));
+  }
+}
+
+TEST_CASE("four factors of which a part is kept are the whole ones to the bit") {
+  using powbench::sim::CholeskyFour;
+  for (const int n : {3, 20, 61}) {
+    INFO("n = " << n);
+    const Square a = square(n, 0.01);
+    const auto columns = static_cast<std::size_t>(a.pattern.size);
+    powbench::Random random(3);
+    auto values = four_of(a.values, random);
+    std::vector<char> changing(columns, 0);
+    for (std::size_t k = 0; k < columns; ++k) changing[k] = k % 61 < 3;
+    CholeskyFour some(a.pattern);
+    some.set_changing(changing);
+    const auto check = [&](bool others_kept) {
+      CholeskyFour whole(a.pattern);
+      auto x = four_of(std::vector<double>(columns, 1), random), y = x;
+      REQUIRE(some.solve(values.data(), {x.data()}, others_kept));
+      REQUIRE(whole.solve(values.data(), {y.data()}));
+      bool same = true;
+      for (std::size_t k = 0; k < columns; ++k)
+        for (std::size_t p = 0; p < 4; ++p) same = same && x[k].of[p] == y[k].of[p];
+      CHECK(same);
+    };
+    check(true);  // nothing to keep yet
+    for (int repeat = 0; repeat < 3; ++repeat) {
+      for (std::size_t j = 0; j < columns; ++j)
+        if (changing[j])
+          for (double& v : values[static_cast<std::size_t>(a.pattern.start[j])].of) v += random.uniform();
+      check(true);
+    }
+    for (auto& value : values)
+      for (double& v : value.of) v *= 2;  // all of it
+    check(false);
+  }
+}
+
+TEST_CASE("each instruction set factors and solves four panels as plain loops do") {
+  using namespace powbench::sim;
+  std::vector<const FourKernel*> kernels{&portable_four_kernel()};
+#ifdef __x86_64__
+  if (__builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma")) kernels.push_back(&avx2_four_kernel());
+#endif
+  const auto at = [](int i) { return static_cast<std::size_t>(i); };
+  for (const auto* kernel : kernels)
+    for (int m = 1; m < 24; m += 3)
+      for (int n = 1; n <= m; n += n < 9 ? 1 : 7) {
+        INFO(kernel->name << ", " << m << " x " << n);
+        powbench::Random random(static_cast<std::uint64_t>(m * 100 + n));
+        std::vector<Four> a(at(m * n)), update(packed_column(at(m - n), at(m - n)) + 1);
+        for (int j = 0; j < n; ++j)
+          for (int i = j; i < m; ++i)
+            for (double& x : a[at(i + j * m)].of) x = random.uniform() - 0.5 + (i == j ? m : 0);
+        auto l = a;
+        REQUIRE(kernel->factor_panel(l.data(), m, n) == -1);
+        kernel->square(update.data(), l.data() + n, m, m - n, n);
+        double worst = 0;
+        for (std::size_t p = 0; p < 4; ++p) {
+          const auto entry = [&](int i, int j) {
+            const double x = l[at(i + j * m)].of[p];
+            return i == j ? 1 / x : x;
+          };
+          for (int j = 0; j < m; ++j)
+            for (int i = j; i < m; ++i) {
+              double sum = 0;
+              for (int k = 0; k < std::min(n, j + 1); ++k) sum += entry(i, k) * entry(j, k);
+              const double is = j < n ? a[at(i + j * m)].of[p]
+                                      : -update[packed_column(at(m - n), at(j - n)) + at(i - j)].of[p];
+              worst = std::max(worst, std::fabs(sum - is));
+            }
+        }
+        CHECK(worst < 1e-12);
       }
 }

@@ -8,6 +8,8 @@
 #include <random>
 
 #include "sim/fields/drawn_magnet.h"
+#include "sim/fields/magnet_field.h"
+#include "tests/sim/fields/four_gaps.h"
 
 using namespace powbench::sim;
 using Catch::Contains;
@@ -229,6 +231,13 @@ TEST_CASE("the table of a drawing is that of the built-in shape on its mesh, nod
   drawing->largest_flux = 0;
   CHECK(saturated_flux(drawing) > 0.8);
   CHECK(saturated_flux(drawing) < 2);
+}
+
+TEST_CASE("four gaps of a drawing side by side are four gaps, from any start and into saturation",
+          "[fields]") {
+  const MagnetDesign design;
+  const auto drawing = as_drawn(design, CoreMeshSizes{}.scaled(6), Role::stretch);
+  check_four_gaps(DrawnGap(drawing), 5e-3, 1, design.turns, GENERATE(11u, 12u));
 }
 
 TEST_CASE("a table by extrapolated starts is that of states solved alone, to the same bit by any team",
