@@ -73,8 +73,8 @@ void DrawnGap::set_gap(double gap) {
   rough_ = PullForm(problem_.space(), layer_);
 }
 
-DrawnField::DrawnField(std::shared_ptr<const DrawnMagnet> drawing, const NewtonOptions& options, int order)
-    : options_(options), gap_(std::move(drawing), order), newton_(gap_.problem()) {}
+DrawnField::DrawnField(DrawnGap gap, const NewtonOptions& options)
+    : options_(options), gap_(std::move(gap)), newton_(gap_.problem()) {}
 
 DrawnField::DrawnField(const DrawnField& other)
     : options_(other.options_), gap_(other.gap_), newton_(gap_.problem()) {}
@@ -146,7 +146,7 @@ std::vector<double> on_refined(const FieldSpace& coarse, const std::vector<doubl
 }
 
 double saturated_flux(const std::shared_ptr<const DrawnMagnet>& drawing) {
-  DrawnField field(drawing, {1e-6}, 1), air(field);
+  DrawnField field(DrawnGap(drawing, 1), {1e-6}), air(field);
   air.set_air();
   air.set_gap(0);
   field.set_gap(0);

@@ -98,7 +98,9 @@ class DrawnGap final : public GapField {
 /// States of a drawn magnet.
 class DrawnField {
  public:
-  DrawnField(std::shared_ptr<const DrawnMagnet>, const NewtonOptions&, int order = 2);
+  DrawnField(std::shared_ptr<const DrawnMagnet> d, const NewtonOptions& o)
+      : DrawnField(DrawnGap(std::move(d)), o) {}
+  DrawnField(DrawnGap, const NewtonOptions&);
   /// For another thread, or other steels: shares only the drawing, and spares the order of elimination, which takes as
   /// long as 20 states.
   DrawnField(const DrawnField&);
@@ -108,7 +110,6 @@ class DrawnField {
   bool has_ring() const { return gap_.has_ring(); }
   const FieldProblem& problem() const { return gap_.problem(); }
   const DrawnMagnet& drawing() const { return gap_.drawing(); }
-  const DrawnGap& at_gap() const { return gap_; }
 
   /// As DrawnGap's.
   void set_gap(double gap) { gap_.set_gap(gap); }

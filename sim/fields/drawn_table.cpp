@@ -10,9 +10,10 @@
 namespace powbench::sim {
 namespace {
 
-/// What the halving of all triangles changes at one flux and gap: the larger of current and pull, relative.
-double halving_error(const DrawnField& prototype, const DrawnField& finer, double psi, double gap) {
-  DrawnField coarse(prototype), fine(finer);
+/// What the halving of all triangles changes at one flux and gap: the larger of current and pull, relative. On the
+/// halved mesh one step from the solution of the drawn one says it, to the square of it.
+double halving_error(const DrawnGap& drawn, const DrawnGap& halved, double psi, double gap) {
+  DrawnField coarse(drawn, {1e-6}), fine(halved, {1e-4});
   coarse.set_gap(gap);
   fine.set_gap(gap);
   const auto a = coarse.at_flux(psi, 0, {}, true);
@@ -23,8 +24,8 @@ double halving_error(const DrawnField& prototype, const DrawnField& finer, doubl
 }
 
 /// Flux through the open ring of the closed magnet, Wb: without its current no more passes it.
-double open_ring_flux(const DrawnField& prototype, double psi) {
-  DrawnField field(prototype);
+double open_ring_flux(const DrawnGap& drawn, double psi) {
+  DrawnField field(drawn, {1e-6});
   field.set_gap(0);
   const double flux = std::fabs(field.fluxes(field.at_flux(psi, 0, {}, true)).second);
   if (!(flux > 0)) throw std::invalid_argument("the ring links no flux of the coil");
@@ -60,16 +61,14 @@ PotentialTable build_table(const std::shared_ptr<const DrawnMagnet>& d, const Ta
                            TableReport* report) {
   check_reach(*d, o.largest_gap);
   const bool ring = o.ring && d->has_ring();
-  // on the halved mesh one step from the solution of the drawn one says what halving changes, to the square of it
-  const NewtonOptions single{1e-6}, rough{1e-4};
   double largest = d->largest_flux;
-  std::optional<DrawnField> prototype, fine;
+  std::optional<DrawnGap> drawn, halved;
   for_each_index(team, 2, [&](int k) {
     if (k == 0) {
-      prototype.emplace(d, single);
+      drawn.emplace(d);
       if (!(largest > 0)) largest = saturated_flux(d);
     } else {
-      fine.emplace(std::make_shared<const DrawnMagnet>(refined(*d)), rough);
+      halved.emplace(std::make_shared<const DrawnMagnet>(refined(*d)));
     }
   });
   TableOptions dense = o;
@@ -77,16 +76,16 @@ PotentialTable build_table(const std::shared_ptr<const DrawnMagnet>& d, const Ta
   if (ring) dense.accuracy = std::min(o.accuracy, 0.02);
   TablePlan plan = plan_table(dense, largest);
   if (ring) {
-    const double reach = 1.15 * open_ring_flux(*prototype, largest);
+    const double reach = 1.15 * open_ring_flux(*drawn, largest);
     const int count =
         o.ring_nodes != 0 ? o.ring_nodes : std::max(8, static_cast<int>(plan.psi.size()) * 2 / 3);
     for (int k = 0; k < count; ++k) plan.ring.push_back(reach * (2.0 * k / (count - 1) - 1));
   }
   double closed = 0, open = 0;
   TableReport sum;
-  auto t = fill_table(plan, ring, team, prototype->at_gap(), newton_of_table(o.accuracy, ring), &sum, {},
-                      {[&] { closed = halving_error(*prototype, *fine, largest / 2, 0); },
-                       [&] { open = halving_error(*prototype, *fine, largest / 2, d->travel); }});
+  auto t = fill_table(plan, ring, team, *drawn, newton_of_table(o.accuracy, ring), &sum, {},
+                      {[&] { closed = halving_error(*drawn, *halved, largest / 2, 0); },
+                       [&] { open = halving_error(*drawn, *halved, largest / 2, d->travel); }});
   const double mesh_error = std::max(closed, open);
   refuse_mesh_error(mesh_error);
   if (ring) fill_triple(t);
