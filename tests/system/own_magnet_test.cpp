@@ -74,7 +74,7 @@ TEST_CASE("own magnet: a table with ring has nodes enough where 5 % is asked for
   CHECK(r.status == 1);  // the table is there, and misses what was asked for
   // with 15 x 10 x 15 its current fell with the flux
   CHECK_THAT(r.out,
-             Contains("18 x 12 x 18 nodes") && Contains("MISSED: 5 % was asked for; table 6.8 %: a smaller"));
+             Contains("18 x 12 x 18 nodes") && Contains("MISSED: 5 % was asked for; table 6.9 %: a smaller"));
 }
 
 TEST_CASE("own magnet: options that a drawing has no use for are refused, not ignored", "[system]") {
