@@ -50,8 +50,10 @@ TEST_CASE("given flux and given current are the same field") {
     const auto p = field.at_current(1500, 0);
     const auto q = field.at_flux(field.fluxes(p).first, 0);
     CHECK(q.newton.converged);
-    CHECK(relative(q.response.current, 1500) < 1e-7);
-    CHECK(relative(q.response.pull, p.response.pull) < 1e-7);
+    // a strip of 1 um is meshed as 1 mm: there the rounding of the pull is (1000)^2 times that of the rest, 1e-7
+    const double rounding = gap == 0 ? 1e-6 : 1e-10;
+    CHECK(relative(q.response.current, 1500) < 0.01 * rounding + 1e-10);
+    CHECK(relative(q.response.pull, p.response.pull) < rounding);
   }
 }
 
