@@ -11,7 +11,7 @@ namespace powbench::sim {
 namespace {
 
 /// What the halving of all triangles changes at one flux and gap: the larger of current and pull, relative. On the
-/// halved mesh one step from the solution of the drawn one says it, to the square of it.
+/// halved mesh a solution to 1e-4 of the energy says it, from that of the drawn one on.
 double halving_error(const DrawnGap& drawn, const DrawnGap& halved, double psi, double gap) {
   DrawnField coarse(drawn, {1e-6}), fine(halved, {1e-4});
   coarse.set_gap(gap);
