@@ -81,13 +81,31 @@ void CholeskyFour::add_children(const Front& f, Four* panel, Four* update) {
   }
 }
 
+/// Second half of a solve.
+void CholeskyFour::backward(const std::vector<Four*>& b) {
+  const FourKernel& kernel = best_four_kernel();
+  for (std::size_t s = structure_.fronts.size(); s-- > 0;) {
+    const Front& f = structure_.fronts[s];
+    kernel.backward(panels_.data() + places_[s].panel, f.rows, f.columns, b.data(), f.first, rows_below(f),
+                    static_cast<int>(b.size()));
+  }
+}
+
+void CholeskyFour::solve_again(Four* b) {
+  const FourKernel& kernel = best_four_kernel();
+  for (std::size_t s = 0; s < structure_.fronts.size(); ++s) {
+    const Front& f = structure_.fronts[s];
+    kernel.forward(panels_.data() + places_[s].panel, f.rows, f.columns, &b, f.first, rows_below(f), 1);
+  }
+  backward({b});
+}
+
 bool CholeskyFour::solve(const Four* values, const std::vector<Four*>& b, bool others_kept) {
   const FourKernel& kernel = best_four_kernel();
   const int vectors = static_cast<int>(b.size());
   assert(vectors >= 1 && vectors <= 3);
   const bool skip = others_kept && kept_valid_;
   kept_valid_ = false;
-  const auto below_of = [&](const Front& f) { return structure_.rows.data() + f.structure + f.columns; };
   for (std::size_t s = 0; s < structure_.fronts.size(); ++s) {
     const Front& f = structure_.fronts[s];
     Four* const panel = panels_.data() + places_[s].panel;
@@ -102,18 +120,14 @@ bool CholeskyFour::solve(const Four* values, const std::vector<Four*>& b, bool o
       add_children(f, panel, nullptr);
       if (kernel.factor_panel(panel, f.rows, f.columns) >= 0) return false;
     }
-    kernel.forward(panel, f.rows, f.columns, b.data(), f.first, below_of(f), vectors);
+    kernel.forward(panel, f.rows, f.columns, b.data(), f.first, rows_below(f), vectors);
     const int below = f.rows - f.columns;
     if (known || below == 0) continue;
     kernel.square(update_of(s), panel + f.columns, f.rows, below, f.columns);
     add_children(f, panel, update_of(s));
   }
   kept_valid_ = true;
-  for (std::size_t s = structure_.fronts.size(); s-- > 0;) {
-    const Front& f = structure_.fronts[s];
-    kernel.backward(panels_.data() + places_[s].panel, f.rows, f.columns, b.data(), f.first, below_of(f),
-                    vectors);
-  }
+  backward(b);
   return true;
 }
 

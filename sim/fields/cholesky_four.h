@@ -25,9 +25,14 @@ class CholeskyFour {
   /// of the four is not positive definite; then b means nothing.
   bool solve(const Four* values, const std::vector<Four*>& b, bool others_kept = false);
 
+  /// b becomes A^-1 b with the matrices of the last `solve`.
+  void solve_again(Four* b);
+
  private:
+  void backward(const std::vector<Four*>& b);
   void add_children(const Front&, Four* panel, Four* update);
   Four* update_of(std::size_t front);
+  const int* rows_below(const Front& f) const { return structure_.rows.data() + f.structure + f.columns; }
 
   /// Where the parts of a front lie.
   struct Place {

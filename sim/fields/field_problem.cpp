@@ -143,6 +143,33 @@ void FieldProblem::build_linear() {
     for (int at = pattern.start[index(j)]; at < pattern.start[index(j) + 1]; ++at)
       if (strip_x[index(at)] != 0 || strip_y[index(at)] != 0)
         strip_.push_back({pattern.row[index(at)], j, at, strip_x[index(at)], strip_y[index(at)]});
+  sum_strip_rows();
+}
+
+/// No field comes from a potential that is the same everywhere: rows sum up to nothing but beside a given one. (In a
+/// cylinder they do not.)
+void FieldProblem::sum_strip_rows() {
+  constexpr double rounding = 1e-12;
+  std::vector<StripEntry> rest(index(size()), StripEntry{}), own = rest;
+  const auto add = [&](int row, const StripEntry& e) {
+    rest[index(row)].x += e.x;
+    rest[index(row)].y += e.y;
+  };
+  for (const auto& e : strip_) {
+    add(e.row, e);
+    if (e.row == e.column)
+      own[index(e.row)] = e;
+    else
+      add(e.column, e);
+  }
+  strip_rest_.clear();
+  for (int k = 0; k < size(); ++k) {
+    const StripEntry& sum = rest[index(k)];
+    const StripEntry& diagonal = own[index(k)];
+    const bool by_x = std::fabs(sum.x) > rounding * diagonal.x,
+               by_y = std::fabs(sum.y) > rounding * diagonal.y;
+    if (by_x || by_y) strip_rest_.push_back({k, k, diagonal.at, by_x ? sum.x : 0, by_y ? sum.y : 0});
+  }
 }
 
 void FieldProblem::build_windings() {

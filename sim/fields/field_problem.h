@@ -123,7 +123,9 @@ class FieldProblem {
   void build_linear();
   void build_windings();
   void stretch_steel();
+  void sum_strip_rows();
   void add_strip(const double* a, double by_x, double by_y, double* y) const;
+  double strip_energy(const double* a, double by_x, double by_y) const;
   template <class Visit>
   void each_stretched(const double* a, const Visit& visit) const;
   template <int nodes, int lanes>
@@ -144,6 +146,7 @@ class FieldProblem {
     double x, y;
   };
   std::vector<StripEntry> strip_;
+  std::vector<StripEntry> strip_rest_;  ///< on the diagonal: what a row sums up to beside a given potential
   std::vector<std::vector<double>> windings_;
   double gap_ = 0;
   int linear_version_ = 0;

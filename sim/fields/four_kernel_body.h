@@ -1,5 +1,7 @@
 #pragma once
 
+#include <type_traits>
+
 #include "sim/fields/four_kernel.h"
 
 /// The loops of four_kernel.h. Included by one source file for each instruction set; internal linkage throughout.
@@ -198,50 +200,43 @@ inline void backward_group(const Vector* a, std::ptrdiff_t ld, int inside, int m
     }
 }
 
-template <int V>
-void forward_by(const Four* panel, int m, int n, Four* const* x, int first, const int* below) {
-  Vector *all[V], *own[V];
-  for (int v = 0; v < V; ++v) all[v] = vectors_of(x[v]);
-  for (int j = 0; j < n; j += 4) {
-    const Vector* const a = vectors_of(panel) + j + static_cast<std::ptrdiff_t>(j) * m;
-    for (int v = 0; v < V; ++v) own[v] = all[v] + first + j;
-    switch (least(4, n - j)) {
-      case 4:
-        forward_group<V, 4>(a, m, n - j, m - j, own, all, below);
-        break;
-      case 3:
-        forward_group<V, 3>(a, m, n - j, m - j, own, all, below);
-        break;
-      case 2:
-        forward_group<V, 2>(a, m, n - j, m - j, own, all, below);
-        break;
-      default:
-        forward_group<V, 1>(a, m, n - j, m - j, own, all, below);
-    }
+/// The group of up to four columns of a panel from j on; `group(width, a, own)` with the width as a type.
+template <int V, class Group>
+inline void in_group(const Four* panel, int m, int n, int j, Vector* const* all, int first,
+                     const Group& group) {
+  const Vector* const a = vectors_of(panel) + j + static_cast<std::ptrdiff_t>(j) * m;
+  Vector* own[V];
+  for (int v = 0; v < V; ++v) own[v] = all[v] + first + j;
+  switch (least(4, n - j)) {
+    case 4:
+      return group(std::integral_constant<int, 4>{}, a, own);
+    case 3:
+      return group(std::integral_constant<int, 3>{}, a, own);
+    case 2:
+      return group(std::integral_constant<int, 2>{}, a, own);
+    default:
+      return group(std::integral_constant<int, 1>{}, a, own);
   }
 }
 
 template <int V>
-void backward_by(const Four* panel, int m, int n, Four* const* x, int first, const int* below) {
-  Vector *all[V], *own[V];
+void forward_by(const Four* panel, int m, int n, Four* const* x, int first, const int* below) {
+  Vector* all[V];
   for (int v = 0; v < V; ++v) all[v] = vectors_of(x[v]);
-  for (int j = (n - 1) / 4 * 4; j >= 0; j -= 4) {
-    const Vector* const a = vectors_of(panel) + j + static_cast<std::ptrdiff_t>(j) * m;
-    for (int v = 0; v < V; ++v) own[v] = all[v] + first + j;
-    switch (least(4, n - j)) {
-      case 4:
-        backward_group<V, 4>(a, m, n - j, m - j, own, all, below);
-        break;
-      case 3:
-        backward_group<V, 3>(a, m, n - j, m - j, own, all, below);
-        break;
-      case 2:
-        backward_group<V, 2>(a, m, n - j, m - j, own, all, below);
-        break;
-      default:
-        backward_group<V, 1>(a, m, n - j, m - j, own, all, below);
-    }
-  }
+  for (int j = 0; j < n; j += 4)
+    in_group<V>(panel, m, n, j, all, first, [&](auto width, const Vector* a, Vector* const* own) {
+      forward_group<V, width()>(a, m, n - j, m - j, own, all, below);
+    });
+}
+
+template <int V>
+void backward_by(const Four* panel, int m, int n, Four* const* x, int first, const int* below) {
+  Vector* all[V];
+  for (int v = 0; v < V; ++v) all[v] = vectors_of(x[v]);
+  for (int j = (n - 1) / 4 * 4; j >= 0; j -= 4)
+    in_group<V>(panel, m, n, j, all, first, [&](auto width, const Vector* a, Vector* const* own) {
+      backward_group<V, width()>(a, m, n - j, m - j, own, all, below);
+    });
 }
 
 template <int nodes>

@@ -7,7 +7,8 @@
 #include "sim/fields/newton.h"
 
 /// Newton's method as in newton.h for four problems at once: one drawing with its vertices in four places, one gap in
-/// each lane, all in the same circuits. All four iterate until the last has converged.
+/// each lane, all in the same circuits. All four iterate until the last has converged. Where a step was small they
+/// may end without another factorisation (docs/decisions/0013-fields.md).
 
 namespace powbench::sim {
 
@@ -41,8 +42,13 @@ class NewtonFour {
   struct Step;
   void evaluate(bool hessian);
   bool direction(const std::vector<Circuit>&, const Vectors& current, Step&);
+  void downhill(const Vectors& current, Step&) const;
+  void take(const Step&, const Four& share, Vectors& current);
   void close_circuits(const std::vector<Circuit>&, const Vectors& current, Step&);
+  void chord(const std::vector<Circuit>&, Vectors& current, const Four& decrement, const NewtonOptions&,
+             std::array<NewtonReport, 4>&);
   void correct(Vectors& current);
+  Four decrement_of(const std::vector<Circuit>&, const Vectors& current, const Step&) const;
   Four dot(const std::vector<Four>&, const std::vector<Four>&) const;
 
   std::array<const FieldProblem*, 4> problems_;

@@ -202,7 +202,11 @@ TEST_CASE("four matrices side by side have the solutions of each alone") {
       }
       auto solved = b;
       for (auto& s : solved) to.push_back(s.data());
+      auto again = b.front();
       REQUIRE(four.solve(values.data(), to));
+      four.solve_again(again.data());
+      for (std::size_t k = 0; k < again.size(); ++k)
+        for (std::size_t p = 0; p < 4; ++p) CHECK(std::fabs(again[k].of[p] - solved[0][k].of[p]) < 1e-12);
       for (std::size_t p = 0; p < 4; ++p) {
         Cholesky alone(a.pattern);
         std::vector<double> own;
