@@ -177,6 +177,13 @@ std::optional<VibratingFilm> vibrating_film(const Force& f, const std::vector<In
   return vibrates || film.at_rest > 0 ? std::optional(std::move(film)) : std::nullopt;
 }
 
+/// Where the core was not seen to land: the contact that stays closed shows a vibration.
+bool vibrates_at_rest(const Force& f, const std::vector<Interval>& contacts, double t_end,
+                      const Measured& core_seat, const ExtractOptions& o) {
+  if (core_seat.known() || contacts.empty() || !contacts.back().open_ended()) return false;
+  return vibration_at_rest(calm_force(f.signal, f.noise, o), f.signal, contacts.back().touch, t_end) > 0;
+}
+
 std::vector<Grazing> fill_train(ContactTrain& train, const Round& r, const Force& f, const ForceAnalysis& a,
                                 double t_end, const VibratingFilm* vibrating, const ExtractOptions& o) {
   for (const ContactFit& fit : r.fits) train.contacts.push_back(fit.contact);
@@ -270,8 +277,8 @@ ForceAnalysis analyse_force(const Force& f, double t_end, const Measured& core_s
   Separated best, bare;
   bool bare_enough = false;
   const bool vibrates = !round.intervals.empty() && swings_below_zero(f, round.intervals, t_end, o);
-  if (o.ring_modes > 0 && vibrates) {
-    best = separate_ring(f, round, core_seat, t_end, o);
+  if (o.ring_modes > 0 && (vibrates || vibrates_at_rest(f, round.intervals, t_end, core_seat, o))) {
+    best = vibrates ? separate_ring(f, round, core_seat, t_end, o) : separate_at_rest(f, round, t_end, o);
     // A ring has to earn its parameters: a settled force that bends a little is no vibration. Where the core was seen
     // to land vibration is expected, and only its absence asks.
     if (!core_seat.known() || !best.found) {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "core/units.h"
 #include "dsp/joint_pulse.h"
@@ -15,7 +16,8 @@ constexpr double exponent_middle = exponent_prior, exponent_sigma = exponent_pri
 constexpr double pedestal_sigma = 0.2;  ///< N
 constexpr double smooth_step = 2e-3;    ///< s: half period of the fastest cosine of a free settled force
 constexpr double free_rises[] = {1e-4, 2e-4, 4e-4};
-constexpr double gap_head = 60e-6;  ///< s around an unmodelled contact
+constexpr std::size_t rest_terms = 7;  ///< follow 100 Hz over 10 ms to 1 %, and nothing above 0.5 kHz
+constexpr double gap_head = 60e-6;     ///< s around an unmodelled contact
 
 std::complex<double> pole_of(const Pole& p) {
   return {-p.decay, 2 * pi * p.hertz};
@@ -56,7 +58,7 @@ std::vector<JointBlock> blocks_of(const JointInput& in, const JointModel& m, con
     const bool good = m.rise->modelled;
     const double from = m.rise->touch - r.dt;
     add({good ? JointBlock::Kind::rise : JointBlock::Kind::tail, 0, r.at(from), r.size(), 0,
-         good ? 2 + rise_terms : tail_columns(joint_tail)});
+         good ? 2 + rise_terms : settled_terms(in, false)});
   }
   if (!m.ring.modes.empty()) {
     const std::size_t first = r.at(m.ring.onset - r.dt);
@@ -138,6 +140,20 @@ struct Writer {
     }
   }
 
+  /// The settled force at rest, `from` .. `from` + `span` s after the last touch: Chebyshev polynomials.
+  void rest(const JointBlock& b, const JointRise& r, double from, double span) const {
+    for (std::size_t i = b.first; i < b.last; ++i) {
+      const double x =
+          std::max(2 * (rows.t[i] - r.touch - from) / span - 1, -1.0);  // rows before have no weight
+      double before = x, now = 1;
+      for (std::size_t k = 0; k < b.count; ++k) {
+        model[i] += r.linear[k] * now;
+        if (derivatives) column(b, k)[i] = now;
+        before = std::exchange(now, k == 0 ? x : 2 * x * now - before);
+      }
+    }
+  }
+
   void pedestal(const JointBlock& b, const JointModel& m) const {
     const double span = std::max(rows.dt, rows.dt * static_cast<double>(b.last - b.first));
     for (std::size_t i = b.first; i < b.last; ++i) {
@@ -199,7 +215,10 @@ JointRows joint_rows(const JointInput& in, const JointModel& m) {
     from = std::min(from, m.pulses.front().shape.touch);
     to = std::max(to, m.pulses.back().shape.release);
   }
-  if (m.rise) from = std::min(from, m.rise->touch), to = std::max(to, m.rise->touch + joint_tail);
+  if (m.rise) {
+    from = std::min(from, m.rise->touch);
+    to = std::max(to, m.rise->touch + (in.rest > 0 ? in.settling() + in.rest : joint_tail));
+  }
   if (!m.ring.modes.empty()) from = std::min(from, m.ring.onset);
   to = std::min(to + joint_margin_before, in.t_end);
   const std::size_t last = s.index_at(to);
@@ -262,7 +281,7 @@ void evaluate(const JointInput& in, const JointModel& m, const JointRows& r, Joi
     } else if (b.kind == JointBlock::Kind::rise) {
       write.rise(b, *m.rise);
     } else if (b.kind == JointBlock::Kind::tail) {
-      write.tail(b, *m.rise);
+      in.rest > 0 ? write.rest(b, *m.rise, in.settling(), in.rest) : write.tail(b, *m.rise);
     } else if (b.kind == JointBlock::Kind::pedestal) {
       write.pedestal(b, m);
       for (const double v : m.pedestal) out.cost += v * v / (pedestal_sigma * pedestal_sigma);
@@ -361,8 +380,8 @@ std::vector<double> ring_rows(const Ring& ring, const JointRows& r, std::size_t 
   return out;
 }
 
-std::size_t settled_terms(bool modelled) {
-  return modelled ? rise_terms : tail_columns(joint_tail);
+std::size_t settled_terms(const JointInput& in, bool modelled) {
+  return modelled ? rise_terms : in.rest > 0 ? rest_terms : tail_columns(joint_tail);
 }
 
 }  // namespace powbench::dsp

@@ -62,7 +62,7 @@ JointMisfit misfit(const JointRows&, const JointSystem&, double t1, double t2);
 std::vector<double> ring_rows(const Ring&, const JointRows&, std::size_t i1, std::size_t i2);
 
 /// Number of linear amplitudes of the settled force.
-std::size_t settled_terms(bool modelled);
+std::size_t settled_terms(const JointInput&, bool modelled);
 
 inline constexpr double joint_head = 0.5e-3;  ///< s of closed time that decides whether the rise is modelled
 

@@ -206,10 +206,10 @@ void judge(const JointInput& in, JointModel& m, const JointRows& rows, Work& wor
 }
 
 /// The settled force becomes free; its level stays.
-void unmodel(JointRise& r) {
+void unmodel(const JointInput& in, JointRise& r) {
   const double level = r.linear.front();
   r.modelled = false;
-  r.linear.assign(settled_terms(false), 0.0);
+  r.linear.assign(settled_terms(in, false), 0.0);
   r.linear.front() = level;
 }
 
@@ -264,7 +264,7 @@ void leave_out_misfits(JointInput in, JointModel& m, JointRows& r, Work& work) {
   for (JointPulse& p : m.pulses)
     if (gross(p.reduced_chi2, std::max(p.shape.touch, m.ring.onset))) p.modelled = false;
   if (m.rise && m.rise->modelled && gross(m.rise->reduced_chi2, std::max(m.rise->touch, m.ring.onset)))
-    unmodel(*m.rise);
+    unmodel(in, *m.rise);
 }
 
 /// Frees the skew of pulses where it is worth its parameter (Schwarz): the gain in the sum of squares, to second
@@ -316,10 +316,10 @@ void fill_uncertainties(const JointInput& in, JointModel& m, JointRows& r, Work&
 JointModel fit_joint(const JointInput& in, JointModel m, int iterations) {
   if (in.open_below > 0)
     for (JointPulse& p : m.pulses) p.modelled = p.modelled && p.shape.peak < in.open_below;
-  if (!in.settles && m.rise && m.rise->modelled && !m.rise->linear.empty()) unmodel(*m.rise);
-  if (m.rise && m.rise->linear.size() != settled_terms(m.rise->modelled)) {
+  if (!in.settles && m.rise && m.rise->modelled && !m.rise->linear.empty()) unmodel(in, *m.rise);
+  if (m.rise && m.rise->linear.size() != settled_terms(in, m.rise->modelled)) {
     const double level = m.rise->linear.empty() ? 0.0 : m.rise->linear.front();
-    m.rise->linear.assign(settled_terms(m.rise->modelled), 0.0);
+    m.rise->linear.assign(settled_terms(in, m.rise->modelled), 0.0);
     m.rise->linear.front() = level;
   }
   JointRows r = joint_rows(in, m);
@@ -347,7 +347,7 @@ JointModel fit_joint(const JointInput& in, JointModel m, int iterations) {
   for (JointPulse& p : m.pulses)
     if (p.modelled && p.reduced_chi2 > 3.0) p.modelled = false, changed = true;
   if (m.rise && m.rise->modelled && m.rise->reduced_chi2 > 3.0) {
-    unmodel(*m.rise);
+    unmodel(in, *m.rise);
     changed = true;
   }
   if (changed) {

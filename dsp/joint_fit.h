@@ -58,7 +58,10 @@ struct JointModel {
   double cost_before_settling() const;
 };
 
+inline constexpr double left_out_cost = 4;  ///< of a row, in JointModel::cost
 inline constexpr double joint_tail = 5e-3;  ///< s of closed time after the last touch that is used
+inline constexpr double joint_rest =
+    3e-3;  ///< s after the last touch: from then on a contact shows nothing of its own that is fast
 
 struct JointInput {
   const Signal& force;
@@ -79,8 +82,9 @@ struct JointInput {
   double open_below = 0.0;
   bool bend = false;    ///< contacts that the pulses do not fit may be bent
   bool settles = true;  ///< false: the settled contact still moves and is left out
+  double rest = 0.0;    ///< s of closed time used behind what is left out of it: smooth force and ring
   /// s of closed time left out where the rise is not modelled
-  double settling() const { return settles ? 1e-3 : joint_tail; }
+  double settling() const { return settles ? 1e-3 : rest > 0 ? joint_rest : joint_tail; }
   bool times_only = false;  ///< nobody asks for the standard uncertainties: they stay 0
 };
 

@@ -5,12 +5,6 @@
 
 namespace powbench::dsp {
 
-namespace {
-
-constexpr double left_out_cost = 4;  ///< a row
-
-}  // namespace
-
 double JointModel::cost() const {
   if (!(dof > 0)) return 1e300;
   return chi2 - (dof + parameters) + left_out_cost * left_out + parameters * std::log(dof);

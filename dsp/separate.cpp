@@ -11,6 +11,7 @@
 #include "dsp/joint_start.h"
 #include "dsp/landing.h"
 #include "dsp/ring.h"
+#include "dsp/ring_tail.h"
 
 namespace powbench::dsp {
 
@@ -18,31 +19,13 @@ namespace {
 
 constexpr double most_reduced = 3.0;     ///< of the joint fit: with more left the ring is not believed
 constexpr double stage = 1.5e-3;         ///< s by which the window grows backwards
+constexpr double usual_row = 5e-6;       ///< s: samples of the joint fit are averaged up to here
 constexpr double badly_explained = 1.5;  ///< reduced sum of squares of a joint fit
 constexpr double inside = 0.6e-3;  ///< s between the window's start and an onset that needs no earlier window
 
 double last_event(const Round& r) {
   const Interval& c = r.intervals.back();
   return c.open_ended() ? c.touch : c.release;
-}
-
-/// First identification, in the closed tail where only ring and a smooth force exist. A contact of metal goes on moving
-/// for up to a millisecond after its last touch; its tail begins later.
-Ring ring_from_tail(const Force& f, const Round& r, double t_end, const ExtractOptions& o) {
-  if (!r.intervals.back().open_ended()) return {};
-  const std::vector<std::uint8_t> usable(f.signal.size(), 1);
-  constexpr double last_wait = 2.5e-3, still_moving = 8;  // s; reduced sum of squares
-  Ring best;
-  for (const double wait : {150e-6, 1.2e-3, last_wait}) {
-    const double from = r.intervals.back().touch + wait, to = std::min(from + o.ring_tail, t_end);
-    const RingInput in{f.signal, usable, from, from, to, f.noise};
-    double reduced = 0;
-    // the contact still moves where the poles seen cannot explain the tail: later, not with more modes
-    best = grow_ring(in, tail_poles(in, o), o, &reduced,
-                     wait < last_wait ? still_moving : std::numeric_limits<double>::infinity());
-    if (!best.empty() && reduced < 1.5) break;
-  }
-  return best;
 }
 
 constexpr double longest = 15e-3;          ///< s before the last touch in which a ring is looked for
@@ -56,19 +39,6 @@ std::pair<double, double> onset_range(const Round& r, const Measured& seat, doub
   }
   const double last = last_event(r);
   return {std::max({r.intervals.front().touch - 4e-3, last - longest, 0.5e-3, t0}), last + 150e-6};
-}
-
-/// The strongest mode of `ring` at its onset is one of those of `other`, to a tenth.
-bool same_vibration(const Ring& ring, const Ring& other) {
-  const auto size = [&](const RingMode& m) {
-    return std::hypot(m.cosine, m.sine) * std::exp(-m.pole.decay * (ring.onset - ring.reference));
-  };
-  const auto main = std::max_element(ring.modes.begin(), ring.modes.end(),
-                                     [&](const RingMode& a, const RingMode& b) { return size(a) < size(b); });
-  return main != ring.modes.end() &&
-         std::any_of(other.modes.begin(), other.modes.end(), [&](const RingMode& m) {
-           return std::abs(m.pole.hertz - main->pole.hertz) < 0.1 * main->pole.hertz;
-         });
 }
 
 /// Samples of [t1, t2].
@@ -92,8 +62,9 @@ struct Search {
   bool seat_known;
   double seat_u;  ///< s
   const ExtractOptions& options;
-  /// What the ring is looked for in: all but what no pulse fits; open time and contacts that may be bent; open time.
-  enum class Use : std::uint8_t { all, bent, open } use = Use::all;
+  /// What the ring is looked for in: all but what no pulse fits; open time and contacts that may be bent; these and the
+  /// contact at rest; open time.
+  enum class Use : std::uint8_t { all, bent, rested, open } use = Use::all;
 
   /// One round in the window from `from` on: detect on the stripped force, fit jointly, add modes.
   bool round(Separated& s, double from, std::pair<double, double> onset, int iterations,
@@ -134,14 +105,15 @@ struct Search {
                   onset.second,
                   options,
                   from,
-                  seat_known ? 10e-6 : 5e-6,
+                  seat_known ? 10e-6 : usual_row,
                   seat_known,
                   false,
                   seat_known ? range.first - 3 * seat_u - 10e-6 : 0.0,
                   seat_known ? range.first + landing_time : 0.0};
     if (use == Use::open) in.open_below = 0.5 * force.settled;
-    in.bend = use == Use::bent;
+    in.bend = use == Use::bent || use == Use::rested;
     in.settles = use == Use::all;
+    if (use == Use::rested) in.rest = options.ring_tail - joint_rest;
     in.times_only = seat_known || rough;  // a ring alone comes out of it (separate_ring)
     if ((seat_known && !complete) || rough) in.enough = 1;
     const double limit = 1.5 * std::max(force.settled, 20 * force.noise);
@@ -215,38 +187,78 @@ struct Search {
     }
   }
 
-  /// A contact's own motion that no pulse and no rise describes bends the ring. So the ring is looked for beside bent
-  /// contacts, and in open time alone where much is left, both without the first closed time. What explains its rows to
-  /// the noise, with no crest of the ring as a contact, and more than what is known, is taken.
-  void look_beside_contacts(Separated& s, double from) const {
+  /// An explanation by `what`, from `start`: taken where it reaches the noise, with no crest of the ring as a contact,
+  /// and explains more than what is known.
+  void look(Separated& s, Use what, const Separated& start, double from) const {
     constexpr double near = 0.5e-3, explained = 1.3, crest = 2;
-    const auto look = [&](Use what, const Separated& start) {
-      Search open = *this;
-      open.use = what;
-      Separated other = start;
-      if (!open.round(other, from, range, 8) || !other.found) return;
-      const double at = other.model.ring.onset;
-      open.settle(other, from, {std::max(at - near, range.first), std::min(at + near, range.second)});
-      const auto is_crest = [&](const JointPulse& p) {
-        return p.shape.peak <
-               crest * other.model.ring.amplitude_at(std::max(p.shape.touch, other.model.ring.onset));
-      };
-      if (!other.found || !(other.model.reduced() < explained) ||
-          !(other.model.cost_before_settling() < s.model.cost_before_settling()) ||
-          std::any_of(other.model.pulses.begin(), other.model.pulses.end(), is_crest))
-        return;
-      place_in_contact(other.model);
-      other.open_time = true;
-      s = std::move(other);
+    Search open = *this;
+    open.use = what;
+    Separated other = start;
+    if (!open.round(other, from, range, 8) || !other.found) return;
+    const double at = other.model.ring.onset;
+    open.settle(other, from, {std::max(at - near, range.first), std::min(at + near, range.second)});
+    const auto is_crest = [&](const JointPulse& p) {
+      return p.shape.peak <
+             crest * other.model.ring.amplitude_at(std::max(p.shape.touch, other.model.ring.onset));
     };
+    if (!other.found || !(other.model.reduced() < explained) ||
+        !(other.model.cost_before_settling() < s.model.cost_before_settling()) ||
+        std::any_of(other.model.pulses.begin(), other.model.pulses.end(), is_crest) ||
+        (what == Use::rested && !within_limits(other.model.ring, options)))
+      return;
+    place_in_contact(other.model);
+    other.open_time = true;
+    s = std::move(other);
+  }
+
+  /// From the modes that the contact at rest shows, with the onset that they have in the whole force and with the one
+  /// that is known. True when nothing is left to ask.
+  bool look_from_rest(Separated& s, double from) const {
+    constexpr double apart = 50e-6, nothing_left = 1.15;  // s; reduced sum of squares
+    if (!s.model.rise) return false;
+    const double known = s.found ? s.model.ring.onset : std::numeric_limits<double>::infinity();
+    Separated start;
+    Ring& ring = start.model.ring;
+    ring = ring_at_rest(force, s.model.rise->touch, t_end, options);
+    if (ring.empty()) return false;
+    const auto enough = [&] {
+      return s.open_time && s.model.left_out <= s.model.settling_out && s.model.reduced() < nothing_left;
+    };
+    ring.onset = find_onset(force.signal, nullptr, ring, range.first, range.second);
+    look(s, Use::rested, start, from);
+    if (enough() || !std::isfinite(known) || std::abs(ring.onset - known) < apart) return enough();
+    ring.onset = known;
+    look(s, Use::rested, start, from);
+    return enough();
+  }
+
+  /// A contact's own motion that no pulse and no rise describes bends the ring. So the ring is looked for beside bent
+  /// contacts, and in open time alone where much is left, both without the first closed time.
+  void look_beside_contacts(Separated& s, double from) const {
     const auto contact_left_out = [&] { return s.model.left_out > s.model.settling_out; };
     const Separated before = s;
-    look(Use::bent, before);
-    look(Use::bent, {});
-    if (before.model.reduced() > badly_explained && contact_left_out()) {
-      look(Use::open, {});
-      if (s.open_time && contact_left_out()) look(Use::bent, s);
+    for (const Use what : {Use::bent, Use::rested}) {
+      look(s, what, before, from);
+      look(s, what, {}, from);
     }
+    if (before.model.reduced() > badly_explained && contact_left_out()) {
+      look(s, Use::open, {}, from);
+      if (s.open_time && contact_left_out()) look(s, Use::rested, Separated(s), from);
+    }
+  }
+
+  /// A ring that starts in the contact at rest leaves nothing before it to explain. `s` must do better, where rows
+  /// behind an earlier last touch count as left out.
+  bool starts_at_rest(const Separated& s, Ring ring, double from) const {
+    constexpr double margin = 20;  // twice a difference of 10 in log-likelihood
+    Search rested = *this;
+    rested.use = Use::rested;
+    Separated late;
+    ring.onset = range.second;
+    late.model.ring = std::move(ring);
+    if (!rested.round(late, from, {range.second, range.second}, 8) || !late.model.rise) return false;
+    const double rows = (s.model.rise->touch - late.model.rise->touch) / std::max(usual_row, force.signal.dt);
+    return late.model.cost_before_settling() + left_out_cost * rows < s.model.cost_before_settling() + margin;
   }
 
   /// An onset next to a contact that was left out may lie in it: where taking out the fast part of the ring leaves less
@@ -359,6 +371,10 @@ Separated separate_ring(const Force& f, const Round& unaided, const Measured& co
   const double onset = s.model.ring.onset;
   search.settle(s, begin, {std::max(onset - 0.5e-3, t1), std::min(onset + 0.5e-3, t2)});
   if (!believable()) return {};
+  if (s.model.left_out > 0 && search.look_from_rest(s, begin)) {
+    s.whole = true;
+    return s;
+  }
   if (s.model.left_out > 0) {
     search.rescue(s, begin);
     const double at = s.model.ring.onset;
@@ -366,6 +382,17 @@ Separated separate_ring(const Force& f, const Round& unaided, const Measured& co
   }
   if (s.model.left_out > s.model.settling_out) search.look_beside_contacts(s, begin);
   s.whole = s.found;
+  return s;
+}
+
+Separated separate_at_rest(const Force& f, const Round& first, double t_end, const ExtractOptions& o) {
+  Separated s = without_ring(f, first, t_end, o);
+  if (first.intervals.empty() || !s.model.rise) return {};
+  const Search search{f, t_end, last_event(first), onset_range(first, {}, f.signal.t0, t_end), false, 0.0, o};
+  const double from = std::min(search.range.first, first.intervals.front().touch - joint_margin_before);
+  const Ring ring = ring_at_rest(f, s.model.rise->touch, t_end, o);
+  if (ring.empty() || !search.look_from_rest(s, from) || search.starts_at_rest(s, ring, from)) return {};
+  s.whole = true;
   return s;
 }
 

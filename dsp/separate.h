@@ -35,4 +35,8 @@ Separated without_ring(const Force&, const Round& first, double t_end, const Ext
 Separated separate_ring(const Force&, const Round& first, const Measured& core_seat, double t_end,
                         const ExtractOptions&);
 
+/// Vibration that only the contact at rest shows, its film never swings below zero: taken where its modes explain the
+/// whole record to the noise, and more of it than a ring that starts at rest. `first`: as above.
+Separated separate_at_rest(const Force&, const Round& first, double t_end, const ExtractOptions&);
+
 }  // namespace powbench::dsp

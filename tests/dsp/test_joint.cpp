@@ -66,6 +66,24 @@ TEST_CASE(
   CHECK(m.pulses[0].u_touch < 3e-6);
 }
 
+TEST_CASE("joint fit: a contact at rest tells the poles of a ring whose first closed time is left out") {
+  const Signal s = scene(0.05);
+  const ExtractOptions o;
+  JointInput in{s, 0.05, 0.015, 0.5e-3, 2.8e-3, o};
+  in.settles = false;
+  const auto fitted = [&](double rest) {
+    in.rest = rest;
+    return fit_joint(in, rough_start(), 20);
+  };
+  const JointModel open_time_alone = fitted(0), m = fitted(9e-3);
+  CHECK(m.reduced() == Approx(1.0).margin(0.2));
+  CHECK(m.settling_out == Approx(3e-3 / s.dt));
+  CHECK(m.ring.onset == Approx(1.4e-3).margin(6e-6));
+  CHECK(std::abs(m.ring.modes[0].pole.hertz - 3000) < 2);
+  CHECK(std::abs(m.ring.modes[0].pole.hertz - 3000) <
+        0.5 * std::abs(open_time_alone.ring.modes[0].pole.hertz - 3000));
+}
+
 TEST_CASE("joint fit: derivatives are those of the model, with and without bends") {
   const Signal s = scene(0.05);
   const ExtractOptions o;
@@ -73,7 +91,7 @@ TEST_CASE("joint fit: derivatives are those of the model, with and without bends
   JointModel m = rough_start();
   m.pulses[0].bent = GENERATE(false, true);
   if (m.pulses[0].bent) m.pulses[0].bend = {0.05, -0.03, 0.02, -0.01, 0.01, 0.005};
-  m.rise->linear.assign(settled_terms(true), 0.0);
+  m.rise->linear.assign(settled_terms(in, true), 0.0);
   m.rise->linear.front() = 4.0;
   JointRows r = joint_rows(in, m);
   weigh_rows(in, m, r);
