@@ -278,11 +278,13 @@ ForceAnalysis analyse_force(const Force& f, double t_end, const Measured& core_s
   bool bare_enough = false;
   const bool vibrates = !round.intervals.empty() && swings_below_zero(f, round.intervals, t_end, o);
   if (o.ring_modes > 0 && (vibrates || vibrates_at_rest(f, round.intervals, t_end, core_seat, o))) {
-    best = vibrates ? separate_ring(f, round, core_seat, t_end, o) : separate_at_rest(f, round, t_end, o);
+    if (!vibrates) bare = without_ring(f, round, t_end, o);
+    best =
+        vibrates ? separate_ring(f, round, core_seat, t_end, o) : separate_at_rest(f, round, bare, t_end, o);
     // A ring has to earn its parameters: a settled force that bends a little is no vibration. Where the core was seen
     // to land vibration is expected, and only its absence asks.
     if (!core_seat.known() || !best.found) {
-      bare = without_ring(f, round, t_end, o);
+      if (vibrates) bare = without_ring(f, round, t_end, o);
       bare_enough = convincing(bare) && !(best.found && best.model.cost() < bare.model.cost());
     }
     if (!bare_enough && worth_stripping(best, f.noise)) {

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <utility>
 
+#include "core/units.h"
+
 namespace powbench::dsp {
 
 bool bounded(const Ring& ring, double limit) {
@@ -81,6 +83,15 @@ void drop_ring_pieces(const JointInput& in, JointModel& m) {
     without = fit_joint(in, std::move(without), 8);
     if (without.cost() < m.cost()) m = std::move(without);
   }
+}
+
+void keep_within_limits(const JointInput& in, JointModel& m) {
+  const auto outside = [&](const RingMode& mode) {
+    return mode.pole.hertz < in.options.ring_low_hertz ||
+           mode.pole.decay > in.options.ring_damping_max * 2 * pi * mode.pole.hertz;
+  };
+  while (std::erase_if(m.ring.modes, outside) > 0)
+    if (!m.ring.empty()) m = fit_joint(in, std::move(m), 8);
 }
 
 }  // namespace powbench::dsp

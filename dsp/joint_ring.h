@@ -28,4 +28,8 @@ void drop_stand_ins(const JointInput&, JointModel&);
 /// stays only where it earns its parameters.
 void drop_ring_pieces(const JointInput&, JointModel&);
 
+/// A mode outside the band or more damped than the options allow is a contact's own motion: such modes go, and what is
+/// left is fitted again. No ring where none stays.
+void keep_within_limits(const JointInput&, JointModel&);
+
 }  // namespace powbench::dsp

@@ -6,7 +6,6 @@
 #include <limits>
 #include <vector>
 
-#include "core/units.h"
 #include "dsp/joint_fit.h"
 
 namespace powbench::dsp {
@@ -35,12 +34,6 @@ Ring ring_at_rest(const Force& f, double touch, double t_end, const ExtractOptio
   const std::vector<std::uint8_t> usable(f.signal.size(), 1);
   const RingInput in{f.signal, usable, from, from, to, f.noise};
   return grow_ring(in, tail_poles(in, o), o);
-}
-
-bool within_limits(const Ring& ring, const ExtractOptions& o) {
-  return std::all_of(ring.modes.begin(), ring.modes.end(), [&](const RingMode& m) {
-    return m.pole.hertz >= o.ring_low_hertz && m.pole.decay <= o.ring_damping_max * 2 * pi * m.pole.hertz;
-  });
 }
 
 bool same_vibration(const Ring& ring, const Ring& other) {

@@ -17,9 +17,6 @@ Ring ring_from_tail(const Force&, const Round&, double t_end, const ExtractOptio
 /// that have died by then. Its onset is not looked for.
 Ring ring_at_rest(const Force&, double touch, double t_end, const ExtractOptions&);
 
-/// Every mode in the band and no more damped than the options allow: what is damped more is a contact's own motion.
-bool within_limits(const Ring&, const ExtractOptions&);
-
 /// The strongest mode of `ring` at its onset is one of those of `other`, to a tenth.
 bool same_vibration(const Ring& ring, const Ring& other);
 

@@ -143,6 +143,7 @@ struct Search {
         drop_stand_ins(in, out.model);
       else if (complete)
         drop_ring_pieces(in, out.model);
+      if (use == Use::rested) keep_within_limits(in, out.model);
     }
     out.found = !out.model.ring.empty();
     return out;
@@ -188,14 +189,16 @@ struct Search {
   }
 
   /// An explanation by `what`, from `start`: taken where it reaches the noise, with no crest of the ring as a contact,
-  /// and explains more than what is known.
-  void look(Separated& s, Use what, const Separated& start, double from) const {
-    constexpr double near = 0.5e-3, explained = 1.3, crest = 2;
+  /// and explains more than what is known. Not followed where its first round leaves too much, or what one before it
+  /// left, `seen`. Returns what the first round leaves.
+  double look(Separated& s, Use what, const Separated& start, double from, double seen = 1e300) const {
+    constexpr double near = 0.5e-3, explained = 1.3, crest = 2, same = 0.1;  // same: of the cost
     Search open = *this;
     open.use = what;
     Separated other = start;
-    if (!open.round(other, from, range, 8) || !other.found) return;
-    const double at = other.model.ring.onset;
+    if (!open.round(other, from, range, 8) || !other.found) return seen;
+    const double first = other.model.cost(), at = other.model.ring.onset;
+    if (!(other.model.reduced() < most_reduced) || std::abs(first - seen) < same) return first;
     open.settle(other, from, {std::max(at - near, range.first), std::min(at + near, range.second)});
     const auto is_crest = [&](const JointPulse& p) {
       return p.shape.peak <
@@ -203,12 +206,12 @@ struct Search {
     };
     if (!other.found || !(other.model.reduced() < explained) ||
         !(other.model.cost_before_settling() < s.model.cost_before_settling()) ||
-        std::any_of(other.model.pulses.begin(), other.model.pulses.end(), is_crest) ||
-        (what == Use::rested && !within_limits(other.model.ring, options)))
-      return;
+        std::any_of(other.model.pulses.begin(), other.model.pulses.end(), is_crest))
+      return first;
     place_in_contact(other.model);
-    other.open_time = true;
+    other.open_time = other.whole = true;
     s = std::move(other);
+    return first;
   }
 
   /// From the modes that the contact at rest shows, with the onset that they have in the whole force and with the one
@@ -218,32 +221,31 @@ struct Search {
     if (!s.model.rise) return false;
     const double known = s.found ? s.model.ring.onset : std::numeric_limits<double>::infinity();
     Separated start;
-    Ring& ring = start.model.ring;
-    ring = ring_at_rest(force, s.model.rise->touch, t_end, options);
+    Ring& ring = start.model.ring = ring_at_rest(force, s.model.rise->touch, t_end, options);
     if (ring.empty()) return false;
     const auto enough = [&] {
       return s.open_time && s.model.left_out <= s.model.settling_out && s.model.reduced() < nothing_left;
     };
     ring.onset = find_onset(force.signal, nullptr, ring, range.first, range.second);
-    look(s, Use::rested, start, from);
+    const double seen = look(s, Use::rested, start, from);
     if (enough() || !std::isfinite(known) || std::abs(ring.onset - known) < apart) return enough();
     ring.onset = known;
-    look(s, Use::rested, start, from);
+    look(s, Use::rested, start, from, seen);
     return enough();
   }
 
   /// A contact's own motion that no pulse and no rise describes bends the ring. So the ring is looked for beside bent
-  /// contacts, and in open time alone where much is left, both without the first closed time.
-  void look_beside_contacts(Separated& s, double from) const {
+  /// contacts, and in open time alone where much is left, both without the first closed time. `known`: an explanation
+  /// by the contact at rest, if there is one.
+  void look_beside_contacts(Separated& s, const Separated& known, double from) const {
     const auto contact_left_out = [&] { return s.model.left_out > s.model.settling_out; };
     const Separated before = s;
-    for (const Use what : {Use::bent, Use::rested}) {
-      look(s, what, before, from);
-      look(s, what, {}, from);
-    }
+    if (known.open_time && known.model.cost_before_settling() < s.model.cost_before_settling()) s = known;
+    look(s, Use::bent, {}, from, look(s, Use::bent, before, from));
+    if (!s.open_time) look(s, Use::rested, {}, from);
     if (before.model.reduced() > badly_explained && contact_left_out()) {
       look(s, Use::open, {}, from);
-      if (s.open_time && contact_left_out()) look(s, Use::rested, Separated(s), from);
+      if (s.open_time && contact_left_out()) look(s, Use::bent, Separated(s), from);
     }
   }
 
@@ -371,29 +373,27 @@ Separated separate_ring(const Force& f, const Round& unaided, const Measured& co
   const double onset = s.model.ring.onset;
   search.settle(s, begin, {std::max(onset - 0.5e-3, t1), std::min(onset + 0.5e-3, t2)});
   if (!believable()) return {};
-  if (s.model.left_out > 0 && search.look_from_rest(s, begin)) {
-    s.whole = true;
-    return s;
-  }
+  Separated rested = s;
+  if (s.model.left_out > 0 && search.look_from_rest(rested, begin)) return rested;
   if (s.model.left_out > 0) {
     search.rescue(s, begin);
     const double at = s.model.ring.onset;
     search.settle(s, begin, {std::max(at - 0.2e-3, t1), std::min(at + 0.2e-3, t2)});
   }
-  if (s.model.left_out > s.model.settling_out) search.look_beside_contacts(s, begin);
+  if (s.model.left_out > s.model.settling_out) search.look_beside_contacts(s, rested, begin);
   s.whole = s.found;
   return s;
 }
 
-Separated separate_at_rest(const Force& f, const Round& first, double t_end, const ExtractOptions& o) {
-  Separated s = without_ring(f, first, t_end, o);
-  if (first.intervals.empty() || !s.model.rise) return {};
+Separated separate_at_rest(const Force& f, const Round& first, const Separated& bare, double t_end,
+                           const ExtractOptions& o) {
+  if (!bare.model.rise || convincing(bare)) return {};
+  const Ring ring = ring_at_rest(f, bare.model.rise->touch, t_end, o);
+  if (ring.empty()) return {};
+  Separated s = bare;
   const Search search{f, t_end, last_event(first), onset_range(first, {}, f.signal.t0, t_end), false, 0.0, o};
   const double from = std::min(search.range.first, first.intervals.front().touch - joint_margin_before);
-  const Ring ring = ring_at_rest(f, s.model.rise->touch, t_end, o);
-  if (ring.empty() || !search.look_from_rest(s, from) || search.starts_at_rest(s, ring, from)) return {};
-  s.whole = true;
-  return s;
+  return search.look_from_rest(s, from) && !search.starts_at_rest(s, ring, from) ? s : Separated{};
 }
 
 }  // namespace powbench::dsp

@@ -36,7 +36,9 @@ Separated separate_ring(const Force&, const Round& first, const Measured& core_s
                         const ExtractOptions&);
 
 /// Vibration that only the contact at rest shows, its film never swings below zero: taken where its modes explain the
-/// whole record to the noise, and more of it than a ring that starts at rest. `first`: as above.
-Separated separate_at_rest(const Force&, const Round& first, double t_end, const ExtractOptions&);
+/// whole record to the noise, and more of it than a ring that starts at rest. `first`: as above; `bare`: of
+/// `without_ring`, nothing is looked for where it is convincing.
+Separated separate_at_rest(const Force&, const Round& first, const Separated& bare, double t_end,
+                           const ExtractOptions&);
 
 }  // namespace powbench::dsp

@@ -57,9 +57,9 @@ TEST_CASE("a contact's own motion that no law describes does not bend the vibrat
 
 TEST_CASE(
     "vibration beside lossy contacts is told by the contact at rest, also where nothing swings below zero") {
-  // before, a touch of each was 161 .. 197 us early
+  // before, a touch of each was 161 .. 240 us early; of 310030 a mode of the contact's own went with the true ones
   const SceneClass& ring = class_named("one ring");
-  for (const std::uint64_t seed : {310035, 310065, 310082}) {
+  for (const std::uint64_t seed : {310030, 310035, 310065, 310082}) {
     const Scene s = ring.make(seed);
     const ContactTrain t = dsp::extract_events(s.record, {}).pvdf_a;
     REQUIRE(t.contacts.size() == s.contacts.size());

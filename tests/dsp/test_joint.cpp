@@ -12,6 +12,7 @@
 #include "dsp/force.h"
 #include "dsp/joint_columns.h"
 #include "dsp/joint_fit.h"
+#include "dsp/joint_ring.h"
 #include "dsp/separate.h"
 
 using namespace powbench;
@@ -82,6 +83,24 @@ TEST_CASE("joint fit: a contact at rest tells the poles of a ring whose first cl
   CHECK(std::abs(m.ring.modes[0].pole.hertz - 3000) < 2);
   CHECK(std::abs(m.ring.modes[0].pole.hertz - 3000) <
         0.5 * std::abs(open_time_alone.ring.modes[0].pole.hertz - 3000));
+}
+
+TEST_CASE("joint fit: a mode that no vibration has goes, and the others are fitted again") {
+  const Signal s = scene(0.05);
+  const ExtractOptions o;
+  const JointInput in{s, 0.05, 0.015, 0.5e-3, 2.8e-3, o};
+  JointModel m = fit_joint(in, rough_start(), 20);
+  const RingMode damped{{800.0, 0.1 * 2 * pi * 800}, 1.0, 0.5},
+      slow{{0.9 * o.ring_low_hertz, 0.01 * 2 * pi * o.ring_low_hertz}, 1.0, 0.5};
+  m.ring.modes = {damped, m.ring.modes[0], slow};
+  m.pulses[0].shape.peak += 1;
+  keep_within_limits(in, m);
+  REQUIRE(m.ring.modes.size() == 1);
+  CHECK(m.ring.modes[0].pole.hertz == Approx(3000).margin(3));
+  CHECK(m.reduced() == Approx(1.0).margin(0.2));
+  m.ring.modes = {damped};
+  keep_within_limits(in, m);
+  CHECK(m.ring.empty());
 }
 
 TEST_CASE("joint fit: derivatives are those of the model, with and without bends") {
