@@ -389,11 +389,12 @@ Separated separate_at_rest(const Force& f, const Round& first, const Separated& 
                            const ExtractOptions& o) {
   if (!bare.model.rise || convincing(bare)) return {};
   const Ring ring = ring_at_rest(f, bare.model.rise->touch, t_end, o);
-  if (ring.empty()) return {};
   Separated s = bare;
   const Search search{f, t_end, last_event(first), onset_range(first, {}, f.signal.t0, t_end), false, 0.0, o};
   const double from = std::min(search.range.first, first.intervals.front().touch - joint_margin_before);
-  return search.look_from_rest(s, from) && !search.starts_at_rest(s, ring, from) ? s : Separated{};
+  // an opening that the ring hides would show the ring alone, which swings below zero
+  if (!search.look_from_rest(s, from) || s.model.pulses.size() > bare.model.pulses.size()) return {};
+  return search.starts_at_rest(s, ring, from) ? Separated{} : s;
 }
 
 }  // namespace powbench::dsp
