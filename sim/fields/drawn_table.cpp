@@ -11,9 +11,9 @@ namespace powbench::sim {
 namespace {
 
 /// What the halving of all triangles changes at one flux and gap: the larger of current and pull, relative. On the
-/// halved mesh a solution to 1e-4 of the energy says it, from that of the drawn one on.
+/// halved mesh a solution to 1e-3 of the energy says it, from that of the drawn one on.
 double halving_error(const DrawnGap& drawn, const DrawnGap& halved, double psi, double gap) {
-  DrawnField coarse(drawn, {1e-6}), fine(halved, {1e-4});
+  DrawnField coarse(drawn, {1e-4}), fine(halved, {1e-3});
   coarse.set_gap(gap);
   fine.set_gap(gap);
   const auto a = coarse.at_flux(psi, 0, {}, true);
