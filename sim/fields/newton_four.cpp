@@ -214,8 +214,8 @@ std::array<NewtonReport, 4> NewtonFour::solve(const std::vector<Circuit>& circui
   // Tolerances: a step smaller than this is enough where the third order of the energy is small, or is followed by
   // one with the Hessian it was made with.
   constexpr double near = 10;
-  // Of the tolerance: what a step may leave by its third order, a lower bound. Of the states of five drawings 99 %
-  // leave less than 300 times that.
+  // Of the tolerance: what a step may leave by its third order, a lower bound. Of the states of five drawings
+  // that went on 99 % left less than 300 times that.
   constexpr double trusted = 1e-5;
   std::array<NewtonReport, 4> reports;
   Step step;
@@ -274,7 +274,7 @@ std::array<NewtonReport, 4> NewtonFour::solve(const std::vector<Circuit>& circui
   return reports;
 }
 
-/// One more step with the Hessian of the last one, whose decrements were `decrement`: a quarter of the work. Such steps
+/// One more step with the Hessian of the last one, whose decrements were `decrement`: no factorisation. Such steps
 /// shrink the decrement by the same factor each, so this one leaves (its own)^2 / (the last one).
 void NewtonFour::chord(const std::vector<Circuit>& circuits, Vectors& current, const Four& decrement,
                        const NewtonOptions& options, std::array<NewtonReport, 4>& reports) {

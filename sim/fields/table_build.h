@@ -64,8 +64,8 @@ struct TablePlan {
 TablePlan plan_table(const MagnetDesign&, const TableOptions&);
 
 /// Where the iterations of a table's states end: energies, currents and pulls then err by far less than the tolerance,
-/// the mixed derivatives, which are those before the last step, by about its root; that of three variables is made of
-/// their differences.
+/// the mixed derivatives, which are those before the last step, by up to the root of ten times it; that of three
+/// variables is made of their differences.
 NewtonOptions newton_of_table(double accuracy, bool ring);
 
 /// The same for any coil without ring, up to this flux linkage, Wb.
