@@ -10,10 +10,11 @@
 ///
 /// Near the edge, with tau = (t - t0) / span on its closed side and 0 on its open side,
 ///   F(t) = tau^q (a0 + a1 tau + a2 tau^2) + b.
-/// q = 0 is a jump (a damped pad), 1 a linear spring, 1.5 Hertz; the terms bend it to whatever follows. For every q
-/// and t0 on a grid the amplitudes have Gaussian priors and are integrated out in closed form; the mean over that
-/// posterior is the time, its standard deviation the uncertainty: what the laws disagree about is in it. With a
-/// `delay` the powers of tau are those that the amplifier shows (dsp/amplifier.h).
+/// q = 0 is a jump (a damped pad), 1 a linear spring, 1.5 Hertz; the terms bend it to whatever follows, and a jump
+/// that no low-pass smooths has a3 tau^3, too. For every q and t0 on a grid the amplitudes have Gaussian priors
+/// and are integrated out in closed form; the mean over that posterior is the time, its standard deviation the
+/// uncertainty: what the laws disagree about is in it. With a `delay` the powers of tau are those that the amplifier
+/// shows (dsp/amplifier.h).
 
 namespace powbench::dsp {
 

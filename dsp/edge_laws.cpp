@@ -11,17 +11,28 @@ namespace powbench::dsp {
 
 namespace {
 
-constexpr std::size_t law_count = edge_laws, terms = edge_terms;
+constexpr std::size_t law_count = edge_laws;
+
+/// The terms of a law: a jump may have one more, so that over a long span it bends as well as a power that begins
+/// steeply.
+constexpr std::size_t terms_of(std::size_t law, std::size_t most) {
+  return law == 0 ? most : edge_terms;
+}
+
 /// Four times the exponents 0, 0.75, 1, 1.25, 1.5, 1.75, 2: the place of a law's first power in a table of quarter
 /// powers. The lane behind the last law repeats it and weighs nothing.
 constexpr std::array<std::size_t, wide_lanes> first_power{0, 3, 4, 5, 6, 7, 8, 8};
 /// Most pads are springs or round.
 constexpr Wide before{0.3, 0.3, 1, 1, 1, 0.3, 0.1, 0};
 constexpr double largest_term = 3;  // standard deviation of a term over the largest force in sight
-constexpr double zero_error = 2;    // of the open level, over the noise
+/// The same of a3 in a jump: pads that stick to the end break, with little after it. None behind an amplifier's
+/// low-pass, where nothing jumps.
+constexpr double last_at_touch = 1, last_at_release = 0.1;
+constexpr double zero_error = 2;                 // of the open level, over the noise
 constexpr double pulls = 3.3546262790251185e-4;  // e^-8: weight of a law that begins by pulling
 
 /// Sums of all laws over the rows, a lane each: products of their terms j >= k, the terms, and y times the terms.
+template <std::size_t terms>
 struct Sums {
   Wide square[terms][terms], plain[terms], data[terms];
 };
@@ -89,18 +100,21 @@ POWBENCH_WIDE SharedSums shared_sums(const EdgeRows& r, double t0, double span) 
   return s;
 }
 
-POWBENCH_WITHIN_WIDE void sums_of(const SharedSums& s, Sums& out) {
+template <std::size_t terms>
+POWBENCH_WITHIN_WIDE void sums_of(const SharedSums& s, Sums<terms>& out) {
+  if (terms > edge_terms) out = {};
   for (std::size_t l = 0; l < wide_lanes; ++l) {
-    const std::size_t q = first_power[l];
-    for (std::size_t j = 0; j < terms; ++j)
+    const std::size_t q = first_power[l], n = terms_of(l, terms);
+    for (std::size_t j = 0; j < n; ++j)
       for (std::size_t k = 0; k <= j; ++k) out.square[j][k][l] = s.half[q + 2 * (j + k)];
-    for (std::size_t k = 0; k < terms; ++k)
+    for (std::size_t k = 0; k < n; ++k)
       out.plain[k][l] = s.quarter[q + 4 * k], out.data[k][l] = s.data[q + 4 * k];
   }
 }
 
 /// Rows near the edge as the amplifier shows them, in place of the bare powers.
-POWBENCH_WITHIN_WIDE void smooth(Sums& s, const EdgeRows& r, double t0, double span) {
+POWBENCH_WITHIN_WIDE void smooth(Sums<edge_terms>& s, const EdgeRows& r, double t0, double span) {
+  constexpr std::size_t terms = edge_terms;
   const double from = r.side > 0 ? smoothed_from_touch : smoothed_from_release, unit = r.delay / span;
   QuarterPowers scale, shown, bare;
   const double root = std::sqrt(std::sqrt(unit));
@@ -128,37 +142,30 @@ POWBENCH_WITHIN_WIDE void smooth(Sums& s, const EdgeRows& r, double t0, double s
   }
 }
 
-}  // namespace
-
-double law_prior(std::size_t law) {
-  return before[law];
-}
-
-EdgeTotals totals_of(const EdgeRows& r) {
-  EdgeTotals t{static_cast<double>(r.t.size()), 0, 0};
-  for (const double v : r.y) t.y += v, t.yy += v * v;
-  return t;
-}
-
-POWBENCH_WIDE EdgeEvidence evidence_at(const EdgeRows& r, const EdgeTotals& all, double t0, double span,
-                                       bool breaks, bool with_chi2) {
+/// `last`: of a3, where there are four terms.
+template <std::size_t terms>
+POWBENCH_WITHIN_WIDE EdgeEvidence evidence_of(const EdgeRows& r, const EdgeTotals& all, double t0,
+                                              double span, bool breaks, double last, bool with_chi2) {
   const SharedSums shared = shared_sums(r, t0, span);
-  Sums s;
+  Sums<terms> s;
   sums_of(shared, s);
-  if (r.delay > 0) smooth(s, r, t0, span);
+  if constexpr (terms == edge_terms)
+    if (r.delay > 0) smooth(s, r, t0, span);
   // Normal equations with unit priors, the zero first and a0 last, whose sign is asked for: L D L^T without roots.
-  constexpr std::size_t n = edge_unknowns;
-  const double scale = largest_term * r.top / r.noise;
+  constexpr std::size_t n = terms + 1;
+  const double top = r.top / r.noise;
+  double scale[n];
+  for (std::size_t j = 1; j < n; ++j) scale[j] = (terms - j < edge_terms ? largest_term : last) * top;
   Wide m[n][n], b[n], d[n], z[n];
   const Wide one = {1, 1, 1, 1, 1, 1, 1, 1};
   m[0][0] = (zero_error * zero_error * all.n + 1) * one;
   b[0] = zero_error * all.y * one;
   for (std::size_t j = 1; j < n; ++j) {
     const std::size_t p = terms - j;
-    m[j][0] = scale * zero_error * s.plain[p];
-    b[j] = scale * s.data[p];
+    m[j][0] = scale[j] * zero_error * s.plain[p];
+    b[j] = scale[j] * s.data[p];
     for (std::size_t k = 1; k <= j; ++k) {
-      m[j][k] = scale * scale * s.square[terms - k][p];
+      m[j][k] = scale[j] * scale[k] * s.square[terms - k][p];
       if (j == k) m[j][k] += one;
     }
   }
@@ -203,6 +210,25 @@ POWBENCH_WIDE EdgeEvidence evidence_at(const EdgeRows& r, const EdgeTotals& all,
       e.chi2 += x[j] * x[k] * (m[std::max(j, k)][std::min(j, k)][at] - (j == k ? 1.0 : 0.0));
   }
   return e;
+}
+
+}  // namespace
+
+double law_prior(std::size_t law) {
+  return before[law];
+}
+
+EdgeTotals totals_of(const EdgeRows& r) {
+  EdgeTotals t{static_cast<double>(r.t.size()), 0, 0};
+  for (const double v : r.y) t.y += v, t.yy += v * v;
+  return t;
+}
+
+POWBENCH_WIDE EdgeEvidence evidence_at(const EdgeRows& r, const EdgeTotals& all, double t0, double span,
+                                       bool breaks, bool with_chi2) {
+  if (r.delay > 0) return evidence_of<edge_terms>(r, all, t0, span, breaks, 0, with_chi2);
+  return evidence_of<edge_terms + 1>(r, all, t0, span, breaks, breaks ? last_at_release : last_at_touch,
+                                     with_chi2);
 }
 
 }  // namespace powbench::dsp

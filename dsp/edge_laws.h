@@ -8,7 +8,7 @@
 
 namespace powbench::dsp {
 
-inline constexpr int edge_terms = 3;                  ///< a0 .. a2
+inline constexpr int edge_terms = 3;                  ///< a0 .. a2; a jump, q = 0, has a3, too
 inline constexpr std::size_t edge_laws = 7;           ///< exponents q
 inline constexpr int edge_unknowns = edge_terms + 1;  ///< and b
 

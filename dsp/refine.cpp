@@ -21,7 +21,7 @@ constexpr double far_from_law =
 /// Of the closed time, or of four times the last fall (`rise_of`; a half sine's duration) where a contact rests first:
 /// by so much the losses of a pad date its release otherwise than the laws of an edge. Where no noise hides it
 /// (1 MS/s), 5.7 % of the releases of the tuning seeds lay beyond 3 u without it.
-constexpr double of_a_loss = 1e-3, falls = 4;
+constexpr double of_a_loss = 1.5e-3, falls = 4;
 /// s; beside an opening the laws of an edge bend within a time of the opening's own length: u grows by the root of
 /// 1 + (bend / opening)^2. On the tuning seeds, error over u is 2.0 up to 0.1 ms and 1.35 up to 0.2 ms without it.
 constexpr double bend = 40e-6;
@@ -176,19 +176,31 @@ struct Beside {
 
 /// Do the shapes that describe whole contacts agree with what stands beside the edges? The sum over all edges of the
 /// squared difference over what it may be; two estimates of one time, the better of which uses all of the other's
-/// samples, differ by u^2(worse) - u^2(better). One answer for a record: all its contacts have the same pads.
+/// samples, differ by u^2(worse) - u^2(better). A wrong shape makes all contacts too wide or all too narrow, each by
+/// less than it may be: the signed sum shows it. One answer for a record: all its contacts have the same pads.
 struct Agreement {
-  double squares = 0, edges = 0, weight = 0;
+  double squares = 0, wider = 0, edges = 0;
 
-  void add(const Measured& shape, const EdgeAnswer& beside) {
+  /// `side`: +1 touch, -1 release.
+  void add(const Measured& shape, const EdgeAnswer& beside, int side) {
     if (!beside.known || !shape.known()) return;
     const double u = beside.time.u, apart = shape.value - beside.time.value;
-    squares += apart * apart / std::max(u * u - shape.u * shape.u, 0.25 * u * u);
+    const double may_be = std::max(u * u - shape.u * shape.u, 0.25 * u * u);
+    squares += apart * apart / may_be;
+    wider -= side * apart / std::sqrt(may_be);
     edges += 1;
   }
-  bool holds() const { return edges > 0 && squares < edges * reduced_chi2_quantile(0.995, edges); }
+  /// Of all edges together, in standard deviations.
+  double width() const { return std::abs(wider) / std::sqrt(edges); }
+  bool holds() const {
+    constexpr double share = 0.995, widest = 2.5;
+    return edges > 0 && squares < edges * reduced_chi2_quantile(share, edges) && width() < widest;
+  }
   /// s of `u` that the agreement leaves open: a shape that is wrong by less than that is not found out.
-  double open(double u) const { return 0.4 * u / std::sqrt(edges); }
+  double open(double u) const {
+    constexpr double least = 0.2, chance = 1;
+    return std::max(least, width() - chance) * u / std::sqrt(edges);
+  }
 };
 
 void doubt_beside(EdgeAnswer& edge, double opening) {
@@ -196,13 +208,13 @@ void doubt_beside(EdgeAnswer& edge, double opening) {
 }
 
 /// Touch of a contact that stays closed. Its shape is a guess about what comes afterwards: the further it is from what
-/// the edge says, the less it counts, and only two thirds of the certainty that it adds are taken.
+/// the edge says, the less it counts, and only half of the certainty that it adds is taken.
 Measured touch_that_lasts(const Contact& c, const EdgeAnswer& beside) {
   if (!beside.known) return c.touch;
   const Measured own = beside.time;
   const double apart = c.touch.value - own.value, guess = std::hypot(c.touch.u, own.u, apart),
                all = std::hypot(own.u, guess), both = guess / all;
-  return {own.value + own.u * own.u / (all * all) * apart, own.u * std::sqrt((1 + 2 * both * both) / 3)};
+  return {own.value + own.u * own.u / (all * all) * apart, own.u * std::sqrt((1 + both * both) / 2)};
 }
 
 /// An edge that was not dated with the amplifier's response: it shows up to a delay D early on rising and late on
@@ -248,8 +260,8 @@ std::vector<Grazing> refine_contacts(std::vector<Contact>& contacts, const EdgeF
     }
     if (c.flags & flag_poor_fit) continue;
     if (!c.release.known()) continue;
-    agreement.add(c.touch, b.touch);  // each edge by itself: what the touches say about the law follows
-    agreement.add(c.release, b.release);
+    agreement.add(c.touch, b.touch, +1);  // each edge by itself: what the touches say about the law follows
+    agreement.add(c.release, b.release, -1);
   }
   std::vector<EdgeAnswer*> touches;
   for (Beside& b : beside)
