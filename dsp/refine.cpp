@@ -4,10 +4,10 @@
 #include <cmath>
 
 #include "dsp/crest.h"
-#include "dsp/dip.h"
 #include "dsp/edge.h"
 #include "dsp/extreme.h"
 #include "dsp/one_law.h"
+#include "dsp/openings.h"
 #include "dsp/shows.h"
 #include "dsp/statistics.h"
 
@@ -27,8 +27,6 @@ constexpr double of_a_loss = 1.5e-3, falls = 4;
 constexpr double bend = 40e-6;
 constexpr double sticking = 150e-6;   // s that a pad may pull while it breaks
 constexpr double still_there = 1e-3;  // s that vibration lasts at least
-constexpr double longest_rise =
-    1.5e-3;  // s from a touch to its first maximum, or from the last one to its release
 
 /// s from t inwards (side +1: later) in which the force makes three quarters of its way to the first maximum, at
 /// least a quarter of the time to it; looking no further than `reach`.
@@ -46,78 +44,6 @@ double rise_of(const CalmForce& calm, const Signal& force, double t, int side, d
   }
   const auto most = std::find_if(way.begin(), way.end(), [&](double v) { return v >= 0.75 * top; });
   return std::max(static_cast<double>(most - way.begin()) * force.dt, 0.25 * at);
-}
-
-/// N: amplitude of the vibration that is still in the force, where an opening may be no more than a single trough of
-/// it; else 0. An opening lets the vibration swing on about zero: up by most of its amplitude and down again before the
-/// contact closes. Where it does not, a low contact force and a trough look the same. `vibration`: N, its amplitude
-/// where it is known to be there, else 0.
-double one_trough(const CalmForce& quiet, const Signal& force, const Contact& before, const Contact& after,
-                  double vibration) {
-  constexpr double half_a_period = 0.4e-3;  // s, of the slowest core vibration
-  if (after.touch.value - before.release.value > half_a_period) return 0;
-  const double amplitude =
-      std::max(vibration, swing_below(quiet, force, before.release.value, after.touch.value));
-  if (!(amplitude > 0)) return 0;
-  const std::size_t first = force.index_at(before.release.value), last = force.index_at(after.touch.value);
-  double low = 1e300,
-         high = -1e300;  // lowest so far; highest since the force has come up by most of the amplitude
-  std::size_t up = last;
-  for (std::size_t i = first; i < last; ++i) {
-    const double v = quiet.value[i];
-    if (v < low) low = v, up = last;
-    if (v > low + 0.7 * amplitude) high = std::max(high, v), up = std::min(up, i);
-    if (v < high - 0.5 * amplitude) return 0;
-  }
-  // a pad that pulls when it breaks leaves zero behind it
-  return 4 * (last - up) < last - first ? amplitude : 0;
-}
-
-/// An opening shows no force. What the levels took for one is looked at again: one smooth indentation through both
-/// edges says how probable it is that the contact opened; with less than one half (0.3 in loud noise) it is not listed.
-/// Where none explains the force, a least force that stands clear of zero makes the two contacts one.
-std::vector<Grazing> close_dips(std::vector<Contact>& contacts, const CalmForce& quiet, const Signal& force,
-                                double noise, double vibration, double wander) {
-  constexpr double longest_dip = 0.6e-3, beside = 40e-6;  // s
-  constexpr double sure = 0.003, loud = 0.03, trough = 0.3;
-  std::vector<Grazing> out;
-  for (std::size_t i = 0; i + 1 < contacts.size(); ++i) {
-    Contact &a = contacts[i], &b = contacts[i + 1];
-    const double gap = b.touch.value - a.release.value;
-    if (!(gap < longest_dip)) continue;
-    const double after = b.release.known() ? b.release.value - b.touch.value : longest_rise;
-    const double closed = 0.7 * std::min(a.release.value - a.touch.value, after);
-    const Dip dip = look_at_dip(force, a.release.value, b.touch.value, closed, noise, wander);
-    double opened = dip.opened;
-    if (!dip.known) {
-      const double margin = std::max(beside, 0.5 * gap);
-      const Measured least =
-          locate_extreme(force, a.release.value - margin, b.touch.value + margin, -1, noise);
-      opened = least.known() && least.value > least.u + 2 * wander ? 0 : 1;
-    }
-    if (const double moved = one_trough(quiet, force, a, b, vibration); moved > 0) {
-      // an opening beyond doubt, though the vibration moves the zero of the dip, is no trough of it
-      const Dip with =
-          look_at_dip(force, a.release.value, b.touch.value, closed, noise, std::hypot(wander, moved));
-      if (!(dip.known && dip.sure && with.known && with.sure))
-        opened = std::clamp(opened, trough, 1 - trough);
-    }
-    // where the noise hides how the force bends, what two levels saw apart stays apart unless the dip speaks against it
-    const bool listed = opened >= (dip.noise > loud ? trough : 0.5);
-    const bool uncertain = std::min(opened, 1 - opened) > sure;
-    if (uncertain) (listed ? b : a).flags |= flag_grazing;
-    if (listed) b.probability *= opened;
-    if (uncertain) out.push_back({i, a.touch.value, b.touch.value, a.release.value, opened, listed});
-    if (listed) continue;
-    if (!(a.peak.value > b.peak.value)) a.peak = b.peak;
-    a.impulse = {a.impulse.value + b.impulse.value, std::hypot(a.impulse.u, b.impulse.u)};
-    if (!b.release.known()) a.impulse = {};
-    a.release = b.release;
-    a.flags |= b.flags;
-    contacts.erase(contacts.begin() + static_cast<std::ptrdiff_t>(i + 1));
-    --i;
-  }
-  return out;
 }
 
 /// s by which vibration that is still in the force may move an edge: as far as it swings below zero on the open side,
@@ -234,6 +160,7 @@ std::vector<Grazing> refine_contacts(std::vector<Contact>& contacts, const EdgeF
   const CalmForce quiet{calm.value, calm.noise * white / noise};  // swings stand out of this
   std::vector<Grazing> grazing =
       close_dips(contacts, quiet, force, noise, noise > 2 * white ? 1.4 * noise : 0.0, film.wander);
+  doubt_dips(contacts, grazing, force, noise, film.wander);
   std::vector<Beside> beside(contacts.size());
   Agreement agreement;
   for (std::size_t i = 0; i < contacts.size(); ++i) {

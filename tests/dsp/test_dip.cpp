@@ -1,10 +1,16 @@
+#include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
+#include <vector>
 
+#include "bench/dsp_rig_truth.h"
 #include "bench/dsp_synth.h"
 #include "dsp/dip.h"
+#include "dsp/extract.h"
+#include "dsp/openings.h"
 
-/// Whether a contact opened in a dip, on indentations whose least value is drawn, with the friction of a guide.
+/// Whether a contact opened in a dip, on indentations whose least value is drawn, with the friction of a guide; and
+/// what an opening too short to be listed does to the times around it.
 
 using namespace powbench;
 using namespace powbench::dsp;
@@ -60,4 +66,42 @@ TEST_CASE("dip: of those called open with a probability, that share is open", "[
   CHECK(known > 0.9 * trials);
   CHECK(std::abs(opened - expected) < 3 * std::sqrt(variance) + 1);
   CHECK(doubtful > 0.2 * trials);  // else the noise would decide nothing here
+}
+
+TEST_CASE("dip: an opening that is not listed is a doubt of the contact it lies in", "[dip]") {
+  bench::Random r(4713);
+  const auto doubts = [&](double least) {
+    std::vector<Contact> one(1);
+    one[0].touch = {middle - 0.35e-3, 1e-6}, one[0].release = {middle + 0.35e-3, 1e-6};
+    std::vector<Grazing> grazing;
+    doubt_dips(one, grazing, dip_of(least, 1.25, 0.1, 0, r), noise, 0);
+    CHECK(grazing.empty() == !(one[0].flags & flag_grazing));
+    return grazing;
+  };
+  CHECK(doubts(8).empty());  // 0.6 N stand clear of zero
+  const std::vector<Grazing> open = doubts(-0.5);
+  REQUIRE(open.size() == 1);
+  CHECK_FALSE(open[0].listed);
+  CHECK(open[0].opened > 0.2);
+  CHECK(std::abs(open[0].release - middle) < 0.1e-3);
+  CHECK(open[0].after > open[0].release);
+}
+
+/// At this angle both contacts of the rig open for 17 us, shorter than the levels resolve, a millisecond before they
+/// part: the one contact that is listed ends at either.
+TEST_CASE("dip: a short opening of the simulated rig is in u", "[dip]") {
+  bench::RigTruth rig = bench::rig_record(200e3, 2 * pi * 9.3 / 25, 50.0, 310009);
+  std::erase_if(rig.record.channels, [](const ChannelRecord& c) {
+    return c.channel == Channel::contact_a || c.channel == Channel::aux;
+  });
+  const ContactTrain film = extract_events(rig.record, {}).pvdf_a;
+  const auto truth = std::find_if(rig.film_a.begin(), rig.film_a.end(),
+                                  [](const bench::TrueContact& c) { return c.release > 16.4e-3; });
+  REQUIRE(std::next(truth)->touch - truth->release < 20e-6);
+  const auto found = std::find_if(film.contacts.begin(), film.contacts.end(), [&](const Contact& c) {
+    return std::abs(c.touch.value - truth->touch) < 10e-6;
+  });
+  REQUIRE(found != film.contacts.end());
+  CHECK((found->flags & flag_grazing) != 0);
+  CHECK(std::abs(found->release.value - truth->release) < 3 * found->release.u);
 }

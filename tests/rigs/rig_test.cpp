@@ -86,7 +86,7 @@ TEST_CASE("a safety relay that does not follow is a fault of its own, and nothin
     CHECK(shot.outcome != Outcome::pass);
     CHECK(shot.interlock);
     INFO(shot.reason);
-    CHECK(shot.reason.find("does not close") != std::string::npos);
+    CHECK_THAT(shot.reason, Catch::Contains("does not close"));
   }
   SECTION("it does not open: the first shot is whole, the second is refused") {
     config.faults.relay_welded = true;
@@ -96,7 +96,7 @@ TEST_CASE("a safety relay that does not follow is a fault of its own, and nothin
     CHECK(second.outcome != Outcome::pass);
     CHECK(second.interlock);
     INFO(second.reason);
-    CHECK(second.reason.find("does not open") != std::string::npos);
+    CHECK_THAT(second.reason, Catch::Contains("does not open"));
   }
 }
 
@@ -123,24 +123,24 @@ TEST_CASE("faults on request end in a sentence, and the rig works again afterwar
       CHECK(shot.outcome == Outcome::error);
       CHECK(shot.interlock);
       CHECK(shot.latched);  // a fault of the coil's circuit is not ended by whoever fires
-      CHECK(shot.reason.find("no coil current") != std::string::npos);
+      CHECK_THAT(shot.reason, Catch::Contains("no coil current"));
     }
     CHECK(rig->abort());  // acknowledged: the next shot is tried
-    CHECK(rig->fire(at(0), 60s).reason.find("the rig tripped: no coil current") != std::string::npos);
+    CHECK_THAT(rig->fire(at(0), 60s).reason, Catch::Contains("the rig tripped: no coil current"));
   }
   SECTION("lost samples") {
     config.faults.lost_samples = 3;
     const auto rig = open("sim:", config, {});
     const Shot shot = rig->fire(at(0), 60s);
     CHECK(shot.outcome == Outcome::error);
-    CHECK(shot.reason.find("samples were lost") != std::string::npos);
+    CHECK_THAT(shot.reason, Catch::Contains("samples were lost"));
   }
   SECTION("mains far too low") {
     config.faults.mains_dip = 0.4;
     const auto rig = open("sim:", config, {});
     const Shot shot = rig->fire(at(0), 60s);
     CHECK(shot.outcome == Outcome::error);
-    CHECK(shot.reason.find("phase not valid") != std::string::npos);
+    CHECK_THAT(shot.reason, Catch::Contains("phase not valid"));
   }
 }
 
