@@ -275,23 +275,33 @@ std::array<NewtonReport, 4> NewtonFour::solve(const std::vector<Circuit>& circui
 }
 
 /// One more step with the Hessian of the last one, whose decrements were `decrement`: no factorisation. Such steps
-/// shrink the decrement by the same factor each, so this one leaves (its own)^2 / (the last one).
+/// shrink the decrement by the same factor each, so this one leaves (its own)^2 / (the last one). Where it shrinks
+/// little, or the energy rises, that Hessian says nothing any more and the step is not taken.
 void NewtonFour::chord(const std::vector<Circuit>& circuits, Vectors& current, const Four& decrement,
                        const NewtonOptions& options, std::array<NewtonReport, 4>& reports) {
   constexpr double trusted = 1e-7;  // of the tolerance, of what is left
+  constexpr double shrinks = 0.25, rounding = 1e-12;
   Step step;
   downhill(current, step);
   cholesky_.solve_again(step.da.data());
   close_circuits(circuits, current, step);
   const Four own = decrement_of(circuits, current, step);
-  Four whole;
-  std::fill_n(whole.of, four, 1.0);
-  take(step, whole, current);
+  const Four energy = energy_;
+  Four share, back;
+  for (std::size_t p = 0; p < four; ++p) share.of[p] = own.of[p] < shrinks * decrement.of[p] ? 1 : 0;
+  take(step, share, current);
   evaluate(false);
   for (std::size_t p = 0; p < four; ++p) {
-    const double left = own.of[p] * own.of[p], limit = trusted * options.tolerance * std::fabs(energy_.of[p]);
+    const double size = std::fabs(energy.of[p]);
+    const bool falls = energy_.of[p] <= energy.of[p] + rounding * size;
+    back.of[p] = falls ? 0 : -share.of[p];
+    if (!falls || share.of[p] == 0) continue;
+    const double left = own.of[p] * own.of[p], limit = trusted * options.tolerance * size;
     reports[p].converged = reports[p].converged || left <= limit * decrement.of[p];
   }
+  if (std::all_of(back.of, back.of + four, [](double b) { return b == 0; })) return;
+  take(step, back, current);
+  evaluate(false);
 }
 
 /// The currents of one more step with the last Hessian: they err by the square of what is left, as the energy does.

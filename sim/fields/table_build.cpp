@@ -128,7 +128,7 @@ std::uint64_t mixed_hash(std::uint64_t hash, const TableOptions& o) {
 }
 
 std::uint64_t hash_values(const std::vector<double>& values, const Steel& steel) {
-  constexpr std::uint64_t version = 3;  // raise when the same input gives another table
+  constexpr std::uint64_t version = 4;  // raise when the same input gives another table
   std::uint64_t hash = version;
   const auto mix = [&](double value) { hash = mixed_hash(hash, value); };
   for (const double v : values) mix(v);
