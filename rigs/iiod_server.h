@@ -44,8 +44,8 @@ class IiodServer {
   std::unique_ptr<Impl> impl_;
 };
 
-/// A server in a thread of its own, on the first free loopback address from 127.0.0.2 on. Ends with the
-/// object.
+/// A server in a thread of its own, on the first free address of a loopback network that this process alone uses.
+/// Ends with the object.
 class LocalRig {
  public:
   LocalRig(const SimRigConfig&, const sim::Specimen&, const BoardOptions& = {});

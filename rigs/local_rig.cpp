@@ -1,9 +1,23 @@
+#include <unistd.h>
+
 #include <mutex>
+#include <string>
 #include <thread>
 
 #include "rigs/iiod_server.h"
 
 namespace powbench::rigs {
+
+namespace {
+
+/// The loopback network of this process, up to its last number. No other process that runs now has it: one whose own
+/// rig has just gone would find this one in its place, and stop it.
+std::string own_network() {
+  const auto id = static_cast<unsigned>(getpid());
+  return "127." + std::to_string(64 + (id >> 8) % 128) + "." + std::to_string(id & 255) + ".";
+}
+
+}  // namespace
 
 struct LocalRig::Impl {
   std::unique_ptr<IiodServer> server;
@@ -15,10 +29,11 @@ struct LocalRig::Impl {
 LocalRig::LocalRig(const SimRigConfig& config, const sim::Specimen& specimen, const BoardOptions& options)
     : impl_(std::make_unique<Impl>()) {
   std::string last_error;
+  const std::string network = own_network();
   for (int host = 2; host < 255 && !impl_->server; ++host) {
     try {
-      impl_->server = std::make_unique<IiodServer>(config, specimen, "127.0.0." + std::to_string(host),
-                                                   iiod_port, options);
+      impl_->server =
+          std::make_unique<IiodServer>(config, specimen, network + std::to_string(host), iiod_port, options);
     } catch (const AddressError& e) {
       last_error = e.what();
     }
