@@ -44,7 +44,7 @@ class IiodServer {
   std::unique_ptr<Impl> impl_;
 };
 
-/// A server in a thread of its own, on the first free address of a loopback network that this process alone uses.
+/// A server in a thread of its own, on the first free address of a loopback network that other processes hardly use.
 /// Ends with the object.
 class LocalRig {
  public:

@@ -10,8 +10,8 @@ namespace powbench::rigs {
 
 namespace {
 
-/// The loopback network of this process, up to its last number. No other process that runs now has it: one whose own
-/// rig has just gone would find this one in its place, and stop it.
+/// The loopback network of this process, up to its last number. Another one hardly has the same (15 bits of the id):
+/// a process whose own rig has just gone would find this one in its place, and stop it.
 std::string own_network() {
   const auto id = static_cast<unsigned>(getpid());
   return "127." + std::to_string(64 + (id >> 8) % 128) + "." + std::to_string(id & 255) + ".";
