@@ -9,8 +9,8 @@
 
 #include "bench/dsp_rig_truth.h"
 #include "core/phase.h"
-#include "dsp/extract.h"
-#include "dsp/force.h"
+#include "dsp/events/extract.h"
+#include "dsp/filter/force.h"
 
 namespace powbench::bench {
 

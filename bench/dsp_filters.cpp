@@ -11,8 +11,8 @@
 #include "bench/dsp_filters_peer.h"
 #include "bench/dsp_synth.h"
 #include "core/units.h"
-#include "dsp/cascade.h"
-#include "dsp/spectrum.h"
+#include "dsp/filter/cascade.h"
+#include "dsp/signal/spectrum.h"
 
 /// Speed and rounding of the filters beside scipy in the same run. Prints one table; `--json PATH` writes it too.
 /// Usage: bench_dsp_filters [--repeats N] [--plan quick|thorough] [--json PATH]

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "dsp/filter_design.h"
+#include "dsp/filter/filter_design.h"
 
 /// What the filters are compared with: scipy, run as a child process, or else a textbook cascade and DFT in C++.
 

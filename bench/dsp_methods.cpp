@@ -5,12 +5,12 @@
 #include <cmath>
 #include <limits>
 
-#include "dsp/contact_train.h"
-#include "dsp/core_seat.h"
-#include "dsp/force.h"
-#include "dsp/least_squares.h"
-#include "dsp/sos.h"
-#include "dsp/statistics.h"
+#include "dsp/contacts/contact_train.h"
+#include "dsp/events/core_seat.h"
+#include "dsp/filter/force.h"
+#include "dsp/filter/sos.h"
+#include "dsp/signal/least_squares.h"
+#include "dsp/signal/statistics.h"
 
 namespace powbench::bench {
 

@@ -5,8 +5,8 @@
 #include <limits>
 
 #include "core/units.h"
-#include "dsp/least_squares.h"
-#include "dsp/statistics.h"
+#include "dsp/signal/least_squares.h"
+#include "dsp/signal/statistics.h"
 
 namespace powbench::bench {
 

@@ -13,7 +13,7 @@
 #include "bench/dsp_metrics.h"
 #include "bench/dsp_synth.h"
 #include "core/phase.h"
-#include "dsp/extract.h"
+#include "dsp/events/extract.h"
 
 /// Speed against error of the contact extraction. Prints one table; `--json PATH` writes it too, and the picture
 /// beside it.

@@ -11,7 +11,7 @@
 
 #include "core/cpu_time.h"
 #include "core/phase.h"
-#include "dsp/extract.h"
+#include "dsp/events/extract.h"
 #include "rigs/iiod_server.h"
 #include "rigs/registry.h"
 #include "rigs/simulated_record.h"

@@ -16,7 +16,7 @@
 #include <vector>
 
 #include "bench/sim_euler_peer.h"
-#include "sim/closing.h"
+#include "sim/models/closing.h"
 
 namespace {
 

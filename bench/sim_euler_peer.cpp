@@ -5,8 +5,8 @@
 #include <numbers>
 
 #include "core/commanded_phase.h"
-#include "sim/contact_damping.h"
-#include "sim/magnetic_circuit.h"
+#include "sim/magnetics/circuit/magnetic_circuit.h"
+#include "sim/mechanics/contact_damping.h"
 
 namespace powbench::bench {
 namespace {

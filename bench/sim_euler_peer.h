@@ -1,7 +1,7 @@
 #pragma once
 
 #include "core/conditions.h"
-#include "sim/specimen.h"
+#include "sim/specimen/specimen.h"
 
 /// The peer of `sim_closing`: the usual way to simulate a contactor, semi-implicit Euler with a fixed step
 /// and contacts tested once a step. Written on its own, so that it also checks the equations of the product.

@@ -16,8 +16,8 @@
 #include <vector>
 
 #include "core/random.h"
-#include "sim/closing.h"
-#include "sim/validate.h"
+#include "sim/models/closing.h"
+#include "sim/specimen/validate.h"
 
 namespace {
 

@@ -5,7 +5,7 @@
 
 #include "rigs/fault_line.h"
 #include "rigs/sim_rig_config.h"
-#include "sim/specimen.h"
+#include "sim/specimen/specimen.h"
 
 /// The simulated rig as a board on a serial line: the native firmware with its plant behind a pseudo-terminal
 /// whose bytes take the time they take on a wire (10 bits a byte). One connection, and READBUF answers at

@@ -50,7 +50,7 @@ enum class FilterPhase : std::uint8_t { zero, causal };
 struct EventFilter {
   enum class Kind : std::uint8_t {
     none,
-    plain,  ///< low-pass at the end of the contact band, where the core's vibration leaves room for one (dsp/bands.h)
+    plain,  ///< low-pass at the end of the contact band, where the vibration leaves room for one (dsp/filter/bands.h)
     low,   ///< low-pass at `high_hertz`
     stop,  ///< band-stop between `low_hertz` and `high_hertz`
   };

@@ -6,10 +6,10 @@
 #include <stdexcept>
 
 #include "core/units.h"
-#include "sim/contact_damping.h"
+#include "sim/magnetics/circuit/remanence.h"
+#include "sim/mechanics/contact_damping.h"
 #include "sim/mechanics/rigid_closing.h"
-#include "sim/remanence.h"
-#include "sim/validate.h"
+#include "sim/specimen/validate.h"
 
 namespace powbench::fmu {
 namespace {

@@ -8,8 +8,8 @@
 
 #include "sim/mechanics/event_solver.h"
 #include "sim/mechanics/rigid_contactor.h"
-#include "sim/specimen.h"
-#include "sim/specimen_potential.h"
+#include "sim/specimen/specimen.h"
+#include "sim/specimen/specimen_potential.h"
 
 /// A contactor that somebody else's simulation drives: rigid bodies and magnetic circuit, as the native simulation has
 /// them, with a coil voltage from outside. Two ways: advance() integrates with located events, or the states, their

@@ -5,7 +5,7 @@
 #include <stdexcept>
 
 #include "fmu/resource.h"
-#include "sim/specimen_fields.h"
+#include "sim/specimen/specimen_fields.h"
 
 namespace powbench::fmu {
 namespace {

@@ -9,7 +9,7 @@
 #include <map>
 #include <stdexcept>
 
-#include "sim/specimen_fields.h"
+#include "sim/specimen/specimen_fields.h"
 
 namespace powbench::fmu {
 namespace {

@@ -3,7 +3,7 @@
 #include <string>
 #include <string_view>
 
-#include "sim/specimen.h"
+#include "sim/specimen/specimen.h"
 
 /// The specimen as the unit carries it with it: resources/contactor.txt. Its numbers are SI with all digits, so that
 /// the unit computes with the same bits as the native simulation.

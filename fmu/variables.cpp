@@ -3,7 +3,7 @@
 #include <string_view>
 
 #include "fmu/contactor_unit.h"
-#include "sim/specimen_fields.h"
+#include "sim/specimen/specimen_fields.h"
 
 namespace powbench::fmu {
 namespace {

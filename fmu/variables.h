@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "sim/specimen.h"
+#include "sim/specimen/specimen.h"
 
 /// The variables of the contactor as a functional mock-up unit, once: the model description and the access by value
 /// reference derive from this table.

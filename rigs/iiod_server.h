@@ -7,7 +7,7 @@
 #include "rigs/board.h"
 #include "rigs/rig.h"
 #include "rigs/sim_rig_config.h"
-#include "sim/specimen.h"
+#include "sim/specimen/specimen.h"
 
 namespace powbench::rigs {
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <span>
 
-#include "sim/plant.h"
+#include "sim/models/plant.h"
 
 namespace powbench::rigs {
 

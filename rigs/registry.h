@@ -8,7 +8,7 @@
 
 #include "rigs/rig.h"
 #include "rigs/sim_rig_config.h"
-#include "sim/specimen.h"
+#include "sim/specimen/specimen.h"
 
 namespace powbench::rigs {
 

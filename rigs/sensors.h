@@ -9,7 +9,7 @@
 #include "core/random.h"
 #include "core/record.h"
 #include "rigs/sim_rig_config.h"
-#include "sim/plant.h"
+#include "sim/models/plant.h"
 
 /// The virtual sensor chain. It turns what the plant does into what the converters give; the simulated rig
 /// and the simulator both record through it, so that a sensor's artefact stands on both sides of a

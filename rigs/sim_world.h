@@ -9,7 +9,7 @@
 #include "rigs/plant_stepper.h"
 #include "rigs/sensors.h"
 #include "rigs/sim_rig_config.h"
-#include "sim/plant.h"
+#include "sim/models/plant.h"
 
 /// The simulated rig's world: plant, virtual sensors and a board with the firmware in lock-step, in virtual time.
 /// Nothing here waits for the wall clock, and a shot depends only on its set-points and seed: arming puts

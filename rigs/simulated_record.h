@@ -6,7 +6,7 @@
 
 #include "core/record.h"
 #include "rigs/sim_rig_config.h"
-#include "sim/closing.h"
+#include "sim/models/closing.h"
 
 namespace powbench::rigs {
 

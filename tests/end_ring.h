@@ -2,7 +2,7 @@
 
 #include <catch2/catch.hpp>
 
-#include "sim/fields/potential_table.h"
+#include "sim/magnetics/table/potential_table.h"
 
 /// What a table with the ends of three dimensions and with the ring's current must obey, whatever its numbers.
 

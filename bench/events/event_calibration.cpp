@@ -15,8 +15,8 @@
 #include "bench/events/scenes.h"
 #include "bench/events/tally.h"
 #include "core/units.h"
-#include "dsp/event_stream.h"
-#include "dsp/extract.h"
+#include "dsp/events/event_stream.h"
+#include "dsp/events/extract.h"
 
 /// Are the events and their uncertainties true on records that the extraction was not made with? Impacts from an
 /// equation of motion, disturbances one at a time, and records in which nothing touches. Prints one table.

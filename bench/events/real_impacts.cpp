@@ -9,8 +9,8 @@
 #include <string>
 #include <vector>
 
-#include "dsp/extract.h"
-#include "dsp/statistics.h"
+#include "dsp/events/extract.h"
+#include "dsp/signal/statistics.h"
 
 /// The extraction on recordings of impacts that nobody here made: columns of numbers (.lvm, .csv), time first, in a
 /// folder. Each is a single blow seen by accelerometers, so a list of contacts is wrong, and the verdict has to say

@@ -5,7 +5,7 @@
 #include <iterator>
 #include <limits>
 
-#include "dsp/statistics.h"
+#include "dsp/signal/statistics.h"
 
 namespace powbench::bench {
 

@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "bench/field3d/edge_space3.h"
-#include "sim/field3d/cholesky3.h"
+#include "sim/magnetics/space/cholesky.h"
 
 namespace powbench::bench {
 namespace {
@@ -52,9 +52,9 @@ struct EdgeField3::Impl {
   EdgeSpace3 space;
   std::vector<GaussPoint> points = gauss_points();
   std::vector<int> slot;
-  sim::SymmetricMatrix linear, hessian;  ///< of air and gauge; with the steel
-  std::vector<double> source;            ///< psi = source . a of this part
-  std::vector<std::size_t> steel;        ///< bricks
+  sim::space::SymmetricMatrix linear, hessian;  ///< of air and gauge; with the steel
+  std::vector<double> source;                   ///< psi = source . a of this part
+  std::vector<std::size_t> steel;               ///< bricks
 
   explicit Impl(EdgeProblem problem) : p(std::move(problem)), space(p.order, p.x, p.y, p.z) {
     linear = space.pattern(slot);
@@ -128,7 +128,7 @@ struct EdgeField3::Impl {
     }
   }
 
-  void spread(std::size_t brick, const std::vector<double>& block, sim::SymmetricMatrix& to) const {
+  void spread(std::size_t brick, const std::vector<double>& block, sim::space::SymmetricMatrix& to) const {
     const auto& b = space.bricks()[brick];
     const std::size_t size = b.unknown.size();
     const int* places = slot.data() + brick * size * size;
@@ -199,7 +199,7 @@ int EdgeField3::unknowns() const {
 
 EdgeSolution EdgeField3::solve(double current) {
   Impl& m = *impl_;
-  sim::Cholesky3 factor(m.hessian);
+  sim::space::Cholesky factor(m.hessian);
   EdgeSolution out;
   out.a = m.start(current);
   auto& a = out.a;

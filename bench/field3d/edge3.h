@@ -4,11 +4,11 @@
 #include <memory>
 #include <vector>
 
-#include "sim/field3d/mesh3.h"
-#include "sim/fields/steel.h"
+#include "sim/magnetics/space/mesh.h"
+#include "sim/magnetics/steel.h"
 
 /// The other bound: a vector potential on the edges of a graded grid, of order 1 or 2, for a problem that the scalar
-/// potential of sim/field3d solves too. It makes
+/// potential of sim/magnetics/space solves too. It makes
 ///
 ///   E(a) - I psi(a),   E = integral of w(|B|),   B = curl A,   psi = integral of B . T
 ///

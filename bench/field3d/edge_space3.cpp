@@ -104,7 +104,7 @@ sim::Vec3 EdgeSpace3::field(const Brick& b, const std::vector<sim::Vec3>& curls,
   return out;
 }
 
-sim::SymmetricMatrix EdgeSpace3::pattern(std::vector<int>& slot) const {
+sim::space::SymmetricMatrix EdgeSpace3::pattern(std::vector<int>& slot) const {
   std::vector<std::vector<int>> columns(at(count_));
   const auto tidy = [](std::vector<int>& c) {
     std::sort(c.begin(), c.end());
@@ -118,7 +118,7 @@ sim::SymmetricMatrix EdgeSpace3::pattern(std::vector<int>& slot) const {
       for (const int row : b.unknown)
         if (row >= column) c.push_back(row);
     }
-  sim::SymmetricMatrix m;
+  sim::space::SymmetricMatrix m;
   m.start.push_back(0);
   for (auto& c : columns) {
     tidy(c);

@@ -3,8 +3,8 @@
 #include <array>
 #include <vector>
 
-#include "sim/field3d/cholesky3.h"
-#include "sim/field3d/mesh3.h"
+#include "sim/magnetics/space/cholesky.h"
+#include "sim/magnetics/space/mesh.h"
 
 /// Edge elements (Nedelec, first kind) of order 1 or 2 on bricks between graded lines, without the gradients of edge,
 /// face and inner functions: those leave curl A as it is. On a brick of edges h, with t = 0 .. 1 along each,
@@ -48,7 +48,7 @@ class EdgeSpace3 {
 
   /// Pattern of a matrix over the unknowns, and for each brick the places of its entries: [brick][row][column], -1:
   /// none or in the other triangle.
-  sim::SymmetricMatrix pattern(std::vector<int>& slot) const;
+  sim::space::SymmetricMatrix pattern(std::vector<int>& slot) const;
 
  private:
   int count_ = 0;

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "sim/field3d/grid3.h"
+#include "sim/magnetics/space/grid.h"
 
 namespace powbench::bench {
 namespace {
@@ -28,12 +28,14 @@ Vec3 turned(const Vec3& p, int axis) {
 
 }  // namespace
 
-sim::Mesh3 ball_mesh(const std::vector<double>& radius, int cells, sim::Cell cell) {
+sim::space::Mesh ball_mesh(const std::vector<double>& radius, int cells, sim::space::Cell cell) {
   const double cube = 0.5 * radius.front();  // edge of the cube in the middle
   const auto line = even(cells);
-  std::vector<sim::Mesh3> parts;
-  parts.push_back(sim::grid_mesh(line, line, line, cell, [](const Vec3&) { return 0; }));
-  sim::map_nodes(parts.back(), [&](const Vec3& p) { return Vec3{cube * p[0], cube * p[1], cube * p[2]}; });
+  std::vector<sim::space::Mesh> parts;
+  parts.push_back(sim::space::grid_mesh(line, line, line, cell, [](const Vec3&) { return 0; }));
+  sim::space::map_nodes(parts.back(), [&](const Vec3& p) {
+    return Vec3{cube * p[0], cube * p[1], cube * p[2]};
+  });
   for (std::size_t shell = 0; shell < radius.size(); ++shell) {
     const double inner = shell == 0 ? 0 : radius[shell - 1], outer = radius[shell];
     // thick shells in layers of the same shape
@@ -41,9 +43,9 @@ sim::Mesh3 ball_mesh(const std::vector<double>& radius, int cells, sim::Cell cel
         shell == 0 ? cells
                    : std::max(cells, static_cast<int>(std::lround(1.6 * cells * std::log(outer / inner))));
     for (int axis = 0; axis < 3; ++axis) {
-      parts.push_back(sim::grid_mesh(even(layers), line, line, cell,
-                                     [&](const Vec3&) { return static_cast<int>(shell); }));
-      sim::map_nodes(parts.back(), [&](const Vec3& p) {
+      parts.push_back(sim::space::grid_mesh(even(layers), line, line, cell,
+                                            [&](const Vec3&) { return static_cast<int>(shell); }));
+      sim::space::map_nodes(parts.back(), [&](const Vec3& p) {
         Vec3 direction{1, std::tan(quarter * p[1]), std::tan(quarter * p[2])};
         const double size = std::hypot(direction[0], direction[1], direction[2]);
         Vec3 q;
@@ -56,10 +58,10 @@ sim::Mesh3 ball_mesh(const std::vector<double>& radius, int cells, sim::Cell cel
       });
     }
   }
-  return sim::join_meshes(parts, 1e-7 * radius.front());
+  return sim::space::join_meshes(parts, 1e-7 * radius.front());
 }
 
-std::vector<std::pair<int, double>> ball_potentials(const sim::Mesh3& mesh, double outer,
+std::vector<std::pair<int, double>> ball_potentials(const sim::space::Mesh& mesh, double outer,
                                                     const std::function<double(const Vec3&)>& potential) {
   std::vector<std::pair<int, double>> fixed;
   for (std::size_t n = 0; n < mesh.nodes.size(); ++n) {
@@ -87,22 +89,25 @@ ShellExact shell_exact(double mu, double a, double b) {
   return {9 * mu / denominator, (2 * mu + 1) * (mu - 1) * (b * b * b - a * a * a) / denominator};
 }
 
-sim::Problem3 solenoid(double radius, double length, double turns, int cells, sim::Cell cell) {
+sim::space::Problem solenoid(double radius, double length, double turns, int cells, sim::space::Cell cell) {
   const double half = 0.5 * length, far = 20 * std::max(radius, half);
   const double size = radius / (2 * cells);
-  const auto z = sim::graded_line({{0, size}, {half, size}, {far, far / cells}}, 1.5, far / cells);
-  auto outwards = sim::graded_line({{radius, size}, {far, far / cells}}, 1.5, far / cells);
+  const auto z = sim::space::graded_line({{0, size}, {half, size}, {far, far / cells}}, 1.5, far / cells);
+  auto outwards = sim::space::graded_line({{radius, size}, {far, far / cells}}, 1.5, far / cells);
   const auto line = even(cells);
   const double square = 0.5 * radius;
-  std::vector<sim::Mesh3> parts;
+  std::vector<sim::space::Mesh> parts;
   const auto all_air = [](const Vec3&) { return 0; };
-  parts.push_back(sim::grid_mesh(line, line, z, cell, all_air));
-  sim::map_nodes(parts.back(), [&](const Vec3& p) { return Vec3{square * p[0], square * p[1], p[2]}; });
+  parts.push_back(sim::space::grid_mesh(line, line, z, cell, all_air));
+  sim::space::map_nodes(parts.back(), [&](const Vec3& p) {
+    return Vec3{square * p[0], square * p[1], p[2]};
+  });
   for (const bool outside : {false, true})
     for (const bool mirrored : {false, true}) {
-      parts.push_back(mirrored ? sim::grid_mesh(line, outside ? outwards : even(cells), z, cell, all_air)
-                               : sim::grid_mesh(outside ? outwards : even(cells), line, z, cell, all_air));
-      sim::map_nodes(parts.back(), [&](const Vec3& p) {
+      parts.push_back(mirrored
+                          ? sim::space::grid_mesh(line, outside ? outwards : even(cells), z, cell, all_air)
+                          : sim::space::grid_mesh(outside ? outwards : even(cells), line, z, cell, all_air));
+      sim::space::map_nodes(parts.back(), [&](const Vec3& p) {
         const double out = p[mirrored ? 1 : 0], along = p[mirrored ? 0 : 1];
         const double angle = quarter * along;
         const double r = outside ? out : radius;
@@ -114,9 +119,9 @@ sim::Problem3 solenoid(double radius, double length, double turns, int cells, si
         return mirrored ? Vec3{y, x, p[2]} : Vec3{x, y, p[2]};
       });
     }
-  sim::Problem3 problem;
-  problem.mesh = sim::join_meshes(parts, 1e-6 * radius);
-  problem.media = {sim::air()};
+  sim::space::Problem problem;
+  problem.mesh = sim::space::join_meshes(parts, 1e-6 * radius);
+  problem.media = {sim::space::air()};
   problem.windings = {[=](const Vec3& p) -> Vec3 {
     return {0, 0, std::hypot(p[0], p[1]) < radius && p[2] < half ? turns / length : 0.0};
   }};

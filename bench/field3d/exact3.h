@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "sim/field3d/problem3.h"
+#include "sim/magnetics/space/problem.h"
 
 /// Problems with exact solutions, for the tests and the table of errors.
 
@@ -11,10 +11,11 @@ namespace powbench::bench {
 /// An eighth of concentric shells with the radii radius[0] < radius[1] < ..., region k between radius[k-1] and
 /// radius[k], in a field that is uniform far away and along z: z = 0 has potential 0. `cells` along each edge of the
 /// innermost cube and (at least) across each shell.
-sim::Mesh3 ball_mesh(const std::vector<double>& radius, int cells, sim::Cell cell = sim::Cell::hex27);
+sim::space::Mesh ball_mesh(const std::vector<double>& radius, int cells,
+                           sim::space::Cell cell = sim::space::Cell::hex27);
 
 /// Nodes of the ball's mesh with their potential: 0 at z = 0, potential(point) at the outermost radius.
-std::vector<std::pair<int, double>> ball_potentials(const sim::Mesh3&, double outer,
+std::vector<std::pair<int, double>> ball_potentials(const sim::space::Mesh&, double outer,
                                                     const std::function<double(const sim::Vec3&)>& potential);
 
 /// Flux density inside a steel ball in a uniform field B0: the solution of B + 2 mu0 H(B) = 3 B0, T.
@@ -29,8 +30,8 @@ ShellExact shell_exact(double mu, double a, double b);
 
 /// A sheet of current round a cylinder (radius, length, turns) in air; an eighth of the whole, natural far boundary
 /// at 20 times the larger of radius and half length.
-sim::Problem3 solenoid(double radius, double length, double turns, int cells,
-                       sim::Cell cell = sim::Cell::hex27);
+sim::space::Problem solenoid(double radius, double length, double turns, int cells,
+                             sim::space::Cell cell = sim::space::Cell::hex27);
 
 /// Its inductance, H, by Lorenz's formula with complete elliptic integrals.
 double solenoid_inductance(double radius, double length, double turns);

@@ -18,10 +18,10 @@
 #include "bench/field3d/team13_rows.h"
 #include "bench/field3d/team20.h"
 #include "core/cpu_time.h"
-#include "sim/field3d/force3.h"
-#include "sim/field3d/ladder3.h"
-#include "sim/field3d/magnet_field3.h"
-#include "sim/field3d/newton3.h"
+#include "sim/magnetics/space/force.h"
+#include "sim/magnetics/space/ladder.h"
+#include "sim/magnetics/space/magnet_field.h"
+#include "sim/magnetics/space/newton.h"
 
 namespace {
 
@@ -34,9 +34,9 @@ constexpr double mu0 = 4e-7 * std::numbers::pi;
 
 void balls(Table& table) {
   const auto one = [&](const std::string& name, const std::vector<double>& radius,
-                       std::vector<sim::Medium> media, double b0, double dipole, double exact) {
+                       std::vector<sim::space::Medium> media, double b0, double dipole, double exact) {
     const double start = powbench::process_cpu_seconds();
-    sim::Problem3 p;
+    sim::space::Problem p;
     p.mesh = bench::ball_mesh(radius, 3);
     p.media = std::move(media);
     p.copies = 8;
@@ -44,26 +44,26 @@ void balls(Table& table) {
       const double r = std::hypot(x[0], x[1], x[2]);
       return -b0 / mu0 * x[2] * (1 - dipole / (r * r * r));
     });
-    const sim::Coenergy3 w(p);
-    sim::Newton3 newton(w);
+    const sim::space::Coenergy w(p);
+    sim::space::Newton newton(w);
     const auto s = newton.solve({});
     const double b = bench::Probe3(w, s.state).at({0.2, 0.15, 0.3}).b[2];
     table.add(
         {name, "T", b, exact, w.unknowns(), s.iterations, powbench::process_cpu_seconds() - start, "exact"});
   };
   for (const double mu : {10.0, 1000.0, 1e5})
-    one("ball, mu " + nlohmann::json(mu).dump() + ", B inside", {1, 4}, {sim::linear_medium(mu), sim::air()},
-        1, (mu - 1) / (mu + 2), 3 * mu / (mu + 2));
+    one("ball, mu " + nlohmann::json(mu).dump() + ", B inside", {1, 4},
+        {sim::space::linear_medium(mu), sim::space::air()}, 1, (mu - 1) / (mu + 2), 3 * mu / (mu + 2));
   for (const double b0 : {0.5, 2.0}) {
     const auto steel = sim::builtin_steel("team20");
     const double exact = bench::ball_field(steel, b0);
     one("steel ball in " + std::string(b0 < 1 ? "0.5" : "2") + " T, B inside", {1, 4},
-        {sim::solid(steel), sim::air()}, b0, (exact - mu0 * steel.h(exact)) / (3 * b0), exact);
+        {sim::space::solid(steel), sim::space::air()}, b0, (exact - mu0 * steel.h(exact)) / (3 * b0), exact);
   }
   for (const double mu : {10.0, 1000.0}) {
     const auto exact = bench::shell_exact(mu, 1, 1.2);
     one("shell, mu " + nlohmann::json(mu).dump() + ", B in the cavity", {1, 1.2, 4},
-        {sim::air(), sim::linear_medium(mu), sim::air()}, 1, exact.dipole, exact.cavity);
+        {sim::space::air(), sim::space::linear_medium(mu), sim::space::air()}, 1, exact.dipole, exact.cavity);
   }
 }
 
@@ -71,8 +71,8 @@ void solenoids(Table& table) {
   for (const double length : {40e-3, 20e-3}) {
     const double start = powbench::process_cpu_seconds();
     const auto p = bench::solenoid(10e-3, length, 1000, 3);
-    const sim::Coenergy3 w(p);
-    sim::Newton3 newton(w);
+    const sim::space::Coenergy w(p);
+    sim::space::Newton newton(w);
     const auto s = newton.solve({{false, 1}});
     const std::string name = "solenoid " + std::string(length > 0.03 ? "40" : "20") + " mm";
     const double cost = powbench::process_cpu_seconds() - start;
@@ -86,13 +86,13 @@ void solenoids(Table& table) {
 
 void team20(Table& table, double size) {
   const auto t = bench::team20(size);
-  const sim::Coenergy3 w(t.problem);
-  sim::Newton3 newton(w);
+  const sim::space::Coenergy w(t.problem);
+  sim::space::Newton newton(w);
   for (const auto& row : bench::team20_measured) {
     const double start = powbench::process_cpu_seconds();
     const auto s = newton.solve({{false, row.ampere_turns}});
-    const double pull = -sim::stress_force(w, s.state, t.virtual_work)[2];
-    const double thin = -sim::stress_force(w, s.state, t.thin)[2];
+    const double pull = -sim::space::stress_force(w, s.state, t.virtual_work)[2];
+    const double thin = -sim::space::stress_force(w, s.state, t.thin)[2];
     const std::string name = "TEAM 20, " + std::to_string(static_cast<int>(row.ampere_turns)) + " A";
     const double cost = powbench::process_cpu_seconds() - start;
     table.add({name + ", pull", "N", pull, row.pull, w.unknowns(), s.iterations, cost, "measured"});
@@ -114,7 +114,7 @@ void core(Table& table, bool fine) {
   };
   std::vector<std::vector<Result>> all;
   for (const double size : sizes) {
-    sim::MagnetField3 field({}, sim::CoreMeshSizes3{}.scaled(size));
+    sim::space::MagnetField field({}, sim::space::CoreMeshSizes{}.scaled(size));
     auto& results = all.emplace_back();
     for (const auto& state : states) {
       const double start = powbench::process_cpu_seconds();
@@ -142,9 +142,9 @@ void core(Table& table, bool fine) {
 void plane(Table& table) {
   sim::MagnetField reference({}, {sim::CoreMeshSizes{}.scaled(0.4), 2, 6e-3, {}});
   for (const double size : {2.0, 1.0}) {
-    auto sizes = sim::CoreMeshSizes3{}.scaled(size);
+    auto sizes = sim::space::CoreMeshSizes{}.scaled(size);
     sizes.ends = false;
-    sim::MagnetField3 field({}, sizes);
+    sim::space::MagnetField field({}, sizes);
     for (const double gap : {2e-3, 0.5e-3, 0.0}) {
       const double start = powbench::process_cpu_seconds();
       field.set_gap(gap);
@@ -168,8 +168,9 @@ nlohmann::ordered_json ends(double size) {
       "plane)\n");
   std::printf("%8s %12s %12s %12s\n", "gap mm", "leakage H", "pull x", "ring flux x");
   auto list = nlohmann::ordered_json::array();
-  const auto sizes = sim::CoreMeshSizes3{}.scaled(size);
-  for (const auto& e : sim::end_corrections({}, sizes, 0.05, {6e-3, 4e-3, 2e-3, 1e-3, 0.5e-3, 0.2e-3, 0})) {
+  const auto sizes = sim::space::CoreMeshSizes{}.scaled(size);
+  for (const auto& e :
+       sim::space::end_corrections({}, sizes, 0.05, {6e-3, 4e-3, 2e-3, 1e-3, 0.5e-3, 0.2e-3, 0})) {
     std::printf("%8.1f %12.4f %12.4f %12.4f\n", e.gap * 1e3, e.leakage, e.pull, e.ring);
     list.push_back(
         {{"gap_m", e.gap}, {"leakage_h", e.leakage}, {"pull_ratio", e.pull}, {"ring_ratio", e.ring}});
@@ -183,7 +184,8 @@ void three_dimensional_table() {
   options.ring = false;
   sim::TableReport report;
   const double start = powbench::process_cpu_seconds();
-  const sim::TablePotential table(sim::build_table3({}, sim::CoreMeshSizes3{}.scaled(2.8), options, &report));
+  const sim::TablePotential table(
+      sim::space::build_table({}, sim::space::CoreMeshSizes{}.scaled(2.8), options, &report));
   std::printf(
       "\ntable W(psi, gap) 12 x 12: %d unknowns, %d solutions, %d factorisations (most %d), %.1f s CPU, "
       "least d2W/dpsi2 %.4g\n",
@@ -202,7 +204,7 @@ bool write(const std::string& path, const std::string& text) {
 
 std::string picture() {
   const sim::MagnetDesign design;
-  sim::MagnetField3 field(design, sim::CoreMeshSizes3{}.scaled(2));
+  sim::space::MagnetField field(design, sim::space::CoreMeshSizes{}.scaled(2));
   constexpr double gap = 2e-3;
   field.set_gap(gap);
   return bench::core_picture(field, field.at_current(0.8), design, gap);

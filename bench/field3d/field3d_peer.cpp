@@ -18,11 +18,11 @@
 #include "bench/fields/json_out.h"
 #include "bench/fields/peer_run.h"
 #include "core/cpu_time.h"
-#include "sim/field3d/import3.h"
-#include "sim/field3d/magnet_field3.h"
-#include "sim/field3d/space_magnet.h"
-#include "sim/fields/core_outline.h"
-#include "sim/fields/steel.h"
+#include "sim/magnetics/plane/core_outline.h"
+#include "sim/magnetics/space/import.h"
+#include "sim/magnetics/space/magnet_field.h"
+#include "sim/magnetics/space/space_magnet.h"
+#include "sim/magnetics/steel.h"
 
 namespace {
 
@@ -188,7 +188,7 @@ nlohmann::ordered_json core_rows(const CoreCase& c, bool installed) {
   };
   for (const double scale : c.scales) {
     const double start = powbench::process_cpu_seconds();
-    sim::MagnetField3 field(d, sim::CoreMeshSizes3{}.scaled(scale));
+    sim::space::MagnetField field(d, sim::space::CoreMeshSizes{}.scaled(scale));
     field.set_gap(gap);
     const auto p = field.at_current(c.current, c.ring_current);
     add("field3d, from above", field.unknowns(), powbench::process_cpu_seconds() - start, p.psi, p.ring);
@@ -272,8 +272,8 @@ sim::SpaceMagnet relay_drawing(const sim::MagnetDesign& d, const std::string& me
   std::ifstream in(mesh, std::ios::binary);
   std::ostringstream bytes;
   bytes << in.rdbuf();
-  m.mesh = sim::straight_tetrahedra(
-      sim::import_mesh3(sim::read_msh(bytes.str()), 1, {{1, 0}, {2, 1}, {3, 2}, {4, 3}, {5, 4}, {6, 5}}));
+  m.mesh = sim::space::straight_tetrahedra(sim::space::import_mesh(
+      sim::read_msh(bytes.str()), 1, {{1, 0}, {2, 1}, {3, 2}, {4, 3}, {5, 4}, {6, 5}}));
   m.motion = sim::space_motion(m);
   return m;
 }

@@ -91,7 +91,7 @@ void legend(std::string& svg, double x, double y) {
 
 }  // namespace
 
-std::string core_picture(const sim::MagnetField3& field, const sim::FieldPoint3& point,
+std::string core_picture(const sim::space::MagnetField& field, const sim::space::FieldPoint& point,
                          const sim::MagnetDesign& design, double gap) {
   const auto& s = design.shape;
   const bench::Probe3 probe(field.function(), point.solution.state);

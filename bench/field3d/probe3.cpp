@@ -6,8 +6,9 @@
 namespace powbench::bench {
 
 using namespace sim;
+using namespace sim::space;
 
-Probe3::Probe3(const Coenergy3& function, const State3& state)
+Probe3::Probe3(const space::Coenergy& function, const space::State& state)
     : function_(function), state_(state), potential_(function.nodal(state)) {
   const auto& mesh = function.problem().mesh;
   for (const auto& m : function.problem().media) laws_.emplace_back(m);

@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "sim/field3d/coenergy3.h"
+#include "sim/magnetics/space/coenergy.h"
 
 /// Fields of a solution at points.
 
@@ -11,7 +11,7 @@ namespace powbench::bench {
 class Probe3 {
  public:
   /// Keeps references to the function and to its problem.
-  Probe3(const sim::Coenergy3&, const sim::State3&);
+  Probe3(const sim::space::Coenergy&, const sim::space::State&);
 
   struct Sample {
     int cell = -1;  ///< -1: the point lies outside the mesh
@@ -24,10 +24,10 @@ class Probe3 {
  private:
   bool locate(int cell, const sim::Vec3& point, sim::Vec3& xi) const;
 
-  const sim::Coenergy3& function_;
-  const sim::State3& state_;
+  const sim::space::Coenergy& function_;
+  const sim::space::State& state_;
   std::vector<double> potential_;
-  std::vector<sim::MediumLaw> laws_;
+  std::vector<sim::space::MediumLaw> laws_;
   std::vector<sim::Vec3> low_, high_;  ///< [cell] bounds
 };
 

@@ -16,9 +16,9 @@
 #include <utility>
 #include <vector>
 
+#include "bench/fields/circuit.h"
 #include "core/cpu_time.h"
-#include "sim/field3d/end_table.h"
-#include "sim/fields/circuit.h"
+#include "sim/magnetics/space/end_table.h"
 
 namespace {
 
@@ -98,7 +98,7 @@ bool write(const std::string& path, const Json& all) {
 }
 
 /// Three rungs at states with ring current: 0.3 .. 1 of its share of the legs' flux.
-Json ring_states(const sim::MagnetDesign& design, const sim::CoreMeshSizes3& sizes) {
+Json ring_states(const sim::MagnetDesign& design, const sim::space::CoreMeshSizes& sizes) {
   double start = powbench::process_cpu_seconds();
   const auto seconds = [&] {
     const double from = std::exchange(start, powbench::process_cpu_seconds());
@@ -118,13 +118,13 @@ Json ring_states(const sim::MagnetDesign& design, const sim::CoreMeshSizes3& siz
   std::printf("with ends and ring: %s\n", with.table().description.c_str());
   const WithoutRingEnds before(std::move(flat), std::move(two),
                                sim::TablePotential(sim::build_table(design, open, team)));
-  const auto heads = sim::end_corrections(design, sim::EndTableOptions{}.sizes, 0.05, {2e-3}).front();
+  const auto heads = sim::space::end_corrections(design, sim::EndTableOptions{}.sizes, 0.05, {2e-3}).front();
   sim::MagnetDesign leaky = design;
   leaky.end_leakage = heads.leakage;
   leaky.ring_leakage = heads.ring_leakage;
   std::printf("leakage of the heads: coil %.4f H, ring %.3e H\n", heads.leakage, heads.ring_leakage);
   sim::MagnetField plane(leaky, sim::plan_table(leaky, options).field);
-  sim::MagnetField3 whole(design, sizes);
+  sim::space::MagnetField whole(design, sizes);
   const auto& s = design.shape;
   const double iron = s.centre_width * s.stack * s.stack_factor;
   constexpr const char* kinds[] = {"field2d, leakages in series", "ends of the open ring", "ends and ring"};
@@ -210,8 +210,8 @@ int main(int argc, char** argv) {
       ring = true;
   }
   const sim::MagnetDesign design;
-  sim::CoreMeshSizes3 sizes = sim::CoreMeshSizes3{}.scaled(fine ? 1.4 : 2);
-  sizes.corner = sim::CoreMeshSizes3{}.corner;  // what small gaps need; the other cells hold 0.3 %
+  sim::space::CoreMeshSizes sizes = sim::space::CoreMeshSizes{}.scaled(fine ? 1.4 : 2);
+  sizes.corner = sim::space::CoreMeshSizes{}.corner;  // what small gaps need; the other cells hold 0.3 %
   if (ring) return write(json_path, ring_states(design, sizes)) ? 0 : 2;
   std::map<std::string, double> cost;
   double start = powbench::process_cpu_seconds();
@@ -227,11 +227,11 @@ int main(int argc, char** argv) {
   stop("table");
   sim::MagnetDesign leaky = design;  // the heads' leakage as the two plane rungs take it: one number
   leaky.end_leakage =
-      sim::end_corrections(design, sim::EndTableOptions{}.sizes, 0.05, {2e-3}).front().leakage;
+      sim::space::end_corrections(design, sim::EndTableOptions{}.sizes, 0.05, {2e-3}).front().leakage;
   const sim::CircuitPotential circuit(design.shape, design.steel, design.turns, design.residual_gap,
                                       leaky.end_leakage);
   sim::MagnetField plane(leaky, sim::plan_table(leaky, options).field);
-  sim::MagnetField3 whole(design, sizes);
+  sim::space::MagnetField whole(design, sizes);
   std::printf(
       "The reference contactor, ring without current. Deviations from field3d (%d unknowns), per cent.\n",
       whole.unknowns());

@@ -5,8 +5,8 @@
 #include <map>
 
 #include "bench/field3d/probe3.h"
-#include "sim/field3d/grid3.h"
-#include "sim/field3d/winding3.h"
+#include "sim/magnetics/space/grid.h"
+#include "sim/magnetics/space/winding.h"
 
 namespace powbench::bench {
 namespace {
@@ -18,9 +18,9 @@ struct Lines {
   std::vector<double> x, y, z;
 
   Lines(double size, double gap) {
-    const auto line = [&](std::vector<sim::GridMark> marks) {
+    const auto line = [&](std::vector<sim::space::GridMark> marks) {
       for (auto& m : marks) m = {m.at * mm, m.size * mm * size};
-      return sim::graded_line(marks, 1 + 2 * std::min(size, 1.2), 400 * size * mm);
+      return sim::space::graded_line(marks, 1 + 2 * std::min(size, 1.2), 400 * size * mm);
     };
     x = line({{0, 0.8},
               {1.6, 0.3},
@@ -47,18 +47,18 @@ bool in_steel(const sim::Vec3& centre, double gap) {
 }
 
 std::function<sim::Vec3(const sim::Vec3&)> coil() {
-  return sim::coil_field({0, 0, 75 * mm, 75 * mm, 25 * mm, 25 * mm, -50 * mm, 50 * mm, 1});
+  return sim::space::coil_field({0, 0, 75 * mm, 75 * mm, 25 * mm, 25 * mm, -50 * mm, 50 * mm, 1});
 }
 
 }  // namespace
 
-sim::Problem3 team13(double size, double gap) {
+sim::space::Problem team13(double size, double gap) {
   const Lines lines(size, gap);
   enum { air, iron };
-  sim::Problem3 p;
-  p.mesh = sim::grid_mesh(lines.x, lines.y, lines.z, sim::Cell::hex20,
-                          [gap](const sim::Vec3& c) -> int { return in_steel(c, gap) ? iron : air; });
-  p.media = {sim::air(), sim::solid(sim::builtin_steel("team13"))};
+  sim::space::Problem p;
+  p.mesh = sim::space::grid_mesh(lines.x, lines.y, lines.z, sim::space::Cell::hex20,
+                                 [gap](const sim::Vec3& c) -> int { return in_steel(c, gap) ? iron : air; });
+  p.media = {sim::space::air(), sim::space::solid(sim::builtin_steel("team13"))};
   p.windings = {coil()};
   p.copies = 4;
   std::map<std::pair<double, double>, int> on_plane;  // nodes at x = 0 by y, z
@@ -73,7 +73,7 @@ sim::Problem3 team13(double size, double gap) {
   return p;
 }
 
-double team13_plate_average(const sim::Coenergy3& function, const sim::State3& state, double z) {
+double team13_plate_average(const sim::space::Coenergy& function, const sim::space::State& state, double z) {
   const bench::Probe3 probe(function, state);
   constexpr int nx = 8, ny = 100;
   double sum = 0;

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "bench/field3d/edge3.h"
-#include "sim/field3d/coenergy3.h"
+#include "sim/magnetics/space/coenergy.h"
 
 /// TEAM workshop problem 13: thin saturated plates with gaps of 0.5 mm round a coil.
 
@@ -10,7 +10,7 @@ namespace powbench::bench {
 /// A quarter of the whole: z >= 0 (H x n = 0 at z = 0) and x >= 0, whose face x = 0 is tied to itself, turned by 180
 /// degrees about z. One winding of one turn. `size` scales all cells; `gap`, m, between centre plate and sheets, 0.5 mm
 /// as published.
-sim::Problem3 team13(double size, double gap = 0.5e-3);
+sim::space::Problem team13(double size, double gap = 0.5e-3);
 
 /// The same on the edges of the grid, elements of order 1 or 2: the bound from the other side.
 EdgeProblem team13_edges(double size, int order, double gap = 0.5e-3);
@@ -29,7 +29,7 @@ inline constexpr Team13Air team13_air[] = {{10, 0.05930}, {20, 0.04000},  {30, 0
                                            {90, 0.01160}, {100, 0.00610}, {110, 0.00406}};
 
 /// Average |B_z| over the centre plate's section at height z, m.
-double team13_plate_average(const sim::Coenergy3&, const sim::State3&, double z);
+double team13_plate_average(const sim::space::Coenergy&, const sim::space::State&, double z);
 double team13_plate_average(const EdgeField3&, const EdgeSolution&, double z);
 
 }  // namespace powbench::bench

@@ -6,7 +6,7 @@
 #include "bench/field3d/probe3.h"
 #include "bench/field3d/team13.h"
 #include "core/cpu_time.h"
-#include "sim/field3d/newton3.h"
+#include "sim/magnetics/space/newton.h"
 
 namespace powbench::bench {
 
@@ -20,7 +20,7 @@ class Team13Above {
   Team13Above(double size, double gap)
       : gap_(gap), problem_(team13(size, gap)), space_(problem_), newton_(space_) {}
 
-  sim::Solution3 solve(double ampere_turns) { return newton_.solve({{false, ampere_turns}}); }
+  sim::space::Solution solve(double ampere_turns) { return newton_.solve({{false, ampere_turns}}); }
   /// At 1000 A; the cost is that of the solution alone.
   Team13Bound bound() {
     const double start = process_cpu_seconds();
@@ -31,13 +31,13 @@ class Team13Above {
       out.plate.push_back(team13_plate_average(space_, s.state, row.z_mm * 1e-3));
     return out;
   }
-  const sim::Coenergy3& space() const { return space_; }
+  const sim::space::Coenergy& space() const { return space_; }
 
  private:
   double gap_;
-  sim::Problem3 problem_;
-  sim::Coenergy3 space_;
-  sim::Newton3 newton_;
+  sim::space::Problem problem_;
+  sim::space::Coenergy space_;
+  sim::space::Newton newton_;
 };
 
 /// With the cost of mesh and matrices, as from below.

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "sim/field3d/grid3.h"
-#include "sim/field3d/winding3.h"
+#include "sim/magnetics/space/grid.h"
+#include "sim/magnetics/space/winding.h"
 
 namespace powbench::bench {
 namespace {
@@ -23,10 +23,10 @@ double box_weight(const sim::Vec3& p, const sim::Vec3& half, double low, double 
 
 }  // namespace
 
-Team20 team20(double size, sim::Cell cell) {
-  const auto line = [&](std::vector<sim::GridMark> marks, double largest) {
+Team20 team20(double size, sim::space::Cell cell) {
+  const auto line = [&](std::vector<sim::space::GridMark> marks, double largest) {
     for (auto& m : marks) m = {m.at * mm, m.size * mm * size};
-    return sim::graded_line(marks, 1 + 0.9 * std::min(size, 1.5), largest * size * mm);
+    return sim::space::graded_line(marks, 1 + 0.9 * std::min(size, 1.5), largest * size * mm);
   };
   const auto x =
       line({{0, 4}, {12.5, 0.5}, {13.5, 0.5}, {19.5, 3}, {37.5, 3}, {38.5, 1}, {63.5, 4}, {250, 60}}, 60);
@@ -37,15 +37,16 @@ Team20 team20(double size, sim::Cell cell) {
   enum { air, iron };
   Team20 out;
   auto& p = out.problem;
-  p.mesh = sim::grid_mesh(x, y, z, cell, [](const sim::Vec3& c) -> int {
+  p.mesh = sim::space::grid_mesh(x, y, z, cell, [](const sim::Vec3& c) -> int {
     const double cx = c[0] / mm, cy = c[1] / mm, cz = c[2] / mm;
     const bool pole = cx < 12.5 && cy < 5 && cz > 26.5 && cz < 125;
     const bool yoke = cx < 63.5 && cy < 12.5 && cz > 0 && cz < 150 && !(cx < 38.5 && cz > 25 && cz < 125) &&
                       !(cx < 13.5 && cz > 125);
     return pole || yoke ? iron : air;
   });
-  p.media = {sim::air(), sim::solid(sim::builtin_steel("team20"))};
-  p.windings = {sim::coil_field({0, 0, 19.5 * mm, 19.5 * mm, 5 * mm, 18 * mm, 26.7 * mm, 123.3 * mm, 1})};
+  p.media = {sim::space::air(), sim::space::solid(sim::builtin_steel("team20"))};
+  p.windings = {
+      sim::space::coil_field({0, 0, 19.5 * mm, 19.5 * mm, 5 * mm, 18 * mm, 26.7 * mm, 123.3 * mm, 1})};
   p.copies = 4;
   const auto cell_at = [](const std::vector<double>& l, double at) {
     return *std::upper_bound(l.begin(), l.end(), at * mm + 1e-9) - at * mm;

@@ -1,19 +1,19 @@
 #pragma once
 
-#include "sim/field3d/problem3.h"
+#include "sim/magnetics/space/problem.h"
 
 /// TEAM workshop problem 20: the saturated pull on a pole inside a yoke, measured at Okayama University.
 
 namespace powbench::bench {
 
 struct Team20 {
-  sim::Problem3 problem;             ///< a quarter; one winding of one turn
+  sim::space::Problem problem;       ///< a quarter; one winding of one turn
   std::vector<double> virtual_work;  ///< weight of the force, falling over the whole of the gaps
   std::vector<double> thin;          ///< weight of the force, falling in the cells that touch the pole
 };
 
 /// `size` scales all cells: 1 is the standard mesh.
-Team20 team20(double size, sim::Cell cell = sim::Cell::hex20);
+Team20 team20(double size, sim::space::Cell cell = sim::space::Cell::hex20);
 
 struct Team20Row {
   double ampere_turns, pull, pole_average, yoke_average;  ///< A, N, T, T

@@ -6,8 +6,8 @@
 #include "bench/fields/case_mesh.h"
 #include "bench/fields/harmonic.h"
 #include "core/units.h"
-#include "sim/fields/newton.h"
-#include "sim/magnetic_circuit.h"
+#include "sim/magnetics/circuit/magnetic_circuit.h"
+#include "sim/magnetics/plane/newton.h"
 
 namespace powbench::bench {
 namespace {

@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-/// Fields whose solution is known in closed form, each solved by the finite elements of sim/fields.
+/// Fields whose solution is known in closed form, each solved by the finite elements of sim/magnetics/plane.
 
 namespace powbench::bench {
 

@@ -6,9 +6,9 @@
 #include "bench/fields/analytic.h"
 #include "bench/fields/shaded_pole.h"
 #include "core/units.h"
-#include "sim/fields/grid.h"
-#include "sim/fields/newton.h"
-#include "sim/magnetic_circuit.h"
+#include "sim/magnetics/circuit/magnetic_circuit.h"
+#include "sim/magnetics/plane/grid.h"
+#include "sim/magnetics/plane/newton.h"
 
 namespace powbench::bench {
 namespace {

@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "sim/fields/magnet_field.h"
+#include "sim/magnetics/plane/magnet_field.h"
 
 /// The usual way to keep a field: two tables of flux linkage and pull over (current, gap), each linear in both
 /// variables. The nodes are those that suit it: current by the power 1.5, gap by its logarithm as in the potential's

@@ -2,7 +2,7 @@
 
 #include <memory>
 
-#include "sim/fields/potential.h"
+#include "sim/magnetics/potential.h"
 
 /// Two rungs as one potential: one for small gaps, one for large ones, without a step in energy, current or pull:
 ///

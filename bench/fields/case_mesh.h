@@ -2,7 +2,7 @@
 
 #include <functional>
 
-#include "sim/fields/grid.h"
+#include "sim/magnetics/plane/grid.h"
 
 /// Meshes of the cases with closed solutions.
 

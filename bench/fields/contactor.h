@@ -1,6 +1,6 @@
 #pragma once
 
-#include "sim/fields/magnet_field.h"
+#include "sim/magnetics/plane/magnet_field.h"
 
 /// The E-E contactor of the reference rows: planar, 15 mm deep, the centre leg 0.1 mm short, one turn.
 

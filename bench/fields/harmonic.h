@@ -3,8 +3,8 @@
 #include <complex>
 #include <vector>
 
-#include "sim/fields/cholesky.h"
-#include "sim/fields/field_problem.h"
+#include "sim/magnetics/plane/cholesky.h"
+#include "sim/magnetics/plane/field_problem.h"
 
 /// Eddy currents in the steady state of one frequency, steel with its initial permeability:
 ///

@@ -13,14 +13,14 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
+#include "bench/fields/circuit.h"
 #include "bench/fields/json_out.h"
 #include "bench/fields/ladder_picture.h"
 #include "bench/fields/ladder_states.h"
 #include "core/cpu_time.h"
 #include "core/units.h"
-#include "sim/field3d/ladder3.h"
-#include "sim/fields/circuit.h"
-#include "sim/fields/field_transient.h"
+#include "sim/magnetics/plane/field_transient.h"
+#include "sim/magnetics/space/ladder.h"
 
 namespace {
 
@@ -155,7 +155,7 @@ Row in_loop(double accuracy) {
 /// In three dimensions, all cells scaled; the touch time from a table of 10 x 10 of the same mesh.
 Row space(double scale) {
   Row r{"field3d", "x " + std::to_string(scale).substr(0, 3), true, {}, 0, 0, 0};
-  const auto sizes = sim::CoreMeshSizes3{}.scaled(scale);
+  const auto sizes = sim::space::CoreMeshSizes{}.scaled(scale);
   double start = thread_cpu_seconds();
   r.states = bench::states_of(sim::MagnetDesign{}, sizes);
   r.state_cost = (thread_cpu_seconds() - start) / static_cast<double>(r.states.size());
@@ -163,7 +163,7 @@ Row space(double scale) {
   auto options = table_options(0.01);
   options.psi_nodes = options.gap_nodes = 10;
   options.ring = false;
-  const sim::TablePotential table(build_table3(sim::MagnetDesign{}, sizes, options));
+  const sim::TablePotential table(sim::space::build_table(sim::MagnetDesign{}, sizes, options));
   r.touch = touch_of(run_transient(table, closing()));
   r.touch_cost = thread_cpu_seconds() - start;
   return r;

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "sim/field3d/magnet_field3.h"
+#include "sim/magnetics/space/magnet_field.h"
 
 namespace powbench::bench {
 namespace {
@@ -65,8 +65,8 @@ FieldStates states_of(const sim::MagnetDesign& design, const sim::FieldOptions& 
   });
 }
 
-FieldStates states_of(const sim::MagnetDesign& design, const sim::CoreMeshSizes3& sizes) {
-  sim::MagnetField3 field(design, sizes);
+FieldStates states_of(const sim::MagnetDesign& design, const sim::space::CoreMeshSizes& sizes) {
+  sim::space::MagnetField field(design, sizes);
   return all([&](double gap, double current) {
     field.set_gap(gap);
     const auto p = field.at_current(current);

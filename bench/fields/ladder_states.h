@@ -3,8 +3,8 @@
 #include <utility>
 #include <vector>
 
-#include "sim/field3d/core_mesh3.h"
-#include "sim/fields/magnet_field.h"
+#include "sim/magnetics/plane/magnet_field.h"
+#include "sim/magnetics/space/core_mesh.h"
 
 /// The same states on every rung of the field: gaps and currents of the reference contactor, the ring open.
 
@@ -17,7 +17,7 @@ struct FieldState {
 using FieldStates = std::vector<FieldState>;
 
 FieldStates states_of(const sim::MagnetDesign&, const sim::FieldOptions&);
-FieldStates states_of(const sim::MagnetDesign&, const sim::CoreMeshSizes3&);
+FieldStates states_of(const sim::MagnetDesign&, const sim::space::CoreMeshSizes&);
 
 /// On a potential: the fluxes where W - i psi is least, from those of `guess`. Throws std::runtime_error where Newton
 /// does not arrive.

@@ -8,7 +8,7 @@
 #include <sstream>
 
 #include "bench/fields/peer_run.h"
-#include "sim/fields/import_mesh.h"
+#include "sim/magnetics/plane/import_mesh.h"
 
 namespace powbench::bench {
 namespace {

@@ -4,7 +4,7 @@
 #include <optional>
 #include <string>
 
-#include "sim/fields/drawn_magnet.h"
+#include "sim/magnetics/plane/drawn_magnet.h"
 
 /// Drawings made from the outlines of docs/examples/own-magnet by gmsh, and the same magnets at other gaps by
 /// FreeFem++ (quadratic elements, full Newton steps, pull by the stress weighted with a harmonic function of its own)

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "sim/fields/mesh.h"
+#include "sim/magnetics/plane/mesh.h"
 
 /// What every peer needs: outlines for gmsh, meshes in and out, programs run and their CPU time taken.
 

@@ -3,7 +3,7 @@
 #include <optional>
 #include <string>
 
-#include "sim/fields/mesh.h"
+#include "sim/magnetics/plane/mesh.h"
 
 /// The E-E contactor on an unstructured mesh of gmsh, given to GetDP and to FreeFem++ with the same law of the steel:
 /// linear elements, full Newton steps from zero, one thread. Everything is written into a temporary folder.

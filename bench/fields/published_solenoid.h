@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "core/units.h"
-#include "sim/fields/solenoid_field.h"
-#include "sim/magnetic_circuit.h"
+#include "sim/magnetics/circuit/magnetic_circuit.h"
+#include "sim/magnetics/plane/solenoid_field.h"
 
 /// The solenoid of the Modelica Standard Library 4.1, Magnetic.FluxTubes.Examples.SolenoidActuator: its parameters,
 /// and what its two comparison models hold as results of finite elements (ComparisonQuasiStatic,

@@ -10,14 +10,14 @@
 
 #include "bench/fields/bilinear.h"
 #include "bench/fields/blend.h"
+#include "bench/fields/circuit.h"
 #include "bench/fields/contactor.h"
 #include "bench/fields/json_out.h"
 #include "bench/fields/shaded_pole.h"
 #include "core/cpu_time.h"
 #include "core/random.h"
 #include "core/units.h"
-#include "sim/fields/circuit.h"
-#include "sim/fields/table_build.h"
+#include "sim/magnetics/table/table_build.h"
 
 namespace {
 

@@ -6,7 +6,7 @@
 
 #include "bench/fields/harmonic.h"
 #include "core/units.h"
-#include "sim/fields/core_mesh.h"
+#include "sim/magnetics/plane/core_mesh.h"
 
 namespace powbench::bench {
 namespace {

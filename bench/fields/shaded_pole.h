@@ -1,7 +1,7 @@
 #pragma once
 
-#include "sim/fields/field_transient.h"
-#include "sim/fields/magnet_field.h"
+#include "sim/magnetics/plane/field_transient.h"
+#include "sim/magnetics/plane/magnet_field.h"
 
 /// The closed magnet at the mains with linear steel: by how much the flux inside the shading ring lags, and what pull
 /// is left at the worst moment. Once by phasors, with the ring as a massive conductor in which eddies may flow, and

@@ -12,9 +12,9 @@
 #include "bench/fields/json_out.h"
 #include "bench/fields/published_solenoid.h"
 #include "bench/fields/solenoid_peer.h"
-#include "sim/solenoid/solenoid_closing.h"
-#include "sim/solenoid/solenoid_eddy_closing.h"
-#include "sim/solenoid/solenoid_live.h"
+#include "sim/models/solenoid/solenoid_closing.h"
+#include "sim/models/solenoid/solenoid_eddy_closing.h"
+#include "sim/models/solenoid/solenoid_live.h"
 
 namespace {
 

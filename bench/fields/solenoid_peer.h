@@ -3,7 +3,7 @@
 #include <optional>
 #include <string>
 
-#include "sim/fields/solenoid_field.h"
+#include "sim/magnetics/plane/solenoid_field.h"
 
 /// A solenoid by FreeFem++: its own unstructured mesh of gmsh, quadratic elements for the flux function r A, full
 /// Newton steps, pull by Maxwell's stress with the same weight, or for faces that are not flat with a harmonic one.

@@ -12,8 +12,8 @@
 #include "bench/fields/json_out.h"
 #include "core/cpu_time.h"
 #include "core/units.h"
-#include "sim/fields/field_transient.h"
-#include "sim/fields/table_build.h"
+#include "sim/magnetics/plane/field_transient.h"
+#include "sim/magnetics/table/table_build.h"
 
 namespace {
 

@@ -5,7 +5,7 @@
 #include <sstream>
 
 #include "bench/fields/peer_run.h"
-#include "sim/fields/newton.h"
+#include "sim/magnetics/plane/newton.h"
 
 namespace powbench::bench {
 namespace {

@@ -3,7 +3,7 @@
 #include <optional>
 #include <string>
 
-#include "sim/fields/magnet_field.h"
+#include "sim/magnetics/plane/magnet_field.h"
 
 /// A U- or C-core by FreeFem++: unstructured mesh of gmsh, quadratic elements, full Newton steps, pull by the stress
 /// weighted with a displacement that is linear in the gap. Steel `reference` only, stack factor 1, no ring.

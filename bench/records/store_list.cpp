@@ -10,7 +10,7 @@
 #include "core/cpu_time.h"
 #include "core/random.h"
 #include "core/units.h"
-#include "dsp/extract.h"
+#include "dsp/events/extract.h"
 #include "host/store/store.h"
 
 /// What a list, a query for one shot and its events cost in stores of many shots: CPU seconds with the opening of the

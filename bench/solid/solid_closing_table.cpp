@@ -11,9 +11,9 @@
 
 #include "core/cpu_time.h"
 #include "core/units.h"
-#include "sim/closing.h"
+#include "sim/models/closing.h"
 #include "sim/solid/solid_closing.h"
-#include "sim/specimen_potential.h"
+#include "sim/specimen/specimen_potential.h"
 
 namespace {
 

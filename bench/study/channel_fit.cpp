@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "sim/specimen/validate.h"
 #include "sim/study/evolution.h"
 #include "sim/study/least_squares.h"
-#include "sim/validate.h"
 
 namespace powbench::bench {
 namespace {

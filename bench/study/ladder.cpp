@@ -16,9 +16,9 @@
 #include "core/cpu_time.h"
 #include "core/units.h"
 #include "host/export/ladder_svg.h"
-#include "sim/fields/table_build.h"
+#include "sim/magnetics/table/table_build.h"
+#include "sim/models/rungs.h"
 #include "sim/study/ladder.h"
-#include "sim/study/rungs.h"
 
 namespace {
 

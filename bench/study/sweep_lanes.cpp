@@ -17,9 +17,9 @@
 
 #include "core/random.h"
 #include "core/units.h"
-#include "sim/closing.h"
-#include "sim/lanes/lane_block.h"
-#include "sim/lanes/plant_lanes.h"
+#include "sim/models/closing.h"
+#include "sim/models/lanes/lane_block.h"
+#include "sim/models/lanes/plant_lanes.h"
 #include "sim/study/axis.h"
 
 namespace {

@@ -6,11 +6,11 @@
 #include <stdexcept>
 
 #include "core/units.h"
-#include "sim/closing.h"
 #include "sim/mechanics/rigid_closing.h"
+#include "sim/models/closing.h"
+#include "sim/specimen/validate.h"
 #include "sim/study/misfit.h"
 #include "sim/study/parameter.h"
-#include "sim/validate.h"
 
 namespace powbench::bench {
 namespace {

@@ -3,7 +3,7 @@
 #include <vector>
 
 #include "core/random.h"
-#include "sim/specimen.h"
+#include "sim/specimen/specimen.h"
 
 /// Devices whose closings a study measures, and what instruments see of one closing.
 

@@ -6,10 +6,10 @@
 #include <cstdio>
 #include <functional>
 
+#include "bench/fields/circuit.h"
 #include "core/units.h"
-#include "sim/fields/circuit.h"
-#include "sim/fields/field_transient.h"
-#include "sim/fields/table_build.h"
+#include "sim/magnetics/plane/field_transient.h"
+#include "sim/magnetics/table/table_build.h"
 #include "sim/mechanics/rigid_closing.h"
 
 namespace powbench::bench {

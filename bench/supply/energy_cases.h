@@ -4,9 +4,9 @@
 #include <string>
 #include <vector>
 
-#include "sim/closing.h"
-#include "sim/fields/magnet_field.h"
-#include "sim/fields/potential.h"
+#include "sim/magnetics/plane/magnet_field.h"
+#include "sim/magnetics/potential.h"
+#include "sim/models/closing.h"
 
 /// Switch-ons whose energy is balanced: u i = R i^2 + stored + mechanical + ring loss. Tests and benchmark share them.
 

@@ -11,7 +11,7 @@
 #include "host/gather/gather.h"
 #include "host/store/store.h"
 #include "sim/solid/solid_closing.h"
-#include "sim/specimen_potential.h"
+#include "sim/specimen/specimen_potential.h"
 
 namespace powbench::host {
 namespace {

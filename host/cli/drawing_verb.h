@@ -5,9 +5,9 @@
 #include <string_view>
 
 #include "host/cli/verbs.h"
-#include "sim/field3d/space_magnet.h"
-#include "sim/fields/drawn_magnet.h"
-#include "sim/fields/potential_table.h"
+#include "sim/magnetics/plane/drawn_magnet.h"
+#include "sim/magnetics/space/space_magnet.h"
+#include "sim/magnetics/table/potential_table.h"
 
 namespace powbench::host {
 

@@ -28,7 +28,7 @@
 #include "host/store/field_table.h"
 #include "host/store/point_bytes.h"
 #include "host/store/store.h"
-#include "sim/study/rungs.h"
+#include "sim/models/rungs.h"
 
 namespace powbench::host {
 namespace {

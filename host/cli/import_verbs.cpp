@@ -8,8 +8,8 @@
 
 #include "core/phase.h"
 #include "core/version.h"
-#include "dsp/switch_off.h"
-#include "dsp/switch_on.h"
+#include "dsp/events/switch_off.h"
+#include "dsp/events/switch_on.h"
 #include "host/cli/show.h"
 #include "host/cli/verbs.h"
 #include "host/compare/compare.h"

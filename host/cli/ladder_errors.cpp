@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "sim/study/rungs.h"
+#include "sim/models/rungs.h"
 #include "sim/study/scene_choice.h"
 
 namespace powbench::host {

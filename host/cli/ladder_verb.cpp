@@ -24,7 +24,7 @@
 #include "host/store/store.h"
 #include "host/study/bounce_text.h"
 #include "host/study/scene_fields.h"
-#include "sim/study/rungs.h"
+#include "sim/models/rungs.h"
 #include "sim/study/scene_choice.h"
 
 namespace powbench::host {

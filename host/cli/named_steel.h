@@ -4,7 +4,7 @@
 #include <string>
 
 #include "host/config/steel_file.h"
-#include "sim/fields/steel.h"
+#include "sim/magnetics/steel.h"
 
 namespace powbench::host {
 

@@ -7,9 +7,9 @@
 #include <nlohmann/json.hpp>
 
 #include "core/counted.h"
-#include "dsp/coil.h"
-#include "dsp/core_seat.h"
-#include "dsp/extract.h"
+#include "dsp/events/coil.h"
+#include "dsp/events/core_seat.h"
+#include "dsp/events/extract.h"
 #include "host/cli/show.h"
 #include "host/cli/verbs.h"
 #include "host/config/filter_text.h"

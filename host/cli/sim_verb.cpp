@@ -19,7 +19,7 @@
 #include "host/run/stop.h"
 #include "host/study/bounce_text.h"
 #include "host/study/scene_fields.h"
-#include "sim/contact_damping.h"
+#include "sim/mechanics/contact_damping.h"
 #include "sim/study/scene_choice.h"
 
 namespace powbench::host {

@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "sim/solenoid/solenoid_model.h"
+#include "sim/models/solenoid/solenoid_model.h"
 
 /// A closing of a solenoid over time, as a table or a picture.
 

@@ -18,9 +18,9 @@
 #include "host/export/field_vtu.h"
 #include "host/export/write_file.h"
 #include "host/store/field_table.h"
-#include "sim/solenoid/solenoid_closing.h"
-#include "sim/solenoid/solenoid_eddy_closing.h"
-#include "sim/solenoid/solenoid_live.h"
+#include "sim/models/solenoid/solenoid_closing.h"
+#include "sim/models/solenoid/solenoid_eddy_closing.h"
+#include "sim/models/solenoid/solenoid_live.h"
 
 namespace powbench::host {
 namespace {

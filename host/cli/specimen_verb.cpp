@@ -7,7 +7,7 @@
 #include "host/config/solenoid_file.h"
 #include "host/config/specimen_file.h"
 #include "host/study/specimen_facts.h"
-#include "sim/contact_damping.h"
+#include "sim/mechanics/contact_damping.h"
 
 namespace powbench::host {
 

@@ -13,8 +13,8 @@
 #include "host/export/xml_text.h"
 #include "host/report/markup.h"
 #include "host/store/store.h"
-#include "sim/fields/steel_rows.h"
-#include "sim/magnetic_circuit.h"
+#include "sim/magnetics/circuit/magnetic_circuit.h"
+#include "sim/magnetics/steel_rows.h"
 
 namespace powbench::host {
 namespace {

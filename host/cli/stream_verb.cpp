@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "dsp/event_stream.h"
+#include "dsp/events/event_stream.h"
 #include "host/cli/verbs.h"
 #include "host/config/bad_input.h"
 

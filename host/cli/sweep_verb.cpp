@@ -19,7 +19,7 @@
 #include "host/store/sweep_store.h"
 #include "host/study/study_svg.h"
 #include "host/study/sweep_text.h"
-#include "sim/validate.h"
+#include "sim/specimen/validate.h"
 
 namespace powbench::host {
 namespace {

@@ -3,7 +3,7 @@
 #include <string>
 
 #include "host/cli/verbs.h"
-#include "sim/fields/potential_table.h"
+#include "sim/magnetics/table/potential_table.h"
 
 /// `field --out`: a magnet's table for other simulators.
 

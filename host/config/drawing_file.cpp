@@ -10,7 +10,7 @@
 
 #include "host/config/drawing_parts.h"
 #include "host/config/file_reader.h"
-#include "sim/fields/import_mesh.h"
+#include "sim/magnetics/plane/import_mesh.h"
 
 namespace powbench::host {
 namespace {

@@ -5,7 +5,7 @@
 #include <string>
 
 #include "host/config/bad_input.h"
-#include "sim/fields/drawn_magnet.h"
+#include "sim/magnetics/plane/drawn_magnet.h"
 
 /// The drawing file, `my.magnet.toml`: a magnet on a mesh of gmsh (MSH 2.2 or 4.1). Owner: its designer.
 ///

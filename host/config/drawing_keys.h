@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "host/config/file_kind.h"
-#include "sim/fields/drawn_magnet.h"
+#include "sim/magnetics/plane/drawn_magnet.h"
 
 /// The keys of a drawing file and what they fill. Private to drawing_file.cpp and space_file.cpp.
 

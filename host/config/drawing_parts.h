@@ -7,7 +7,7 @@
 
 #include "host/config/drawing_keys.h"
 #include "host/config/file_reader.h"
-#include "sim/fields/msh.h"
+#include "sim/magnetics/plane/msh.h"
 
 /// What drawing files in the plane and in space have in common. Private to drawing_file.cpp and space_file.cpp.
 

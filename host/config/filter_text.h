@@ -3,7 +3,7 @@
 #include <string>
 #include <string_view>
 
-#include "dsp/bands.h"
+#include "dsp/filter/bands.h"
 #include "dsp/options.h"
 
 /// A filter and a band as people write them: on the command line and in the plan.

@@ -7,7 +7,7 @@
 #include "core/phase.h"
 #include "host/config/file_reader.h"
 #include "host/config/specimen_file.h"
-#include "sim/study/rungs.h"
+#include "sim/models/rungs.h"
 
 namespace powbench::host {
 namespace {

@@ -15,7 +15,7 @@
 #include "host/config/filter_text.h"
 #include "host/config/key_line.h"
 #include "host/config/test_record.h"
-#include "sim/specimen.h"
+#include "sim/specimen/specimen.h"
 
 /// The plan file: what a campaign does. Owner: the operator.
 

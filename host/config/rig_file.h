@@ -7,7 +7,7 @@
 #include "host/config/bad_input.h"
 #include "host/config/key_line.h"
 #include "rigs/sim_rig_config.h"
-#include "sim/specimen.h"
+#include "sim/specimen/specimen.h"
 
 /// The rig file: one bench. Owner: the bench keeper.
 

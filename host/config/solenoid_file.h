@@ -4,7 +4,7 @@
 #include <string>
 
 #include "host/config/bad_input.h"
-#include "sim/solenoid/solenoid_specimen.h"
+#include "sim/models/solenoid/solenoid_specimen.h"
 
 /// A specimen file with `kind = "solenoid"`: shape, steel, coil, plunger and load of one solenoid. Owner: its designer.
 

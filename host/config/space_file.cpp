@@ -9,7 +9,7 @@
 #include <map>
 
 #include "host/config/drawing_parts.h"
-#include "sim/field3d/import3.h"
+#include "sim/magnetics/space/import.h"
 
 namespace powbench::host {
 namespace {
@@ -195,11 +195,11 @@ class SpaceAssembly {
 
   void import() {
     try {
-      auto mesh = sim::import_mesh3(msh_, drawn_metres[static_cast<int>(d_.unit)], region_);
-      if (mesh.cell != sim::Cell::tet4 && mesh.cell != sim::Cell::tet10)
+      auto mesh = sim::space::import_mesh(msh_, drawn_metres[static_cast<int>(d_.unit)], region_);
+      if (mesh.cell != sim::space::Cell::tet4 && mesh.cell != sim::space::Cell::tet10)
         throw std::invalid_argument("the mesh is of hexahedra, allowed tetrahedra of order 1 or 2");
       for (auto& n : mesh.nodes) n = turn_(n);
-      out_->mesh = sim::straight_tetrahedra(mesh);
+      out_->mesh = sim::space::straight_tetrahedra(mesh);
     } catch (const std::invalid_argument& error) {
       reader_.fail("", "mesh", error.what());
       reader_.finish();
@@ -258,7 +258,7 @@ class SpaceAssembly {
       low[k] = -high[k];
     }
     const auto a = turn_.axis(static_cast<std::size_t>(g.axis)), b = (a + 1) % 3, c = (a + 2) % 3;
-    sim::BoxCoil coil;
+    sim::space::BoxCoil coil;
     coil.axis = static_cast<int>(a);
     coil.x = 0.5 * (low[b] + high[b]);
     coil.y = 0.5 * (low[c] + high[c]);

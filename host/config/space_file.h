@@ -4,7 +4,7 @@
 #include <memory>
 
 #include "host/config/bad_input.h"
-#include "sim/field3d/space_magnet.h"
+#include "sim/magnetics/space/space_magnet.h"
 
 /// The drawing file of a magnet in space, `my.magnet.toml` with kind = "space": a mesh of gmsh (MSH 2.2 or 4.1) of
 /// tetrahedra. Owner: its designer. The keys of the plane (drawing_file.h) but depth and symmetry, and

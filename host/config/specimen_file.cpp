@@ -10,9 +10,9 @@
 #include "host/config/solenoid_file.h"
 #include "host/config/space_file.h"
 #include "host/config/steel_file.h"
-#include "sim/specimen_fields.h"
-#include "sim/specimen_steel.h"
-#include "sim/validate.h"
+#include "sim/specimen/specimen_fields.h"
+#include "sim/specimen/specimen_steel.h"
+#include "sim/specimen/validate.h"
 
 namespace powbench::host {
 namespace {

@@ -6,9 +6,9 @@
 
 #include "host/config/bad_input.h"
 #include "host/config/key_line.h"
-#include "sim/specimen.h"
+#include "sim/specimen/specimen.h"
 
-/// The specimen file: one contactor. Owner: its designer. Keys carry their unit; ranges are those of sim/validate.
+/// The specimen file: one contactor. Owner: its designer. Keys have their unit; ranges: sim/specimen/validate.
 
 namespace powbench::host {
 

@@ -11,7 +11,7 @@
 #include "core/units.h"
 #include "host/config/bad_input.h"
 #include "host/config/csv_table.h"
-#include "sim/magnetic_circuit.h"
+#include "sim/magnetics/circuit/magnetic_circuit.h"
 
 namespace powbench::host {
 namespace {

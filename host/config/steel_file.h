@@ -5,7 +5,7 @@
 #include <string_view>
 #include <vector>
 
-#include "sim/fields/steel_rows.h"
+#include "sim/magnetics/steel_rows.h"
 
 /// A measured B-H curve from a CSV file: the steel of a lab.
 

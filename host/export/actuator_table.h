@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "sim/fields/potential.h"
+#include "sim/magnetics/potential.h"
 
 /// The magnet as system simulators want it: flux linkage and force over current and position, the shading ring at rest.
 

@@ -4,8 +4,8 @@
 #include <nlohmann/json.hpp>
 
 #include "core/units.h"
-#include "dsp/coil.h"
-#include "dsp/core_seat.h"
+#include "dsp/events/coil.h"
+#include "dsp/events/core_seat.h"
 #include "host/store/json.h"
 
 namespace powbench::host {

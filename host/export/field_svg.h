@@ -2,10 +2,10 @@
 
 #include <string>
 
-#include "sim/fields/drawn_magnet.h"
-#include "sim/fields/magnet_field.h"
-#include "sim/fields/potential_table.h"
-#include "sim/fields/solenoid_field.h"
+#include "sim/magnetics/plane/drawn_magnet.h"
+#include "sim/magnetics/plane/magnet_field.h"
+#include "sim/magnetics/plane/solenoid_field.h"
+#include "sim/magnetics/table/potential_table.h"
 
 /// Pictures of fields and of tables, as SVG.
 

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "host/export/vtu.h"
-#include "sim/fields/field_problem.h"
+#include "sim/magnetics/plane/field_problem.h"
 
 namespace powbench::host {
 

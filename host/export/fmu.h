@@ -4,7 +4,7 @@
 #include <string>
 
 #include "fmu/variables.h"
-#include "sim/specimen.h"
+#include "sim/specimen/specimen.h"
 
 namespace powbench::host {
 

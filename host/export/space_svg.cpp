@@ -28,7 +28,7 @@ struct Extent {
 /// One section: a plane where coordinate `normal` is `place`.
 class Section {
  public:
-  Section(const sim::SpaceMagnet& magnet, const sim::Mesh3& mesh, std::size_t normal)
+  Section(const sim::SpaceMagnet& magnet, const sim::space::Mesh& mesh, std::size_t normal)
       : magnet_(magnet), mesh_(mesh), normal_(normal) {
     Extent all, winding;
     for (int c = 0; c < mesh.count(); ++c)
@@ -145,7 +145,7 @@ class Section {
   }
 
   const sim::SpaceMagnet& magnet_;
-  const sim::Mesh3& mesh_;
+  const sim::space::Mesh& mesh_;
   std::size_t normal_;
   double place_ = 0, iron_ = 0;
   std::vector<Polygon> polygons_;
@@ -154,8 +154,8 @@ class Section {
 
 }  // namespace
 
-std::string space_svg(const sim::SpaceMagnet& magnet, const sim::Mesh3& mesh, const std::vector<double>& b,
-                      const std::string& title) {
+std::string space_svg(const sim::SpaceMagnet& magnet, const sim::space::Mesh& mesh,
+                      const std::vector<double>& b, const std::string& title) {
   const Section across_x(magnet, mesh, 0), across_y(magnet, mesh, 1);
   const Section& best = across_x.iron() > across_y.iron() ? across_x : across_y;
   return framed_field(best.drawing(b), title);

@@ -5,7 +5,7 @@
 
 namespace powbench::host {
 
-VtuGrid space_grid(const sim::Coenergy3& function, const sim::State3& state) {
+VtuGrid space_grid(const sim::space::Coenergy& function, const sim::space::State& state) {
   const auto& mesh = function.problem().mesh;
   const auto potential = function.nodal(state);
   VtuGrid grid;
@@ -13,7 +13,7 @@ VtuGrid space_grid(const sim::Coenergy3& function, const sim::State3& state) {
   VtuField flux{"B [T]", 3, {}}, size{"|B| [T]", 1, {}}, region{"region", 1, {}};
   constexpr int order[10] = {0, 1, 2, 3, 4,
                              5, 6, 7, 9, 8};  // of VTK, whose last two edges are the other way round
-  const int middle = sim::cell_rule(mesh.cell).points / 2;
+  const int middle = sim::space::cell_rule(mesh.cell).points / 2;
   for (int c = 0; c < mesh.count(); ++c) {
     std::vector<std::int64_t> nodes;
     for (const int k : order) nodes.push_back(mesh.cells[static_cast<std::size_t>(10 * c + k)]);

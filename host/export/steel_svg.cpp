@@ -7,7 +7,7 @@
 #include <functional>
 
 #include "host/export/log_axis.h"
-#include "sim/magnetic_circuit.h"
+#include "sim/magnetics/circuit/magnetic_circuit.h"
 
 namespace powbench::host {
 namespace {

@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "sim/fields/steel.h"
+#include "sim/magnetics/steel.h"
 
 /// A B-H curve as SVG: B over log H above, B / (mu0 H) over B below; the rows as marks, what lies beyond them dashed.
 

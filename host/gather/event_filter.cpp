@@ -6,7 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/channels.h"
-#include "dsp/extract.h"
+#include "dsp/events/extract.h"
 #include "host/config/bad_input.h"
 #include "host/config/filter_text.h"
 

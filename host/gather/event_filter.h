@@ -6,7 +6,7 @@
 
 #include "core/events.h"
 #include "core/record.h"
-#include "dsp/requested.h"
+#include "dsp/events/requested.h"
 #include "host/run/campaign.h"
 
 /// Events behind a filter that somebody requested, and what the filter does, for people and for programs.

@@ -11,8 +11,8 @@
 #include <span>
 
 #include "core/version.h"
-#include "dsp/prepare.h"
-#include "dsp/signal.h"
+#include "dsp/events/prepare.h"
+#include "dsp/signal/signal.h"
 #include "host/gather/scene.h"
 #include "host/gather/verdict.h"
 #include "host/gather/vibration.h"

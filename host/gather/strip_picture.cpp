@@ -5,8 +5,8 @@
 #include <span>
 #include <vector>
 
-#include "dsp/spectrum.h"
-#include "dsp/vibration.h"
+#include "dsp/events/vibration.h"
+#include "dsp/signal/spectrum.h"
 #include "host/config/bad_input.h"
 #include "host/report/plot.h"
 

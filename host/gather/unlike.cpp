@@ -6,7 +6,7 @@
 #include <set>
 
 #include "core/phase.h"
-#include "dsp/extract.h"
+#include "dsp/events/extract.h"
 #include "host/gather/gather.h"
 
 namespace powbench::host {

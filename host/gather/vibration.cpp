@@ -7,11 +7,11 @@
 #include <nlohmann/json.hpp>
 
 #include "core/counted.h"
-#include "dsp/event_filter.h"
-#include "dsp/extract.h"
-#include "dsp/force.h"
-#include "dsp/spectrum.h"
-#include "dsp/threshold.h"
+#include "dsp/contacts/threshold.h"
+#include "dsp/events/extract.h"
+#include "dsp/filter/event_filter.h"
+#include "dsp/filter/force.h"
+#include "dsp/signal/spectrum.h"
 #include "host/compare/compare.h"
 
 namespace powbench::host {

@@ -6,8 +6,8 @@
 
 #include "core/events.h"
 #include "core/record.h"
+#include "dsp/events/vibration.h"
 #include "dsp/options.h"
-#include "dsp/vibration.h"
 #include "host/report/vibration.h"
 
 /// From records to what is shown about the core's vibration.

@@ -8,7 +8,7 @@
 #include <map>
 
 #include "host/config/bad_input.h"
-#include "sim/fields/import_mesh.h"
+#include "sim/magnetics/plane/import_mesh.h"
 
 namespace powbench::host {
 namespace {

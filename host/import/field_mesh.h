@@ -4,7 +4,7 @@
 #include <string_view>
 #include <vector>
 
-#include "sim/fields/field_problem.h"
+#include "sim/magnetics/plane/field_problem.h"
 
 /// A plane mesh drawn elsewhere, with the materials named by its physical groups (gmsh, MSH 2.2 or 4.1):
 ///

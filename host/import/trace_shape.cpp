@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "core/phase.h"
-#include "dsp/switch_off.h"
+#include "dsp/events/switch_off.h"
 
 namespace powbench::host {
 namespace {

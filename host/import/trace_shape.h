@@ -46,7 +46,7 @@ std::optional<TraceShape> shape_of(const std::vector<double>& time, const std::v
                                    const CoilOn& on = {});
 
 /// When a column that rests at its beginning and, on the same level, at its end leaves what it did in between
-/// (dsp/switch_off.h); infinite where it does not.
+/// (dsp/events/switch_off.h); infinite where it does not.
 double returns_at(const std::vector<double>& time, const std::vector<double>& column);
 
 /// What only one channel looks like.

@@ -10,7 +10,7 @@
 
 #include "core/counted.h"
 #include "core/origin.h"
-#include "dsp/switch_off.h"
+#include "dsp/events/switch_off.h"
 #include "host/config/bad_input.h"
 #include "host/config/csv_table.h"
 #include "host/config/test_record.h"

@@ -8,7 +8,7 @@
 
 #include "core/units.h"
 #include "host/paper/contact_pressure.h"
-#include "sim/closing.h"
+#include "sim/models/closing.h"
 
 namespace powbench::host {
 namespace {

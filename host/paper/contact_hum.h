@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "sim/specimen.h"
+#include "sim/specimen/specimen.h"
 
 /// Where a pulsation of the contact pressure after settling can come from.
 

@@ -3,8 +3,8 @@
 #include <string>
 #include <vector>
 
-#include "sim/closing.h"
-#include "sim/specimen.h"
+#include "sim/models/closing.h"
+#include "sim/specimen/specimen.h"
 
 /// Contact pressure of both breaks of the measured pole as the second paper describes it: a train of pulses, then a
 /// pulsation with the pull.

@@ -2,9 +2,9 @@
 
 #include "core/conditions.h"
 #include "host/paper/evaluate.h"
-#include "sim/closing.h"
 #include "sim/mechanics/bounce_study.h"
-#include "sim/specimen.h"
+#include "sim/models/closing.h"
+#include "sim/specimen/specimen.h"
 
 /// The simulator as a source for the tables.
 

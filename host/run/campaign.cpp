@@ -10,7 +10,7 @@
 
 #include "core/phase.h"
 #include "core/version.h"
-#include "dsp/extract.h"
+#include "dsp/events/extract.h"
 #include "host/compare/compare.h"
 #include "host/run/stop.h"
 

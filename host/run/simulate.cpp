@@ -16,7 +16,7 @@
 #include "core/quantities.h"
 #include "core/version.h"
 #include "dsp/options.h"
-#include "dsp/signal.h"
+#include "dsp/signal/signal.h"
 #include "host/compare/compare.h"
 #include "host/compare/repeats.h"
 #include "host/run/simulated_point.h"

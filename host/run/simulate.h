@@ -9,7 +9,7 @@
 #include "host/store/points.h"
 #include "rigs/sim_rig_config.h"
 #include "rigs/simulated_record.h"
-#include "sim/specimen.h"
+#include "sim/specimen/specimen.h"
 
 /// Simulates a campaign under the conditions that its closings really had.
 

@@ -174,7 +174,7 @@ FieldTableChoice obtain_field_table(const std::filesystem::path& folder,
 }
 
 FieldTableChoice obtain_field_table(const std::filesystem::path& folder, const sim::SpaceMagnet& drawing,
-                                    const sim::TableOptions& options, const sim::Progress3& progress) {
+                                    const sim::TableOptions& options, const sim::space::Progress& progress) {
   auto choice = obtain(folder, sim::table_hash(drawing, options), [&](sim::TableReport* report) {
     return sim::build_table(drawing, options, report, progress);
   });

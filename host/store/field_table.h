@@ -4,11 +4,11 @@
 #include <string>
 #include <string_view>
 
-#include "sim/field3d/end_table.h"
-#include "sim/field3d/space_magnet.h"
-#include "sim/fields/drawn_magnet.h"
-#include "sim/fields/solenoid_field.h"
-#include "sim/fields/table_build.h"
+#include "sim/magnetics/plane/drawn_magnet.h"
+#include "sim/magnetics/plane/solenoid_field.h"
+#include "sim/magnetics/space/end_table.h"
+#include "sim/magnetics/space/space_magnet.h"
+#include "sim/magnetics/table/table_build.h"
 
 /// Tables of the magnetic potential on disk: a text header with version, units and sizes, the numbers as little-endian
 /// doubles, a CRC-32 at the end. Named after the hash of everything they depend on.
@@ -45,7 +45,7 @@ FieldTableChoice obtain_field_table(const std::filesystem::path& folder,
 
 /// The same for a magnet drawn in space.
 FieldTableChoice obtain_field_table(const std::filesystem::path& folder, const sim::SpaceMagnet&,
-                                    const sim::TableOptions&, const sim::Progress3&);
+                                    const sim::TableOptions&, const sim::space::Progress&);
 
 /// The same for a solenoid.
 FieldTableChoice obtain_field_table(const std::filesystem::path& folder, const sim::SolenoidDesign&,

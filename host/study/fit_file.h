@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "sim/specimen.h"
+#include "sim/specimen/specimen.h"
 #include "sim/study/bounce_calibration.h"
 #include "sim/study/evolution.h"
 

@@ -7,8 +7,8 @@
 
 #include "host/config/bad_input.h"
 #include "host/store/field_table.h"
-#include "sim/fields/drawn_magnet.h"
-#include "sim/specimen_potential.h"
+#include "sim/magnetics/plane/drawn_magnet.h"
+#include "sim/specimen/specimen_potential.h"
 
 namespace powbench::host {
 namespace {

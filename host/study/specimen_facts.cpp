@@ -8,8 +8,8 @@
 #include <nlohmann/json.hpp>
 
 #include "core/units.h"
-#include "sim/closing.h"
-#include "sim/contact_damping.h"
+#include "sim/mechanics/contact_damping.h"
+#include "sim/models/closing.h"
 #include "sim/study/parameter.h"
 #include "sim/study/steady.h"
 #include "sim/study/voltage_limits.h"

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "core/conditions.h"
-#include "sim/specimen.h"
+#include "sim/specimen/specimen.h"
 
 /// What the numbers of a specimen make together, beside what catalogues print: the first look at a file of one's own.
 

@@ -8,7 +8,7 @@
 #include <cmath>
 #include <limits>
 
-#include "dsp/extract.h"
+#include "dsp/events/extract.h"
 #include "host/config/bad_input.h"
 #include "host/import/counts.h"
 #include "python/binding/binding.h"

@@ -3,7 +3,7 @@
 #include <cstdint>
 
 #include "sim/mechanics/bounce_error.h"
-#include "sim/specimen.h"
+#include "sim/specimen/specimen.h"
 
 /// What may be claimed of the bounces of one closing: its error, its condition, and where neither means anything any
 /// more, an ensemble.

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <cstdint>
 
-#include "sim/chatter_lock.h"
+#include "sim/mechanics/chatter_lock.h"
 #include "sim/mechanics/crossing.h"
 #include "sim/mechanics/dop853.h"
 #include "sim/mechanics/followed_step.h"

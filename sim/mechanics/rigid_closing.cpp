@@ -5,9 +5,9 @@
 #include <stdexcept>
 
 #include "core/units.h"
-#include "sim/contact_damping.h"
-#include "sim/specimen_potential.h"
-#include "sim/validate.h"
+#include "sim/mechanics/contact_damping.h"
+#include "sim/specimen/specimen_potential.h"
+#include "sim/specimen/validate.h"
 
 namespace powbench::sim {
 namespace {

@@ -6,11 +6,11 @@
 #include <memory>
 #include <vector>
 
-#include "sim/fields/potential.h"
+#include "sim/magnetics/circuit/remanence.h"
+#include "sim/magnetics/potential.h"
 #include "sim/mechanics/event_solver.h"
 #include "sim/mechanics/rigid_lanes.h"
 #include "sim/mechanics/rigid_parts.h"
-#include "sim/remanence.h"
 #include "sim/supply/supply_modes.h"
 
 /// The rigid contactor as a system for `EventSolver`:

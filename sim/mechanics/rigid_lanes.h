@@ -1,6 +1,6 @@
 #pragma once
 
-#include "sim/friction.h"
+#include "sim/mechanics/friction.h"
 #include "sim/mechanics/lanes.h"
 #include "sim/mechanics/rigid_parts.h"
 

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "sim/mechanics/rigid_contactor.h"
-#include "sim/stages.h"
+#include "sim/models/stages.h"
 
 /// One closing on the rigid rung: stages by name, the energy ledger, and a stop when the ledger does not close.
 

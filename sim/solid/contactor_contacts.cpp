@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "sim/contact_damping.h"
+#include "sim/mechanics/contact_damping.h"
 
 namespace powbench::sim {
 namespace {

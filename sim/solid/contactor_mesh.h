@@ -2,7 +2,7 @@
 
 #include "sim/solid/solid_material.h"
 #include "sim/solid/solid_mesh.h"
-#include "sim/specimen.h"
+#include "sim/specimen/specimen.h"
 
 /// The contactor's moving parts as hexahedra, from the specimen's masses and lengths. z is the closing direction.
 ///

@@ -7,8 +7,8 @@
 #include "core/units.h"
 #include "sim/mechanics/rigid_closing.h"
 #include "sim/solid/modal_motion.h"
-#include "sim/specimen_potential.h"
-#include "sim/validate.h"
+#include "sim/specimen/specimen_potential.h"
+#include "sim/specimen/validate.h"
 
 namespace powbench::sim {
 namespace {

@@ -2,8 +2,8 @@
 
 #include <memory>
 
-#include "sim/closing.h"
-#include "sim/fields/potential.h"
+#include "sim/magnetics/potential.h"
+#include "sim/models/closing.h"
 #include "sim/solid/modal_parts.h"
 
 /// The rung `modal`: one closing of the rigid contactor whose base and bridges bend. Bodies along the closing

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "sim/solid/solid_material.h"
-#include "sim/specimen.h"
+#include "sim/specimen/specimen.h"
 
 /// Base and bridges of a contactor as a few elastic coordinates each, from their finite elements: what the modal rung
 /// adds to the rigid parts. Displacements along the closing direction only.

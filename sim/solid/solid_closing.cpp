@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "core/units.h"
-#include "sim/closing.h"
+#include "sim/models/closing.h"
 #include "sim/solid/contactor_contacts.h"
 
 namespace powbench::sim {

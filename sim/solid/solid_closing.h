@@ -4,7 +4,7 @@
 #include <functional>
 
 #include "core/conditions.h"
-#include "sim/fields/potential.h"
+#include "sim/magnetics/potential.h"
 #include "sim/solid/contactor_mesh.h"
 #include "sim/solid/explicit_solid.h"
 

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "core/conditions.h"
-#include "sim/specimen_fields.h"
+#include "sim/specimen/specimen_fields.h"
 #include "sim/supply/supply_modes.h"
 
 /// What a sweep varies, and the points it visits.

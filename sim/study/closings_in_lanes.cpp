@@ -5,9 +5,9 @@
 #include <memory>
 #include <stdexcept>
 
-#include "sim/contact_damping.h"
-#include "sim/lanes/plant_lanes.h"
-#include "sim/validate.h"
+#include "sim/mechanics/contact_damping.h"
+#include "sim/models/lanes/plant_lanes.h"
+#include "sim/specimen/validate.h"
 
 namespace powbench::sim {
 namespace {

@@ -7,11 +7,11 @@
 #include <span>
 #include <vector>
 
-#include "sim/closing.h"
+#include "sim/models/closing.h"
 #include "sim/study/axis.h"
 #include "sim/team.h"
 
-/// Closings without samples, several at a time in the lanes of vector instructions (sim/lanes).
+/// Closings without samples, several at a time in the lanes of vector instructions (sim/models/lanes).
 
 namespace powbench::sim {
 

@@ -11,8 +11,8 @@
 #include <string_view>
 #include <vector>
 
-#include "sim/closing.h"
-#include "sim/fields/potential.h"
+#include "sim/magnetics/potential.h"
+#include "sim/models/closing.h"
 #include "sim/study/axis.h"
 
 /// The rungs a closing can be simulated on, and the choice among them: what each costs, how far it is off, and how far

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "sim/closing.h"
+#include "sim/models/closing.h"
 
 namespace powbench::sim {
 

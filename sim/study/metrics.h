@@ -5,7 +5,7 @@
 #include <limits>
 #include <string_view>
 
-#include "sim/closing.h"
+#include "sim/models/closing.h"
 #include "sim/study/axis.h"
 
 /// One closing in a few numbers.

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "core/events.h"
-#include "sim/closing.h"
+#include "sim/models/closing.h"
 #include "sim/study/least_squares.h"
 #include "sim/study/parameter.h"
 #include "sim/team.h"
@@ -85,7 +85,7 @@ class Misfit {
   /// Sum of squared residuals; leaves off early, with what it has, once that is above `give_up`.
   double value(std::span<const double> point, double give_up = std::numeric_limits<double>::infinity()) const;
 
-  /// The same at many points, each with its own limit; their closings run side by side (sim/lanes).
+  /// The same at many points, each with its own limit; their closings run side by side (sim/models/lanes).
   std::vector<double> values(std::span<const std::vector<double>> points, std::span<const double> give_up,
                              Team&) const;
 

@@ -3,9 +3,9 @@
 #include <cmath>
 #include <memory>
 
+#include "sim/specimen/validate.h"
 #include "sim/study/closings_in_lanes.h"
 #include "sim/study/misfit.h"
-#include "sim/validate.h"
 
 /// The sum of squares, closing by closing, at one point and at many.
 

@@ -5,7 +5,7 @@
 #include <string_view>
 #include <vector>
 
-#include "sim/specimen_fields.h"
+#include "sim/specimen/specimen_fields.h"
 
 /// Numbers of a specimen as coordinates of a search: each between two bounds, mapped to 0 .. 1.
 

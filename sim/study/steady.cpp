@@ -6,8 +6,8 @@
 #include <limits>
 #include <numbers>
 
-#include "sim/magnetic_circuit.h"
-#include "sim/specimen_potential.h"
+#include "sim/magnetics/circuit/magnetic_circuit.h"
+#include "sim/specimen/specimen_potential.h"
 
 namespace powbench::sim {
 namespace {

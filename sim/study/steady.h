@@ -1,6 +1,6 @@
 #pragma once
 
-#include "sim/plant.h"
+#include "sim/models/plant.h"
 
 /// The coil on the mains with the core held: what catalogues print as inrush and holding power.
 

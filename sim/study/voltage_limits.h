@@ -1,7 +1,7 @@
 #pragma once
 
 #include "core/conditions.h"
-#include "sim/closing.h"
+#include "sim/models/closing.h"
 
 /// The voltages at which a contactor picks up and drops out.
 

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "sim/fields/potential.h"
+#include "sim/magnetics/potential.h"
 
 /// A constant inductance in series with the coil, as a potential of its own: the state is the flux linkage of both.
 ///

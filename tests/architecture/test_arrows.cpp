@@ -65,6 +65,17 @@ TEST_CASE("no test sleeps or reads a clock") {
   CHECK(wrong.empty());
 }
 
+TEST_CASE("a file with tests is named test_*.cpp, and no other file is") {
+  for (const auto& source : project()) {
+    if (!source.path.starts_with("tests/") || !source.path.ends_with(".cpp")) continue;
+    INFO(source.path);
+    const auto name = source.path.substr(source.path.rfind('/') + 1);
+    const bool has_tests = source.text.find("\nTEST_CASE(") != std::string::npos ||
+                           source.text.find("\nTEMPLATE_TEST_CASE(") != std::string::npos;
+    CHECK(has_tests == name.starts_with("test_"));
+  }
+}
+
 TEST_CASE("every library of the table has its reason in docs/reference/dependencies.md") {
   const auto page = read_text(project_root() / "docs/reference/dependencies.md");
   for (const auto& allowance : allowances()) {

@@ -2,9 +2,9 @@
 #include <cmath>
 
 #include "bench/dsp_synth.h"
-#include "dsp/coil.h"
-#include "dsp/extract.h"
-#include "dsp/prepare.h"
+#include "dsp/events/coil.h"
+#include "dsp/events/extract.h"
+#include "dsp/events/prepare.h"
 
 using namespace powbench;
 using namespace powbench::dsp;

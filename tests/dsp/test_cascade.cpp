@@ -5,8 +5,8 @@
 #include <random>
 
 #include "core/units.h"
-#include "dsp/cascade.h"
-#include "dsp/sos.h"
+#include "dsp/filter/cascade.h"
+#include "dsp/filter/sos.h"
 
 using namespace powbench;
 using namespace powbench::dsp;

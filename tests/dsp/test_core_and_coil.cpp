@@ -3,8 +3,8 @@
 
 #include "bench/dsp_synth.h"
 #include "core/phase.h"
-#include "dsp/coil.h"
-#include "dsp/extract.h"
+#include "dsp/events/coil.h"
+#include "dsp/events/extract.h"
 #include "rigs/simulated_record.h"
 
 using namespace powbench;

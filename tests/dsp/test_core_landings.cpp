@@ -5,9 +5,9 @@
 
 #include "bench/dsp_synth.h"
 #include "core/units.h"
-#include "dsp/core_seat.h"
+#include "dsp/events/core_seat.h"
 #include "rigs/simulated_record.h"
-#include "sim/closing.h"
+#include "sim/models/closing.h"
 #include "tests/effort.h"
 
 // The core's later landings on the simulated rig, against the integrator's own events.

@@ -4,7 +4,7 @@
 
 #include "bench/dsp_synth.h"
 #include "core/units.h"
-#include "dsp/crest.h"
+#include "dsp/contacts/crest.h"
 
 using namespace powbench;
 using namespace powbench::dsp;

@@ -5,9 +5,9 @@
 
 #include "bench/dsp_rig_truth.h"
 #include "bench/dsp_synth.h"
-#include "dsp/dip.h"
-#include "dsp/extract.h"
-#include "dsp/openings.h"
+#include "dsp/contacts/dip.h"
+#include "dsp/contacts/openings.h"
+#include "dsp/events/extract.h"
 
 /// Whether a contact opened in a dip, on indentations whose least value is drawn, with the friction of a guide; and
 /// what an opening too short to be listed does to the times around it.

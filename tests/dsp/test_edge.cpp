@@ -4,9 +4,9 @@
 #include <numbers>
 
 #include "bench/dsp_synth.h"
-#include "dsp/edge.h"
-#include "dsp/extreme.h"
-#include "dsp/refine.h"
+#include "dsp/contacts/edge.h"
+#include "dsp/contacts/extreme.h"
+#include "dsp/contacts/refine.h"
 #include "tests/effort.h"
 
 using namespace powbench;

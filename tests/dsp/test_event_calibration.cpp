@@ -5,7 +5,7 @@
 #include "bench/dsp_synth.h"
 #include "bench/events/scenes.h"
 #include "bench/events/tally.h"
-#include "dsp/extract.h"
+#include "dsp/events/extract.h"
 #include "tests/effort.h"
 
 /// Events and their uncertainties on impacts from an equation of motion that the extraction does not know.

@@ -8,8 +8,8 @@
 
 #include "bench/dsp_synth.h"
 #include "bench/events/scenes.h"
-#include "dsp/event_stream.h"
-#include "dsp/extract.h"
+#include "dsp/events/event_stream.h"
+#include "dsp/events/extract.h"
 #include "tests/effort.h"
 
 // Events of a record that comes in piece by piece, against the same record at once.

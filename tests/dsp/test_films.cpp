@@ -2,10 +2,10 @@
 #include <cmath>
 
 #include "bench/dsp_synth.h"
-#include "dsp/doubt.h"
-#include "dsp/extract.h"
-#include "dsp/force.h"
-#include "dsp/threshold.h"
+#include "dsp/contacts/threshold.h"
+#include "dsp/events/doubt.h"
+#include "dsp/events/extract.h"
+#include "dsp/filter/force.h"
 
 using namespace powbench;
 using namespace powbench::dsp;

@@ -4,8 +4,8 @@
 #include <complex>
 
 #include "core/units.h"
-#include "dsp/filter_design.h"
-#include "dsp/sos.h"
+#include "dsp/filter/filter_design.h"
+#include "dsp/filter/sos.h"
 
 using namespace powbench;
 using namespace powbench::dsp;

@@ -1,6 +1,6 @@
 // Cross products of columns: every version, every remainder, beside sums in extended precision.
 
-#include "dsp/gram.h"
+#include "dsp/signal/gram.h"
 
 #include <algorithm>
 #include <catch2/catch.hpp>
@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "core/random.h"
-#include "dsp/mode_columns.h"
+#include "dsp/vibration/mode_columns.h"
 
 using namespace powbench;
 using namespace powbench::dsp;

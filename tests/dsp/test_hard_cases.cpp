@@ -4,10 +4,10 @@
 #include <thread>
 
 #include "bench/dsp_synth.h"
-#include "dsp/contact_train.h"
-#include "dsp/extract.h"
-#include "dsp/force.h"
-#include "dsp/sos.h"
+#include "dsp/contacts/contact_train.h"
+#include "dsp/events/extract.h"
+#include "dsp/filter/force.h"
+#include "dsp/filter/sos.h"
 
 using namespace powbench;
 using namespace powbench::dsp;

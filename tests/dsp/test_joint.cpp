@@ -6,14 +6,14 @@
 #include "bench/dsp_metrics.h"
 #include "bench/dsp_synth.h"
 #include "core/units.h"
-#include "dsp/contact_train.h"
-#include "dsp/detect_round.h"
-#include "dsp/extract.h"
-#include "dsp/force.h"
-#include "dsp/joint_columns.h"
-#include "dsp/joint_fit.h"
-#include "dsp/joint_ring.h"
-#include "dsp/separate.h"
+#include "dsp/contacts/contact_train.h"
+#include "dsp/contacts/detect_round.h"
+#include "dsp/contacts/joint_columns.h"
+#include "dsp/contacts/joint_fit.h"
+#include "dsp/contacts/joint_ring.h"
+#include "dsp/contacts/separate.h"
+#include "dsp/events/extract.h"
+#include "dsp/filter/force.h"
 
 using namespace powbench;
 using namespace powbench::dsp;

@@ -1,10 +1,10 @@
-#include "dsp/landing.h"
+#include "dsp/contacts/landing.h"
 
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <limits>
 
-#include "dsp/contact_train.h"
+#include "dsp/contacts/contact_train.h"
 
 using namespace powbench;
 using namespace powbench::dsp;

@@ -3,7 +3,7 @@
 #include <vector>
 
 #include "bench/dsp_synth.h"
-#include "dsp/one_law.h"
+#include "dsp/contacts/one_law.h"
 
 using namespace powbench;
 using namespace powbench::dsp;

@@ -1,8 +1,8 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
-#include "dsp/contact_train.h"
-#include "dsp/pole.h"
+#include "dsp/contacts/contact_train.h"
+#include "dsp/contacts/pole.h"
 
 using namespace powbench;
 using namespace powbench::dsp;

@@ -1,4 +1,4 @@
-#include "dsp/requested.h"
+#include "dsp/events/requested.h"
 
 #include <catch2/catch.hpp>
 #include <cmath>
@@ -6,9 +6,9 @@
 #include "bench/dsp_synth.h"
 #include "bench/events/scenes.h"
 #include "core/units.h"
-#include "dsp/bands.h"
-#include "dsp/extract.h"
-#include "dsp/sos.h"
+#include "dsp/events/extract.h"
+#include "dsp/filter/bands.h"
+#include "dsp/filter/sos.h"
 #include "tests/effort.h"
 
 using namespace powbench;

@@ -4,7 +4,7 @@
 
 #include "bench/dsp_synth.h"
 #include "core/units.h"
-#include "dsp/ring.h"
+#include "dsp/vibration/ring.h"
 
 using namespace powbench;
 using namespace powbench::dsp;

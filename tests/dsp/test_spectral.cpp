@@ -4,11 +4,11 @@
 
 #include "bench/dsp_synth.h"
 #include "core/units.h"
-#include "dsp/bands.h"
-#include "dsp/canceller.h"
-#include "dsp/cascade.h"
-#include "dsp/sos.h"
-#include "dsp/spectrum.h"
+#include "dsp/filter/bands.h"
+#include "dsp/filter/canceller.h"
+#include "dsp/filter/cascade.h"
+#include "dsp/filter/sos.h"
+#include "dsp/signal/spectrum.h"
 
 using namespace powbench;
 using namespace powbench::dsp;

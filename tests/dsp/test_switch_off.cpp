@@ -4,7 +4,7 @@
 
 #include "core/phase.h"
 #include "core/random.h"
-#include "dsp/switch_off.h"
+#include "dsp/events/switch_off.h"
 #include "rigs/simulated_record.h"
 
 using namespace powbench;

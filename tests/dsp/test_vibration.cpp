@@ -1,11 +1,11 @@
-#include "dsp/vibration.h"
+#include "dsp/events/vibration.h"
 
 #include <catch2/catch.hpp>
 #include <cmath>
 
 #include "bench/dsp_synth.h"
 #include "core/units.h"
-#include "dsp/extract.h"
+#include "dsp/events/extract.h"
 
 using namespace powbench;
 using namespace powbench::dsp;

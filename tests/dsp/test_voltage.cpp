@@ -2,8 +2,8 @@
 #include <cmath>
 
 #include "bench/dsp_synth.h"
-#include "dsp/contact_voltage.h"
-#include "dsp/extract.h"
+#include "dsp/contacts/contact_voltage.h"
+#include "dsp/events/extract.h"
 
 using namespace powbench;
 using namespace powbench::dsp;

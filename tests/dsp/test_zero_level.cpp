@@ -2,7 +2,7 @@
 #include <cmath>
 
 #include "bench/dsp_synth.h"
-#include "dsp/zero_level.h"
+#include "dsp/filter/zero_level.h"
 
 using namespace powbench;
 using namespace powbench::dsp;

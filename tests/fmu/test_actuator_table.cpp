@@ -6,7 +6,7 @@
 
 #include "host/export/actuator_table.h"
 #include "host/export/mat_out.h"
-#include "sim/specimen_potential.h"
+#include "sim/specimen/specimen_potential.h"
 
 using namespace powbench;
 

@@ -2,7 +2,7 @@
 #include <limits>
 
 #include "core/commanded_phase.h"
-#include "sim/specimen_fields.h"
+#include "sim/specimen/specimen_fields.h"
 #include "tests/fmu/importer.h"
 #include "tests/fmu/specimens.h"
 

@@ -9,8 +9,8 @@
 
 #include "core/events.h"
 #include "core/record.h"
-#include "dsp/doubt.h"
-#include "dsp/extract.h"
+#include "dsp/events/doubt.h"
+#include "dsp/events/extract.h"
 #include "host/config/bad_input.h"
 #include "host/export/events_json.h"
 #include "host/import/waveform.h"

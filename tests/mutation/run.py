@@ -100,7 +100,7 @@ def try_mutant(build, number, folder):
     (tree / name).write_text(source.replace(text, other))
     # a header changes what includes it: fire control, and the tests that use the gate by itself
     units = [f"firmware/{name}"] if name.endswith(".cpp") else [
-        "firmware/fire_control.cpp", "firmware/fire_step.cpp", "tests/firmware/fire_control_test.cpp"]
+        "firmware/fire_control.cpp", "firmware/fire_step.cpp", "tests/firmware/test_fire_control.cpp"]
     objects, replaced = [], {}
     for unit in units:
         if unit.startswith("tests/"):  # several tests are compiled as one file

@@ -1,6 +1,6 @@
 """Tests written in Python: run.py TESTS PACKAGE_FOLDER PROGRAM SOURCE_FOLDER [NAME...]
 
-TESTS: folder with files *_test.py. Closes with `N passed, N failed`; each failed test is named on a line of its own. NAME: only the
+TESTS: folder with files test_*.py. Closes with `N passed, N failed`; each failed test is named on a line of its own. NAME: only the
 tests whose name holds it.
 """
 
@@ -17,7 +17,7 @@ def main() -> int:
     fixture.PROGRAM, fixture.SOURCE = program, pathlib.Path(source).resolve()
     loader = unittest.defaultTestLoader
     loader.testNamePatterns = [f"*{name}*" for name in sys.argv[5:]] or None
-    suite = loader.discover(tests, pattern="*_test.py")
+    suite = loader.discover(tests, pattern="test_*.py")
     result = unittest.TextTestRunner(verbosity=2, stream=sys.stdout).run(suite)
     bad = result.failures + result.errors + [(t, "") for t in result.unexpectedSuccesses]
     for test, _ in bad:

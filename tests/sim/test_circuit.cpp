@@ -5,8 +5,8 @@
 #include <complex>
 #include <vector>
 
-#include "sim/magnetic_circuit.h"
-#include "sim/plant.h"
+#include "sim/magnetics/circuit/magnetic_circuit.h"
+#include "sim/models/plant.h"
 
 using namespace powbench::sim;
 using powbench::pi;

@@ -3,7 +3,7 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
-#include "sim/closing.h"
+#include "sim/models/closing.h"
 
 using namespace powbench::sim;
 using powbench::Conditions;

@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "core/units.h"
-#include "sim/integrator.h"
-#include "sim/unilateral.h"
+#include "sim/mechanics/unilateral.h"
+#include "sim/models/integrator.h"
 
 using namespace powbench::sim;
 using powbench::pi;

@@ -6,9 +6,9 @@
 
 #include "core/random.h"
 #include "core/units.h"
-#include "sim/closing.h"
-#include "sim/lanes/lane_block.h"
-#include "sim/lanes/plant_lanes.h"
+#include "sim/models/closing.h"
+#include "sim/models/lanes/lane_block.h"
+#include "sim/models/lanes/plant_lanes.h"
 #include "sim/supply/sine.h"
 
 /// Plants side by side are the plants alone, to the bit.

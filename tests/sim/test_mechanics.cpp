@@ -3,8 +3,8 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
-#include "sim/contactor_model.h"
-#include "sim/integrator.h"
+#include "sim/models/contactor_model.h"
+#include "sim/models/integrator.h"
 
 using namespace powbench::sim;
 using powbench::pi;

@@ -5,7 +5,7 @@
 #include <cstring>
 #include <vector>
 
-#include "sim/plant.h"
+#include "sim/models/plant.h"
 
 using namespace powbench::sim;
 

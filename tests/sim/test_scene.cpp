@@ -5,7 +5,7 @@
 #include <set>
 #include <string>
 
-#include "sim/specimen_fields.h"
+#include "sim/specimen/specimen_fields.h"
 #include "tests/places.h"
 
 using namespace powbench::sim;

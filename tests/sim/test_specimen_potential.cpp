@@ -1,7 +1,7 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
-#include "sim/specimen_potential.h"
+#include "sim/specimen/specimen_potential.h"
 
 namespace powbench::sim {
 namespace {

@@ -2,8 +2,8 @@
 #include <catch2/catch.hpp>
 #include <limits>
 
-#include "sim/plant.h"
-#include "sim/validate.h"
+#include "sim/models/plant.h"
+#include "sim/specimen/validate.h"
 
 using namespace powbench::sim;
 

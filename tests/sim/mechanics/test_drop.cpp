@@ -5,12 +5,12 @@
 #include <cmath>
 
 #include "core/random.h"
-#include "sim/contact_damping.h"
+#include "sim/mechanics/contact_damping.h"
 #include "sim/mechanics/event_solver.h"
 #include "sim/mechanics/rigid_closing.h"
 #include "sim/mechanics/rigid_contactor.h"
+#include "sim/mechanics/unilateral.h"
 #include "sim/study/parameter.h"
-#include "sim/unilateral.h"
 
 using namespace powbench::sim;
 

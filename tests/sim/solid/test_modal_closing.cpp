@@ -5,7 +5,7 @@
 #include "core/units.h"
 #include "sim/mechanics/rigid_closing.h"
 #include "sim/solid/modal_closing.h"
-#include "sim/specimen_potential.h"
+#include "sim/specimen/specimen_potential.h"
 
 using namespace powbench;
 using namespace powbench::sim;

@@ -2,10 +2,10 @@
 #include <iostream>
 
 #include "core/units.h"
-#include "sim/closing.h"
+#include "sim/models/closing.h"
+#include "sim/models/rungs.h"
 #include "sim/solid/solid_closing.h"
-#include "sim/specimen_potential.h"
-#include "sim/study/rungs.h"
+#include "sim/specimen/specimen_potential.h"
 
 using namespace powbench;
 using namespace powbench::sim;

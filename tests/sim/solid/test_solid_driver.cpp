@@ -1,7 +1,7 @@
 #include <catch2/catch.hpp>
 #include <iostream>
 
-#include "sim/unilateral.h"
+#include "sim/mechanics/unilateral.h"
 #include "tests/sim/solid/solid_cases.h"
 
 using namespace powbench::sim;

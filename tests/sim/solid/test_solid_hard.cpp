@@ -10,7 +10,7 @@
 #include "core/units.h"
 #include "sim/solid/flush_denormals.h"
 #include "sim/solid/solid_closing.h"
-#include "sim/specimen_potential.h"
+#include "sim/specimen/specimen_potential.h"
 #include "tests/sim/solid/solid_cases.h"
 
 using namespace powbench;

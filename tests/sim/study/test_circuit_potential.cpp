@@ -3,10 +3,10 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
+#include "bench/fields/circuit.h"
 #include "core/random.h"
 #include "core/units.h"
-#include "sim/fields/circuit.h"
-#include "sim/fields/magnet_field.h"
+#include "sim/magnetics/plane/magnet_field.h"
 
 using namespace powbench::sim;
 using powbench::pi;

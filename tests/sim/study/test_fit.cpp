@@ -7,7 +7,7 @@
 
 #include "core/random.h"
 #include "core/units.h"
-#include "sim/closing.h"
+#include "sim/models/closing.h"
 #include "sim/study/fit.h"
 #include "sim/study/posterior.h"
 #include "sim/study/steady.h"

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "core/units.h"
-#include "sim/closing.h"
+#include "sim/models/closing.h"
 #include "sim/study/modes.h"
 #include "tests/sim/study/points.h"
 

@@ -6,7 +6,7 @@
 #include <stdexcept>
 
 #include "core/units.h"
-#include "sim/specimen_potential.h"
+#include "sim/specimen/specimen_potential.h"
 #include "sim/study/ladder.h"
 
 using namespace powbench::sim;

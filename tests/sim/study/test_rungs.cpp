@@ -4,8 +4,8 @@
 #include <cmath>
 
 #include "core/units.h"
+#include "sim/models/rungs.h"
 #include "sim/study/metrics.h"
-#include "sim/study/rungs.h"
 #include "sim/study/scene_choice.h"
 
 using namespace powbench;

@@ -6,8 +6,8 @@
 #include <stdexcept>
 
 #include "core/units.h"
-#include "sim/fields/table_build.h"
-#include "sim/specimen_potential.h"
+#include "sim/magnetics/table/table_build.h"
+#include "sim/specimen/specimen_potential.h"
 #include "sim/study/scene_choice.h"
 
 using namespace powbench::sim;

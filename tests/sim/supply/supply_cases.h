@@ -1,8 +1,8 @@
 #pragma once
 
 #include "core/units.h"
-#include "sim/closing.h"
-#include "sim/magnetic_circuit.h"
+#include "sim/magnetics/circuit/magnetic_circuit.h"
+#include "sim/models/closing.h"
 
 /// What the tests of the supply share.
 

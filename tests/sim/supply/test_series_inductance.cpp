@@ -4,7 +4,7 @@
 #include <cmath>
 #include <functional>
 
-#include "sim/specimen_potential.h"
+#include "sim/specimen/specimen_potential.h"
 #include "sim/supply/series_inductance.h"
 
 using namespace powbench::sim;

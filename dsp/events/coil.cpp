@@ -1,0 +1,221 @@
+#include "dsp/events/coil.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
+#include <string>
+#include <vector>
+
+#include "core/phase.h"
+#include "dsp/events/switch_off.h"
+#include "dsp/events/switch_on.h"
+#include "dsp/filter/force.h"
+#include "dsp/signal/signal.h"
+#include "dsp/signal/statistics.h"
+
+namespace powbench::dsp {
+
+namespace {
+
+constexpr double step_search = 12e-3;  ///< s after the gate edge in which the coil must start to conduct
+
+/// Sample k from which on the coil carries the mains: least sum of u^2 before k and (u - g m)^2 from k on.
+/// Without a mains channel: first sample clear of the noise.
+struct Step {
+  std::size_t sample = 0;
+  double expected = 0;  ///< V: what the coil would show at `sample` when it is on all the time; 0 = not known
+};
+
+std::optional<Step> step_sample(const Signal& coil, const Signal& mains, double noise) {
+  const std::size_t i1 = coil.index_at(-1e-3), i2 = coil.index_at(step_search);
+  if (i2 < i1 + 4) return std::nullopt;
+  if (mains.empty()) {
+    for (std::size_t i = i1; i < i2; ++i)
+      if (std::abs(coil.value[i]) > 8 * noise) return Step{i, 0.0};
+    return std::nullopt;
+  }
+  std::vector<double> m(i2 - i1);
+  double mm = 0, um = 0;
+  for (std::size_t i = i1; i < i2; ++i) {
+    const double where = (coil.time(i) - mains.t0) / mains.dt;
+    const auto j =
+        static_cast<std::size_t>(std::clamp(std::floor(where), 0.0, static_cast<double>(mains.size() - 2)));
+    const double share = std::clamp(where - static_cast<double>(j), 0.0, 1.0);
+    m[i - i1] = mains.value[j] + share * (mains.value[j + 1] - mains.value[j]);
+    if (coil.time(i) < 0.5 * step_search) continue;  // gain of the switch from the second half: surely on
+    mm += m[i - i1] * m[i - i1];
+    um += m[i - i1] * coil.value[i];
+  }
+  const double gain = mm > 0 ? um / mm : 0.0;
+  if (gain < 0.5 || gain > 1.5) return std::nullopt;  // the coil never saw the mains
+  double sum = 0, lowest = 0;
+  std::size_t best = i2;
+  for (std::size_t i = i2; i-- > i1;) {
+    const double e = coil.value[i] - gain * m[i - i1];
+    sum += e * e - coil.value[i] * coil.value[i];
+    if (sum < lowest) lowest = sum, best = i;
+  }
+  if (best == i2 || best == i1) return std::nullopt;
+  // A converter that averages shows the step's sample in part; the share decides on which side of it the sum turned.
+  const double before = coil.value[best - 1], there = gain * m[best - 1 - i1];
+  if (std::abs(there) > 20 * noise && before / there > 0.05) --best;
+  return Step{best, gain * m[best - i1]};
+}
+
+Measured switch_on_time(const Record& record, const Signal& mains) {
+  Signal coil = to_signal(record, Channel::coil_voltage);
+  const std::size_t before = coil.index_at(-1e-3);
+  if (coil.size() < 20 || before < 10) return {};
+  const auto quiet = std::span(coil.value).first(before);
+  const double zero = median(quiet);
+  const double noise = std::max(robust_sigma(quiet), 1e-9);
+  for (double& v : coil.value) v -= zero;
+  const auto k = step_sample(coil, mains, noise);
+  if (!k) return {};
+  const double at = coil.time(k->sample),
+               share = k->expected != 0 ? coil.value[k->sample] / k->expected : 1.0;
+  if (std::abs(k->expected) > 20 * noise && share > 0.02 && share < 0.98) {
+    // The sample is the mean over its interval and the coil was on for `share` of it.
+    const double u = std::hypot(coil.dt * noise / std::abs(k->expected), 0.02 * coil.dt);
+    return {at + (0.5 - share) * coil.dt, u};
+  }
+  // Whole: the switch closed somewhere between two samples, and not before the gate edge at time 0. A solid-state
+  // switch conducts from the edge on; that is the answer whenever the samples allow it.
+  const double from = at - coil.dt;
+  const bool edge = from <= 0 && at >= 0;
+  const double low = edge ? 0.0 : from;
+  return {edge ? 0.0 : 0.5 * (low + at), std::max(at - low, 1e-7) / std::sqrt(12.0)};
+}
+
+Measured peak_current(const Record& record) {
+  const Signal s = to_signal(record, Channel::coil_current);
+  if (s.size() < 3) return {};
+  const std::size_t before = s.index_at(0.0), last = s.index_at(closing_end(record, s));
+  const auto quiet = std::span(s.value).first(before);
+  const double zero = quiet.empty() ? 0.0 : median(quiet);
+  const double noise =
+      std::max(robust_sigma(quiet), std::abs(record.find(Channel::coil_current)->scale) / std::sqrt(12.0));
+  double peak = 0;
+  for (std::size_t i = before; i < last; ++i) peak = std::max(peak, std::abs(s.value[i] - zero));
+  return last > before ? Measured{peak, noise} : Measured{};
+}
+
+constexpr double inrush =
+    25e-3;  ///< s after switch-on that bends the coil's voltage where the source is weak
+constexpr double plain_residual = 0.03;  ///< of the amplitude: what a plain sine leaves at most, in rms
+constexpr double plain_offset = 0.03;    ///< of the amplitude
+constexpr double plain_harmonic = 0.10;  ///< of the amplitude
+constexpr double bent = 0.10;            ///< of the amplitude, rms while the inrush flows
+
+/// The mains by the coil's voltage while it is on, and the step at which it comes on.
+struct CoilSupply {
+  HarmonicFit fit;
+  Measured switch_on;
+  double u_load = 0;  ///< rad: by as much as the load may turn the phase
+};
+
+/// Nothing where the coil's voltage is no plain sine of `min_hum_periods` behind the inrush (rectified, chopped, DC),
+/// or does not run on from the step as the same sine.
+std::optional<CoilSupply> coil_supply(const Record& record, const ExtractOptions& o) {
+  const Measured rough = switch_on_time(record, {});
+  if (!rough.known()) return std::nullopt;
+  Signal coil = to_signal(record, Channel::coil_voltage);
+  const double zero = median(std::span(coil.value).first(coil.index_at(-1e-3)));
+  for (double& v : coil.value) v -= zero;
+  std::vector<int> orders;
+  for (int k = 1; k <= std::max(o.angle_harmonics, 1); k += 2) orders.push_back(k);
+  const double off = seen_switch_off(record), from = rough.value + inrush;
+  const double to = std::min(closing_end(record, coil), std::isfinite(off) ? off : coil.end()) - 1e-3;
+  auto fit = fit_harmonics(coil, from, to, orders, o.mains_hertz, true, o.min_hum_periods);
+  if (!fit) return std::nullopt;
+  const double amplitude = fit->amplitude(0);
+  bool plain = amplitude > 10 * fit->sigma && fit->sigma < plain_residual * amplitude &&
+               std::abs(fit->offset) < plain_offset * amplitude &&
+               std::abs(fit->hertz - o.mains_hertz) < 0.1 * o.mains_hertz;
+  for (std::size_t k = 1; k < orders.size(); ++k)
+    plain = plain && fit->amplitude(k) < plain_harmonic * amplitude;
+  if (!plain) return std::nullopt;
+  CoilSupply found{*fit, {}, 0};
+  Signal mains = coil;
+  for (std::size_t i = 0; i < mains.size(); ++i) mains.value[i] = fit->value(mains.time(i));
+  double squares = 0;
+  const std::size_t i1 = coil.index_at(rough.value + 0.5e-3), i2 = coil.index_at(from);
+  for (std::size_t i = i1; i < i2; ++i) squares += std::pow(coil.value[i] - mains.value[i], 2);
+  if (i2 <= i1 || squares > static_cast<double>(i2 - i1) * bent * bent * amplitude * amplitude)
+    return std::nullopt;
+  found.switch_on = switch_on_time(record, mains);
+  if (!found.switch_on.known()) return std::nullopt;
+  // The inrush turns the phase by more than what the closed magnet takes: a bound of what is left in the fit.
+  const double first = rough.value + 0.5e-3;
+  if (const auto early = fit_harmonics(coil, first, first + 1.05 / fit->hertz, {1}, fit->hertz, false, 1.0))
+    found.u_load =
+        std::abs(wrap_half_turn(early->phase_at(first).value - fit->phase_at(first).value)) / std::sqrt(3.0);
+  return found;
+}
+
+/// Why there is no phase of the supply.
+std::string without_supply(const Record& record, const ExtractOptions& o) {
+  const Signal s = to_signal(record, Channel::mains_voltage);
+  if (s.empty())
+    return record.find(Channel::coil_voltage) == nullptr
+               ? "no mains-voltage channel"
+               : "no mains-voltage channel, and the coil voltage shows no plain sine behind a step";
+  std::array<char, 128> text{};
+  const double needed = o.min_hum_periods / o.mains_hertz;
+  if (-s.t0 < needed)
+    std::snprintf(text.data(), text.size(), "%.1f ms of pre-trigger, %.1f needed", std::max(-s.t0, 0.0) * 1e3,
+                  needed * 1e3);
+  else
+    std::snprintf(text.data(), text.size(), "the mains-voltage channel shows no mains near %.0f Hz",
+                  o.mains_hertz);
+  return text.data();
+}
+
+}  // namespace
+
+std::optional<HarmonicFit> supply_fit(const Record& record, const ExtractOptions& o) {
+  const Signal s = to_signal(record, Channel::mains_voltage);
+  if (s.empty()) return std::nullopt;
+  std::vector<int> orders;
+  for (int k = 1; k <= std::max(o.angle_harmonics, 1); k += 2) orders.push_back(k);
+  auto fit = fit_harmonics(s, s.t0, 0.0, orders, o.mains_hertz, true, o.min_hum_periods);
+  if (fit && fit->amplitude(0) < 10 * fit->sigma) return std::nullopt;
+  return fit;
+}
+
+CoilEvents coil_events(const Record& record, const std::optional<HarmonicFit>& supply,
+                       const ExtractOptions& o) {
+  CoilEvents e;
+  e.switch_on = switch_on_time(record, to_signal(record, Channel::mains_voltage));
+  e.peak_current = peak_current(record);
+  if (!std::isnan(contradicted_switch_on(record))) e.flags |= flag_switch_on;
+  if (!supply) {
+    e.flags |= flag_no_hum_fit;
+    const auto by_coil = record.find(Channel::mains_voltage) ? std::nullopt : coil_supply(record, o);
+    if (!by_coil) {
+      e.no_angle = without_supply(record, o);
+      return e;
+    }
+    const HarmonicFit& fit = by_coil->fit;
+    e.switch_on = by_coil->switch_on;
+    e.mains_hertz = {fit.hertz, fit.u_hertz};
+    e.closing_angle = fit.phase_at(e.switch_on.value);
+    e.closing_angle.u =
+        std::hypot(std::hypot(e.closing_angle.u, by_coil->u_load), 2 * pi * fit.hertz * e.switch_on.u);
+    return e;
+  }
+  e.mains_hertz = {supply->hertz, supply->u_hertz};
+  const double amplitude = supply->amplitude(0);
+  e.supply_volts = {amplitude / std::sqrt(2.0), std::sqrt(supply->covariance[supply->parameters + 1] / 2.0)};
+  if (!e.switch_on.known()) {
+    e.no_angle = record.find(Channel::coil_voltage) ? "the coil voltage shows no switching on"
+                                                    : "no coil-voltage channel";
+    return e;
+  }
+  e.closing_angle = supply->phase_at(e.switch_on.value);
+  e.closing_angle.u = std::hypot(e.closing_angle.u, 2 * pi * supply->hertz * e.switch_on.u);
+  return e;
+}
+
+}  // namespace powbench::dsp
