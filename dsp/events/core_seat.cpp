@@ -70,7 +70,7 @@ constexpr double kink_step = 0.2e-6;  ///< s
 Kink fit_kink(const Signal& s, double guess, double before, double after, double noise,
               double finest = kink_step) {
   Kink kink;
-  const double span = 0.35 * std::min(before, after), widest = 0.35 * after;
+  const double span = 0.35 * std::min(before, after), longest_drop = 0.35 * after;
   std::vector<double> time, y, columns;
   for (std::size_t i = s.index_at(guess - before); i < s.size() && s.time(i) <= guess + after; ++i)
     if (!s.masked[i]) time.push_back(s.time(i)), y.push_back(s.value[i]);
@@ -89,12 +89,12 @@ Kink fit_kink(const Signal& s, double guess, double before, double after, double
   };
   double best = guess, length = 0, lowest = cost(guess, 0);
   const auto look = [&](double t, double duration) {
-    if (duration < 0 || duration > widest || std::abs(t - guess) > span) return;
+    if (duration < 0 || duration > longest_drop || std::abs(t - guess) > span) return;
     if (const double v = cost(t, duration); v < lowest) lowest = v, best = t, length = duration;
   };
   double step = span / 6;
   for (double t = guess - span; t <= guess + span; t += step)
-    for (double duration = 0; duration <= widest; duration += widest / 5) look(t, duration);
+    for (double duration = 0; duration <= longest_drop; duration += longest_drop / 5) look(t, duration);
   for (; step > finest; step *= 0.5) {
     const double t = best, duration = length;
     for (const double dt : {-step, 0.0, step})

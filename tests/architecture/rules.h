@@ -180,6 +180,13 @@ inline const std::vector<std::string_view>& unreached_functions() {
   return table;
 }
 
+/// Folders in an order: a file may include none of a later one.
+inline const std::vector<std::string_view>& dsp_order() {
+  static const std::vector<std::string_view> table{"dsp/signal", "dsp/filter", "dsp/vibration",
+                                                   "dsp/contacts", "dsp/events"};
+  return table;
+}
+
 inline constexpr int longest_file = 400;  ///< lines
 inline constexpr int widest_line = 120;   ///< characters
 

@@ -240,6 +240,23 @@ std::vector<std::string> check_cycles(const std::vector<Source>& sources) {
   return wrong;
 }
 
+std::vector<std::string> check_order(const std::vector<Source>& sources,
+                                     const std::vector<std::string_view>& order) {
+  const auto place = [&](const std::string& path) {
+    return std::find(order.begin(), order.end(), path.substr(0, path.rfind('/'))) - order.begin();
+  };
+  const auto outside = static_cast<std::ptrdiff_t>(order.size());
+  std::vector<std::string> wrong;
+  for (const auto& s : sources)
+    for (const auto& include : includes(s)) {
+      const auto later = place(include.target);
+      if (place(s.path) < later && later < outside)
+        wrong.push_back(at(s, include.line) + std::string(order[static_cast<std::size_t>(later)]) +
+                        " comes later");
+    }
+  return wrong;
+}
+
 std::vector<std::string> check_text(const std::vector<Source>& sources) {
   std::vector<std::string> wrong;
   for (const auto& s : sources) {

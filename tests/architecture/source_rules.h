@@ -1,6 +1,7 @@
 #pragma once
 
 #include <string>
+#include <string_view>
 #include <vector>
 
 /// Checks source text against the rules of tests/architecture/rules.h. Pure functions: the tests feed them
@@ -27,6 +28,8 @@ std::vector<std::string> check_arrows(const std::vector<Source>&);
 std::vector<std::string> check_third_party(const std::vector<Source>&);
 std::vector<std::string> check_firmware_reach(const std::vector<Source>&);
 std::vector<std::string> check_cycles(const std::vector<Source>&);
+/// Of the folders of `order` none includes a later one.
+std::vector<std::string> check_order(const std::vector<Source>&, const std::vector<std::string_view>& order);
 std::vector<std::string> check_text(const std::vector<Source>&);
 /// No test sleeps or reads a clock.
 std::vector<std::string> check_waiting(const std::vector<Source>&);
