@@ -53,13 +53,17 @@ char quantity_of(const std::string& name) {
   return 0;
 }
 
-/// `name (unit)`, `name [unit]`, `name_unit`, `name in unit` apart.
+/// `name (unit)`, `name [unit]`, `name / unit`, `name_unit`, `name in unit` apart.
 BhColumn parse_cell(const std::string& cell) {
   BhColumn c;
   std::string name = cell;
   if (const auto open = cell.find_first_of("([{"); open != std::string::npos) {
     name = cell.substr(0, open);
+    if (const auto end = name.find_last_not_of(" /"); end != std::string::npos) name.resize(end + 1);
     c.unit = cell.substr(open + 1, cell.find_last_of(")]}") - open - 1);
+  } else if (const auto over = cell.find(" / "); over != std::string::npos) {
+    name = cell.substr(0, over);
+    c.unit = cell.substr(over + 3);
   } else if (const auto in = cell.find(" in "); in != std::string::npos) {
     name = cell.substr(0, in);
     c.unit = cell.substr(in + 4);
@@ -89,19 +93,29 @@ class SheetReader {
     SteelSheet sheet;
     sheet.name = std::filesystem::path(file_).stem().string();
     sheet.notes = notes_;
-    std::size_t lost = 0;
+    std::size_t lost = 0, lost_line = 0;
     for (std::size_t row = 0; row < table_.rows(); ++row) {
       const double h = table_.columns[h_][row] * h_factor_;
       const double b = table_.columns[b_][row] * b_factor_ + (polarised_ ? sim::mu0 * h : 0);
-      if (std::isfinite(h) && std::isfinite(b))
+      if (std::isfinite(h) && std::isfinite(b)) {
         sheet.measured.push_back({b, h});
-      else
-        ++lost;
+        line_.push_back(table_.line[row]);
+      } else if (lost++ == 0) {
+        lost_line = table_.line[row];
+      }
     }
-    if (lost > 0) sheet.notes.push_back(std::to_string(lost) + " rows without both numbers: passed over");
-    if (const auto doubt = sim::doubt_units(sheet.measured); !doubt.empty()) fail(doubt);
+    if (lost > 0)
+      sheet.notes.push_back("line " + std::to_string(lost_line) +
+                            (lost > 1 ? " and " + std::to_string(lost - 1) + " more" : "") +
+                            ": no number in H or B, passed over");
+    if (const auto doubt = sim::doubt_units(sheet.measured, b_factor_, h_factor_); !doubt.empty())
+      fail(doubt);
     try {
       sheet.fitted = sim::fit_rows(sheet.measured);
+      const auto weak = sim::weak_rows(sheet.measured, sim::Steel::table(sheet.name, sheet.fitted.rows));
+      if (!weak.empty()) sheet.notes.push_back(weak);
+    } catch (const sim::BadRow& error) {
+      throw BadInput({file_ + ":" + std::to_string(line_[error.row]) + ": " + error.what()});
     } catch (const std::invalid_argument& error) {
       fail(error.what());
     }
@@ -156,15 +170,20 @@ class SheetReader {
   double h_factor_ = 1, b_factor_ = 1;
   bool polarised_ = false;
   std::vector<std::string> notes_;
+  std::vector<std::uint32_t> line_;  ///< of each measured row
 };
 
 }  // namespace
 
 SteelSheet parse_steel(std::string_view text, const std::string& file) {
+  if (text.find_first_not_of(" \t\r\n") == std::string_view::npos)
+    throw BadInput({file + ": is empty; a header line such as `H (A/m), B (T)` and one line a row"});
   return SheetReader(file, read_csv(text, file)).run();
 }
 
 SteelSheet read_steel(const std::filesystem::path& path) {
+  if (std::filesystem::is_directory(path))
+    throw BadInput({path.string() + ": is a folder; a sheet is a CSV file"});
   std::ifstream in(path, std::ios::binary);
   if (!in) throw BadInput({path.string() + ": cannot be read"});
   const std::string text{std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};

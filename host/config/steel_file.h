@@ -21,7 +21,8 @@ struct SteelSheet {
 
 /// A header line names the columns and their units, then one row a line, in any order of columns and of H:
 ///   H in A/m, kA/m, A/cm or Oe; B in T, mT, G or kG, or J, the polarisation B - mu0 H, in the same units
-///   written as `H (A/m)`, `H [A/m]`, `H_A_per_m` or `H in A/m`; `B (T)` and so on. Other columns are passed over.
+///   written as `H (A/m)`, `H [A/m]`, `H / (A/m)`, `H / A/m`, `H_A_per_m` or `H in A/m`; `B (T)` and
+///   so on. Other columns are passed over.
 /// Throws BadInput with file, line and reason: what read_csv refuses, a column that is missing, there twice or
 /// without unit, numbers that cannot be those of a soft magnetic material in these units (sim::doubt_units), and what
 /// sim::fit_rows refuses.

@@ -202,17 +202,23 @@ void take_residual(FittedRows& f, const std::vector<BhRow>& measured) {
 
 void check_quadrant(const std::vector<BhRow>& rows, double largest_b, double largest_h) {
   constexpr double blur = 0.02, offset = 0.05;
-  for (const auto& r : rows) {
-    if (!std::isfinite(r.b) || !std::isfinite(r.h)) throw std::invalid_argument("a value is not a number");
+  double smallest_b = largest_b;
+  for (std::size_t k = 0; k < rows.size(); ++k) {
+    const auto& r = rows[k];
+    if (r.h > 0) smallest_b = std::min(smallest_b, r.b);
+    if (!std::isfinite(r.b) || !std::isfinite(r.h)) throw BadRow(k, "a value is not a number");
     if (r.h < -blur * largest_h || r.b < -blur * largest_b)
-      throw std::invalid_argument(
-          "B = " + row_text(r.b) + " T at H = " + row_text(r.h) +
-          " A/m is negative: a loop; allowed the commutation curve, from zero upwards");
+      throw BadRow(k, "B = " + row_text(r.b) + " T at H = " + row_text(r.h) +
+                          " A/m is negative: a loop; allowed the commutation curve, from zero upwards");
     if (std::fabs(r.h) <= 1e-9 * largest_h && r.b > offset * largest_b)
-      throw std::invalid_argument("B = " + row_text(r.b) +
-                                  " T at H = 0: a branch of a loop; allowed the commutation curve, from zero "
-                                  "upwards");
+      throw BadRow(k, "B = " + row_text(r.b) +
+                          " T at H = 0: a branch of a loop; allowed the commutation curve, from zero "
+                          "upwards");
   }
+  constexpr double rises = 0.05;
+  if (smallest_b > (1 - rises) * largest_b)
+    throw std::invalid_argument("B hardly rises: it is " + row_text(smallest_b) + " T at least and " +
+                                row_text(largest_b) + " T at most");
 }
 
 }  // namespace

@@ -87,28 +87,52 @@ struct UnitFactor {
 
 }  // namespace
 
-std::string doubt_units(const std::vector<BhRow>& rows) {
+std::string doubt_units(const std::vector<BhRow>& rows, double b_unit, double h_unit) {
   const std::string wrong = wrong_with(rows, 1, 1);
   if (wrong.empty()) return "";
-  constexpr std::array b_units{UnitFactor{"G", 1e-4}, UnitFactor{"mT", 1e-3}, UnitFactor{"kG", 0.1}};
-  constexpr std::array h_units{UnitFactor{"kA/m", 1e3}, UnitFactor{"Oe", 1e3 / (4 * pi)},
-                               UnitFactor{"A/cm", 100}};
+  constexpr std::array b_units{UnitFactor{"T", 1}, UnitFactor{"G", 1e-4}, UnitFactor{"mT", 1e-3},
+                               UnitFactor{"kG", 0.1}};
+  constexpr std::array h_units{UnitFactor{"A/m", 1}, UnitFactor{"kA/m", 1e3},
+                               UnitFactor{"Oe", 1e3 / (4 * pi)}, UnitFactor{"A/cm", 100}};
   std::string fits;
   const auto look = [&](const std::vector<BhRow>& r, double b, double h, const std::string& words) {
     if (wrong_with(r, b, h).empty()) fits += (fits.empty() ? "" : ", or ") + words;
   };
-  for (const auto& u : b_units) look(rows, u.factor, 1, std::string("B in ") + u.name);
-  for (const auto& u : h_units) look(rows, 1, u.factor, std::string("H in ") + u.name);
+  for (const auto& u : b_units)
+    if (u.factor != b_unit) look(rows, u.factor / b_unit, 1, std::string("B in ") + u.name);
+  for (const auto& u : h_units)
+    if (u.factor != h_unit) look(rows, 1, u.factor / h_unit, std::string("H in ") + u.name);
   auto swapped = rows, polarised = rows;
   for (auto& r : swapped) std::swap(r.b, r.h);
   for (auto& r : polarised) r.b += mu0 * r.h;
   look(swapped, 1, 1, "the columns swapped");
-  look(polarised, 1, 1, "the polarisation, a column J (T)");
+  if (fits.empty()) look(polarised, 1, 1, "the polarisation, a column J (T)");
   if (fits.empty())
     for (const auto& b : b_units)
       for (const auto& h : h_units)
-        look(rows, b.factor, h.factor, std::string("B in ") + b.name + " with H in " + h.name);
+        look(rows, b.factor / b_unit, h.factor / h_unit,
+             std::string("B in ") + b.name + " with H in " + h.name);
   return wrong + (fits.empty() ? "" : "; the numbers would fit " + fits);
+}
+
+std::string weak_rows(const std::vector<BhRow>& rows, const Steel& curve) {
+  constexpr double little = 1000, strong = 3e5, below_knee = 0.5;  // -, A/m, of the largest permeability
+  double last_h = 0, last_b = 0;
+  for (const auto& r : rows)
+    if (r.h > last_h) {
+      last_h = r.h;
+      last_b = r.b;
+    }
+  const double peak = curve.peak_permeability();
+  if (last_b / (mu0 * last_h) > below_knee * peak)
+    return "the rows end at " + unit_text(last_b) + " T, below the knee: saturation is a guess";
+  if (last_h > strong)
+    return "H goes up to " + unit_text(last_h) +
+           " A/m; few sheets are measured beyond 300 000: is the unit right?";
+  if (peak < little)
+    return "the largest B / (mu0 H) is " + unit_text(peak) +
+           "; sheet and soft iron have some thousands: is the unit right?";
+  return "";
 }
 
 }  // namespace powbench::sim

@@ -96,6 +96,34 @@ TEST_CASE("slips of a B-H sheet are refused with the reason and what would fit",
   CHECK_THAT(errors_of("H (A/m), B (T)\n10, 0.1\n20, 0.4\n"), Contains("2 rows") && Contains("at least 4"));
 }
 
+TEST_CASE("a sheet under the unit of another one is told that one, and no other way to read it", "[config]") {
+  const auto under_oe = errors_of(sheet("H (Oe), B (T)", 1, 1));
+  CHECK_THAT(under_oe, Contains("H in A/m") && !Contains("column J"));
+  CHECK_THAT(errors_of(sheet("H (kA/m), B (T)", 1, 1)), Contains("H in A/m") && !Contains("column J"));
+  CHECK_THAT(errors_of(sheet("H (A/m), B (G)", 1, 1)), Contains("B in T"));
+  // read as a polarisation it passes for a bad steel: then that is said
+  const auto s = parse_steel(sheet("H (A/m), J (T)", 1, 0.1), "lab.csv");
+  REQUIRE(s.notes.size() == 1);
+  CHECK_THAT(s.notes[0], Contains("is the unit right?"));
+}
+
+TEST_CASE("rows that say little of the steel are refused, or said to", "[config]") {
+  const std::string head = "H (A/m), B (T)\n";
+  CHECK_THAT(errors_of(head + "10, 1.2\n100, 1.2\n1000, 1.2\n5000, 1.21\n"), Contains("hardly rises"));
+  const auto low = parse_steel(head + "20, 0.05\n40, 0.12\n80, 0.32\n130, 0.56\n", "lab.csv");
+  REQUIRE(low.notes.size() == 1);
+  CHECK_THAT(low.notes[0], Contains("end at 0.56 T") && Contains("guess"));
+  CHECK(parse_steel(sheet("H (A/m), B (T)", 1, 1), "lab.csv").notes.empty());
+  const auto lines = parse_steel(sheet("H (A/m), B (T)", 1, 1) + "nan, 1.9\n9000, inf\n", "lab.csv");
+  REQUIRE(lines.notes.size() == 1);
+  CHECK_THAT(lines.notes[0], Contains("line ") && Contains(" and 1 more") && Contains("passed over"));
+  CHECK_THAT(errors_of(head + "10, 0.1\n50, 0.5\n-300, -0.9\n800, 1.4\n2000, 1.6\n"),
+             Contains("lab.csv:4: B = -0.9 T"));
+  for (const char* header : {"H / (A/m), B / T", "H / A/m, B / T"})
+    CHECK(parse_steel(sheet(header, 1, 1), "lab.csv").measured.size() > 4);
+  CHECK_THAT(errors_of(""), Contains("is empty"));
+}
+
 TEST_CASE("a specimen takes its steel from a sheet beside it, and its stored text holds the rows",
           "[config]") {
   const Folder folder;
