@@ -75,17 +75,18 @@ Exit show_drawing(const FieldArgs& args, const Drawing& drawing) {
   options.ring = args.ring;
   const fs::path folder(args.folder);
   sim::Team team(worker_count(args.threads));
-  const auto choice = [&] {
+  const auto [choice, table] = [&] {
     try {
-      return obtain_field_table(folder, drawing, options, team);
+      auto found = obtain_field_table(folder, drawing, options, team);
+      sim::TablePotential potential(found.table);
+      return std::pair{std::move(found), std::move(potential)};
     } catch (const std::invalid_argument& error) {
       throw BadInput({args.specimen_file + ": " + error.what()});
     }
   }();
   const auto& t = choice.table;
-  const sim::TablePotential table(t);
   const std::string missed = missed_accuracy(t, options.accuracy, finer_drawing, finer_drawn_table);
-  const auto states = shown_states(folder, drawing, t.psi.back() / 2);
+  const auto states = shown_states(folder, drawing, t.largest_psi() / 2);
   const fs::path picture = folder / (d.name + "-table.svg");
   write_file(picture, table_svg(table, t.description));
   write_tables(args, table, d.travel, d.name + ": " + t.description);
@@ -96,7 +97,7 @@ Exit show_drawing(const FieldArgs& args, const Drawing& drawing) {
     Json list = Json::array(), pictures = Json::array();
     for (const auto& s : states) {
       list.push_back({{"gap_m", s.gap},
-                      {"psi_Wb", t.psi.back() / 2},
+                      {"psi_Wb", t.largest_psi() / 2},
                       {"current_A", s.point.response.current},
                       {"pull_N", s.point.response.pull},
                       {"energy_J", s.point.response.energy},
@@ -120,7 +121,7 @@ Exit show_drawing(const FieldArgs& args, const Drawing& drawing) {
       angle(d.drawn_gap), angle(d.residual_gap), angle(open), open * 1e3);
   for (const auto& s : states)
     fmt::print("  {:<7} gap {:>6.3f} mm, {:.4g} Wb: {:.4g} A, pull {:.4g} N, {:.3g} J\n", s.name, s.gap * 1e3,
-               t.psi.back() / 2, s.point.response.current, s.point.response.pull, s.point.response.energy);
+               t.largest_psi() / 2, s.point.response.current, s.point.response.pull, s.point.response.energy);
   for (const auto& s : states)
     for (const auto& f : s.files) fmt::print("{}\n", f.string());
   fmt::print("{}\n", picture.string());

@@ -8,6 +8,7 @@
 #include <map>
 #include <optional>
 
+#include "core/units.h"
 #include "host/config/drawing_parts.h"
 #include "host/config/file_reader.h"
 #include "sim/magnetics/plane/import_mesh.h"
@@ -82,6 +83,9 @@ class Assembly {
     using sim::DrawnRole;
     const auto section = g.section();
     if (!reader_.good(section, "role")) return;
+    if (g.role == DrawnRole::fixed && d_.symmetry == DrawnSymmetry::quarter)
+      reader_.fail(section, "role", "in a quarter the fixed iron is the image of the armature",
+                   "armature, coil, ring, air, stretch");
     if (!g.filled) reader_.fail(section, "role", "the group has no triangle in the mesh: it has no area");
     sim::DrawnPart part{g.name, g.role, -1, 0};
     const bool iron = g.role == DrawnRole::fixed || g.role == DrawnRole::armature;
@@ -167,7 +171,32 @@ class Assembly {
                       hole->first * 1e3, hole->second * 1e3));
     reader_.finish();
     turn();
-    if (!out_->axisymmetric) return;
+    if (out_->axisymmetric) find_axis();
+    reader_.finish();
+    check_edges();
+  }
+
+  void check_edges() {
+    if (const auto open = sim::open_edge(out_->mesh, out_->copies == 4)) {
+      const auto [x, y] = drawn(open->first, open->second);
+      reader_.fail("", "mesh",
+                   fmt::format("the outer edge at x = {:.4g}, y = {:.4g} mm belongs to no line with role = "
+                               "\"A=0\": flux would leave the drawing there",
+                               x * 1e3, y * 1e3));
+    }
+    constexpr double least = 0.1 * pi / 180;
+    const auto sharp = sim::sharpest_triangle(*out_);
+    if (sharp.angle >= least) return;
+    const auto [x, y] = drawn(sharp.x, sharp.y);
+    reader_.fail(
+        "group." + out_->parts[static_cast<std::size_t>(sharp.part)].name, "role",
+        fmt::format("a triangle at x = {:.4g}, y = {:.4g} mm has an angle of {:.2g} deg: is the part "
+                    "drawn too thin, or the mesh there far too long?",
+                    x * 1e3, y * 1e3, sharp.angle * 180 / pi),
+        "0.1 deg and above");
+  }
+
+  void find_axis() {
     auto& m = out_->mesh;
     const double reach = *std::max_element(m.x.begin(), m.x.end());
     for (std::size_t v = 0; v < m.x.size(); ++v) {
@@ -178,6 +207,14 @@ class Assembly {
       }
       if (m.x[v] <= 1e-9 * reach) m.x[v] = 0, m.zero[v] = 1;
     }
+  }
+
+  /// A place of the turned mesh as it was drawn.
+  std::pair<double, double> drawn(double x, double y) const {
+    if (d_.opening == DrawnOpening::down) return {out_->axisymmetric ? x : -x, -y};
+    if (d_.opening == DrawnOpening::right) return {y, -x};
+    if (d_.opening == DrawnOpening::left) return {-y, x};
+    return {x, y};
   }
 
   /// The mesh turned, or around an axis mirrored, so that the armature opens towards +y.

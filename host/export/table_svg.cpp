@@ -7,11 +7,11 @@ namespace powbench::host {
 
 std::string table_svg(const sim::TablePotential& t, const std::string& title) {
   constexpr double milli = 1e-3, even_gap = 0.3, even_current = 0.02;
-  const SurfaceAxis psi{"flux linkage, Wb", 0, t.table().psi.back(), 0};
+  const SurfaceAxis psi{"flux linkage, Wb", 0, t.table().largest_psi(), 0};
   const SurfaceAxis gap{"gap, mm", 0, t.table().gap.back() / milli, even_gap};
   const auto at = [&](double flux, double mm) {
     // the ring flux in step with the coil's
-    const double ring = t.has_ring() ? t.table().ring.back() * flux / t.table().psi.back() : 0;
+    const double ring = t.has_ring() ? t.table().ring.back() * flux / t.table().largest_psi() : 0;
     return t.at({flux, ring, mm * milli});
   };
   const std::string heading =

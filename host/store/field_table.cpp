@@ -15,7 +15,7 @@
 namespace powbench::host {
 namespace {
 
-constexpr std::string_view magic = "powbench field table 2";
+constexpr std::string_view magic = "powbench field table 3";
 constexpr std::size_t checksum_size = 4;
 
 std::uint32_t checksum(std::string_view bytes) {
@@ -56,7 +56,8 @@ std::string field_table_bytes(const sim::PotentialTable& t) {
   out << magic << '\n'
       << "hash " << hash_text(t.design_hash) << '\n'
       << "mesh_error " << t.mesh_error << '\n'
-      << "data_end " << t.data_end << '\n';
+      << "data_end " << t.data_end << '\n'
+      << "ring_ratio " << t.ring_ratio << '\n';
   for (const auto& c : columns) out << c.key << ' ' << (t.*c.values).size() << ' ' << c.unit << '\n';
   out << "description " << t.description << '\n';
   std::string bytes = out.str();
@@ -88,7 +89,7 @@ sim::PotentialTable parse_field_table(std::string_view bytes, const std::string&
   std::istringstream header{std::string(content.substr(magic.size() + 1, data - magic.size()))};
   sim::PotentialTable t;
   std::string key, unit, hash;
-  header >> key >> hash >> key >> t.mesh_error >> key >> t.data_end;
+  header >> key >> hash >> key >> t.mesh_error >> key >> t.data_end >> key >> t.ring_ratio;
   t.design_hash = std::strtoull(hash.c_str(), nullptr, 16);
   std::size_t at = data + 1;
   for (const auto& c : columns) {

@@ -50,7 +50,8 @@ std::string mesh_without(const std::string& name, int dimension, const Gone& gon
         for (int k = 0; k < corners; ++k)
           for (std::size_t i = 0; i < 3; ++i)
             centre[i] += mesh.nodes[static_cast<std::size_t>(n[k])][i] / corners;
-        if (g.dimension == dimension && gone(g.name, centre[0], centre[1], centre[2])) continue;
+        if ((g.dimension == dimension || g.dimension == 1) && gone(g.name, centre[0], centre[1], centre[2]))
+          continue;
         elements << ++count << " " << (g.dimension == 1 ? 1 : 2 * g.dimension - 2) << " 2 " << g.tag << " "
                  << b.entity;
         for (int k = 0; k < corners; ++k) elements << " " << n[k] + 1;
@@ -110,6 +111,16 @@ std::string said_of_plane(const std::string& name, const std::vector<std::string
 }
 
 }  // namespace
+
+TEST_CASE("flux leaves a plane drawing nowhere, and crosses every line in it") {
+  // the outer edge without its upper half: the rest of it has A = 0
+  const auto part = said_of_plane(
+      "u-core", {}, [](const auto& group, double, double y, double) { return group == "rim" && y > 20; });
+  CHECK_THAT(part, Contains("the outer edge at") && Contains("A=0") && Contains("flux would leave"));
+  const auto pot = said_of_plane(
+      "pot", {}, [](const auto& group, double x, double, double) { return group == "rim" && x > 40; });
+  CHECK_THAT(pot, Contains("the outer edge at"));
+}
 
 TEST_CASE("a plane drawing with a hole is refused, and the place named") {
   const Gone none = [](const std::string&, double, double, double) { return false; };

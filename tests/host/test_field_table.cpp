@@ -62,6 +62,22 @@ TEST_CASE("a field table comes back from the disk bit by bit") {
   CHECK(std::distance(fs::directory_iterator(folder.path), {}) == 1);
 }
 
+TEST_CASE("a field table with a ring keeps what its axes mean") {
+  auto t = small_table();
+  t.ring = {-1e-4, 1e-4};
+  t.ring_ratio = 1500;
+  t.nodes.assign(t.psi.size() * t.ring.size() * t.gap.size() * t.values(), 1);
+  t.air.assign(4 * t.gap.size(), 1);
+  t.steel_field.clear();
+  const auto r = host::parse_field_table(host::field_table_bytes(t), "x.table");
+  CHECK(r.ring == t.ring);
+  CHECK(r.ring_ratio == t.ring_ratio);
+  CHECK(r.largest_psi() == 1.15);
+  auto without = small_table();
+  without.ring_ratio = 1;
+  CHECK_THROWS_WITH(sim::check_table(without), Catch::Matchers::Contains("ring_ratio"));
+}
+
 TEST_CASE("a damaged field table is told with its name and its fault") {
   using Catch::Matchers::Contains;
   const std::string good = host::field_table_bytes(small_table());
@@ -75,7 +91,7 @@ TEST_CASE("a damaged field table is told with its name and its fault") {
   for (const std::size_t length : {std::size_t{0}, std::size_t{10}, std::size_t{30}, good.size() - 8})
     CHECK_THROWS_AS(parse(good.substr(0, length)), host::StoreError);
   auto other = good;
-  other[other.find(" 2\n") + 1] = '7';
+  other[other.find(" 3\n") + 1] = '7';
   CHECK_THROWS_WITH(parse(other), Contains("version"));
   CHECK_THROWS_WITH(parse("hello"), Contains("not a table"));
   CHECK_THROWS_AS(host::load_field_table("/nowhere/at/all.table"), host::StoreError);

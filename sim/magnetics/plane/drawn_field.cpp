@@ -150,7 +150,7 @@ double saturated_flux(const std::shared_ptr<const DrawnMagnet>& drawing) {
   air.set_air();
   air.set_gap(0);
   field.set_gap(0);
-  const double wanted = air.at_flux(1e-3, 0, {}, true).response.current_psi / 1.25;
+  const double wanted = saturated_stiffness * air.at_flux(1e-3, 0, {}, true).response.current_psi;
   // 1 mT over the section of the drawing or thereabouts: far below saturation
   const auto [x0, x1] = std::minmax_element(drawing->mesh.x.begin(), drawing->mesh.x.end());
   double low = drawing->turns() * 1e-4 * (*x1 - *x0) * (drawing->axisymmetric ? *x1 : drawing->depth),

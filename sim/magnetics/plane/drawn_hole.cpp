@@ -45,25 +45,59 @@ bool on_hull(const std::vector<Point>& hull, const Point& a, const Point& b, dou
   return std::min(-low, high) <= little;
 }
 
+/// The edges of one triangle only, and the hull of the mesh.
+struct MeshOutline {
+  std::vector<std::pair<int, int>> edges;
+  std::vector<Point> hull;
+  double little = 0;  ///< m: less is no distance
+
+  explicit MeshOutline(const Mesh& mesh) : m(mesh) {
+    std::map<std::pair<int, int>, int> triangles;
+    for (const auto& t : m.triangle)
+      for (std::size_t k = 0; k < 3; ++k) ++triangles[std::minmax(t[k], t[(k + 1) % 3])];
+    std::vector<Point> ends;
+    for (const auto& [edge, count] : triangles) {
+      if (count != 1) continue;
+      edges.push_back(edge);
+      ends.insert(ends.end(), {point(edge.first), point(edge.second)});
+    }
+    hull = hull_of(ends);
+    const auto extent = [&](auto member) {
+      const auto [low, high] = std::minmax_element(
+          ends.begin(), ends.end(), [&](const Point& a, const Point& b) { return a.*member < b.*member; });
+      return (*high).*member - (*low).*member;
+    };
+    little = 1e-6 * std::max(extent(&Point::first), extent(&Point::second));
+  }
+  Point point(int v) const { return {m.x[static_cast<std::size_t>(v)], m.y[static_cast<std::size_t>(v)]}; }
+  bool zero(const std::pair<int, int>& e) const {
+    return m.zero[static_cast<std::size_t>(e.first)] != 0 && m.zero[static_cast<std::size_t>(e.second)] != 0;
+  }
+  bool outer(const std::pair<int, int>& e) const {
+    return on_hull(hull, point(e.first), point(e.second), little);
+  }
+
+  const Mesh& m;
+};
+
 }  // namespace
 
+std::optional<std::pair<double, double>> open_edge(const Mesh& m, bool quarter) {
+  const MeshOutline outline(m);
+  const double low = *std::min_element(m.y.begin(), m.y.end());
+  for (const auto& e : outline.edges) {
+    if (outline.zero(e) || !outline.outer(e)) continue;
+    const auto [x0, y0] = outline.point(e.first);
+    const auto [x1, y1] = outline.point(e.second);
+    if (quarter && std::max(y0, y1) <= low + outline.little) continue;
+    return Point{0.5 * (x0 + x1), 0.5 * (y0 + y1)};
+  }
+  return std::nullopt;
+}
+
 std::optional<std::pair<double, double>> unmeshed_place(const Mesh& m) {
-  const auto point = [&](int v) {
-    return Point{m.x[static_cast<std::size_t>(v)], m.y[static_cast<std::size_t>(v)]};
-  };
-  std::map<std::pair<int, int>, int> triangles;
-  for (const auto& t : m.triangle)
-    for (std::size_t k = 0; k < 3; ++k) ++triangles[std::minmax(t[k], t[(k + 1) % 3])];
-  std::vector<Point> ends;
-  for (const auto& [edge, count] : triangles)
-    if (count == 1) ends.insert(ends.end(), {point(edge.first), point(edge.second)});
-  const auto hull = hull_of(ends);
-  const auto extent = [&](auto member) {
-    const auto [low, high] = std::minmax_element(
-        ends.begin(), ends.end(), [&](const Point& a, const Point& b) { return a.*member < b.*member; });
-    return (*high).*member - (*low).*member;
-  };
-  const double little = 1e-6 * std::max(extent(&Point::first), extent(&Point::second));
+  const MeshOutline outline(m);
+  const auto point = [&](int v) { return outline.point(v); };
   std::vector<int> parent(m.x.size());
   std::iota(parent.begin(), parent.end(), 0);
   const auto root = [&](int v) {
@@ -71,10 +105,9 @@ std::optional<std::pair<double, double>> unmeshed_place(const Mesh& m) {
     return v;
   };
   std::vector<int> inner;  // vertices of such edges
-  for (const auto& [edge, count] : triangles) {
+  for (const auto& edge : outline.edges) {
     const auto [a, b] = edge;
-    if (count != 1 || (m.zero[static_cast<std::size_t>(a)] && m.zero[static_cast<std::size_t>(b)])) continue;
-    if (on_hull(hull, point(a), point(b), little)) continue;
+    if (outline.zero(edge) || outline.outer(edge)) continue;
     inner.insert(inner.end(), {a, b});
     parent[static_cast<std::size_t>(root(a))] = root(b);
   }

@@ -63,6 +63,18 @@ std::vector<double> drawn_motion(const DrawnMagnet&);
 /// saturate. Nothing: no hole. A hole with A = 0 all around is a screen.
 std::optional<std::pair<double, double>> unmeshed_place(const Mesh&);
 
+/// Middle of an outer edge of the mesh without A = 0, m; nothing: there is none. On the lower edge of a quarter, the
+/// middle of its gap, there need not be any.
+std::optional<std::pair<double, double>> open_edge(const Mesh&, bool quarter);
+
+/// Smallest angle of the triangles that do not stretch, rad, with its part and its centre, m.
+struct SharpTriangle {
+  double angle = 0;
+  int part = 0;
+  double x = 0, y = 0;
+};
+SharpTriangle sharpest_triangle(const DrawnMagnet&);
+
 /// Smallest distance of the armature from the fixed iron below it, along y, m; in a quarter twice that from the lower
 /// edge of the mesh. Infinity: nothing below.
 double measured_gap(const DrawnMagnet&);
@@ -143,9 +155,9 @@ DrawnMagnet refined(const DrawnMagnet&);
 std::vector<double> on_refined(const FieldSpace& coarse, const std::vector<double>& a,
                                const FieldSpace& fine);
 
-/// Flux linkage, Wb, at which the closed magnet's differential inductance has come down to 1.25 times that of air:
-/// with steel beyond saturation everywhere on the path. By elements of the first order: it is where a table ends, and
-/// need not be sharp. Throws std::invalid_argument where the steel does not saturate.
+/// Flux linkage, Wb, from which on the closed magnet's di/dpsi is above `saturated_stiffness` of that of air. By
+/// elements of the first order: it is where a table ends, and need not be sharp. Throws std::invalid_argument where
+/// the steel does not saturate.
 double saturated_flux(const std::shared_ptr<const DrawnMagnet>&);
 
 /// Throws std::invalid_argument for an estimated error of the mesh, relative, above 1: the table would mean nothing.

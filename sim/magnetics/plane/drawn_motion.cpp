@@ -244,21 +244,47 @@ std::pair<double, double> usable_gaps(const DrawnMagnet& d) {
   return {from, to};
 }
 
-double least_angle(const DrawnMagnet& d, double face_gap) {
-  const Motion motion{d};
-  const auto& m = d.mesh;
-  const auto y = [&](std::size_t v) { return m.y[v] + (face_gap - d.drawn_gap) * d.motion[v]; };
+namespace {
+
+/// Smallest angle of a triangle, rad, with the vertices at these heights.
+template <class Height>
+double smallest_angle(const Mesh& m, std::size_t t, const Height& y) {
   double least = infinity;
-  for (std::size_t t = 0; t < m.triangle.size(); ++t) {
-    if (!motion.stretches(t)) continue;
-    for (std::size_t k = 0; k < 3; ++k) {
-      const auto a = at(m.triangle[t][k]), b = at(m.triangle[t][(k + 1) % 3]),
-                 c = at(m.triangle[t][(k + 2) % 3]);
-      const double ux = m.x[b] - m.x[a], uy = y(b) - y(a), vx = m.x[c] - m.x[a], vy = y(c) - y(a);
-      least = std::min(least, std::atan2(ux * vy - uy * vx, ux * vx + uy * vy));
-    }
+  for (std::size_t k = 0; k < 3; ++k) {
+    const auto a = at(m.triangle[t][k]), b = at(m.triangle[t][(k + 1) % 3]),
+               c = at(m.triangle[t][(k + 2) % 3]);
+    const double ux = m.x[b] - m.x[a], uy = y(b) - y(a), vx = m.x[c] - m.x[a], vy = y(c) - y(a);
+    least = std::min(least, std::atan2(ux * vy - uy * vx, ux * vx + uy * vy));
   }
   return least;
+}
+
+}  // namespace
+
+double least_angle(const DrawnMagnet& d, double face_gap) {
+  const Motion motion{d};
+  const auto y = [&](std::size_t v) { return d.mesh.y[v] + (face_gap - d.drawn_gap) * d.motion[v]; };
+  double least = infinity;
+  for (std::size_t t = 0; t < d.mesh.triangle.size(); ++t)
+    if (motion.stretches(t)) least = std::min(least, smallest_angle(d.mesh, t, y));
+  return least;
+}
+
+SharpTriangle sharpest_triangle(const DrawnMagnet& d) {
+  const Motion motion{d};
+  const auto& m = d.mesh;
+  SharpTriangle out{infinity, 0, 0, 0};
+  for (std::size_t t = 0; t < m.triangle.size(); ++t) {
+    const double angle =
+        motion.stretches(t) ? infinity : smallest_angle(m, t, [&](std::size_t v) { return m.y[v]; });
+    if (angle >= out.angle) continue;
+    out = {angle, m.region[t], 0, 0};
+    for (const int v : m.triangle[t]) {
+      out.x += m.x[at(v)] / 3;
+      out.y += m.y[at(v)] / 3;
+    }
+  }
+  return out;
 }
 
 }  // namespace powbench::sim

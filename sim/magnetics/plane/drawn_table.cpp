@@ -23,13 +23,50 @@ double halving_error(const DrawnGap& drawn, const DrawnGap& halved, double psi, 
                   std::fabs(a.response.pull / b.response.pull - 1));
 }
 
-/// Flux through the open ring of the closed magnet, Wb: without its current no more passes it.
-double open_ring_flux(const DrawnGap& drawn, double psi) {
+/// PotentialTable::ring_ratio of the closed magnet. Without flux in the ring the coil saturates what the ring leaves
+/// out of the pole, and as long as nothing else does,
+///
+///   d2W/dpsi dring = -ratio d2W/dpsi2:
+///
+/// the largest of such ratios on the way to `psi`.
+double ring_ratio(const std::shared_ptr<const DrawnMagnet>& d, double psi) {
+  DrawnField field(DrawnGap(d, 1), {1e-6});
+  field.set_gap(0);
+  constexpr int steps = 24;
+  constexpr double past = 0.9;  // of the largest ratio: the rest of the magnet saturates, too
+  double best = 0;
+  std::vector<double> a;
+  for (int k = 1; k <= steps; ++k) {
+    auto p = field.at_flux(psi * k / steps, 0, std::move(a));
+    if (!p.newton.converged) throw std::runtime_error("field: no convergence without flux in the ring");
+    const double ratio = -p.response.current_ring / p.response.current_psi;
+    if (std::fabs(ratio) > std::fabs(best)) best = ratio;
+    if (std::fabs(ratio) < past * std::fabs(best)) break;
+    a = std::move(p.a);
+  }
+  return best;
+}
+
+/// The axes of a table with ring: what flux each part of the closed magnet's pole takes when no current flows in the
+/// ring, and a little more.
+void take_ring(TablePlan& plan, const std::shared_ptr<const DrawnMagnet>& d, const DrawnGap& drawn,
+               double largest, int count) {
+  constexpr double spare = 1.15;
   DrawnField field(drawn, {1e-6});
   field.set_gap(0);
-  const double flux = std::fabs(field.fluxes(field.at_flux(psi, 0, {}, true)).second);
-  if (!(flux > 0)) throw std::invalid_argument("the ring links no flux of the coil");
-  return flux;
+  const double flux = field.fluxes(field.at_flux(largest, 0, {}, true)).second;
+  if (!(std::fabs(flux) > 0)) throw std::invalid_argument("the ring links no flux of the coil");
+  plan.ring_ratio = ring_ratio(d, largest);
+  double rest = largest - plan.ring_ratio * flux;
+  if (!(rest > 0.2 * largest)) {  // the ring is around all of the pole
+    plan.ring_ratio = 0;
+    rest = largest;
+  }
+  const double reach = spare * std::fabs(flux);
+  for (int k = 0; k < count; ++k) plan.ring.push_back(reach * (2.0 * k / (count - 1) - 1));
+  if (plan.ring_ratio == 0) return;
+  const double stretch = spare * rest / largest;
+  for (double& psi : plan.psi) psi *= stretch;
 }
 
 void check_reach(const DrawnMagnet& d, double largest_gap) {
@@ -61,12 +98,12 @@ PotentialTable build_table(const std::shared_ptr<const DrawnMagnet>& d, const Ta
                            TableReport* report) {
   check_reach(*d, o.largest_gap);
   const bool ring = o.ring && d->has_ring();
-  double largest = d->largest_flux;
+  double largest = 0;
   std::optional<DrawnGap> drawn, halved;
   for_each_index(team, 2, [&](int k) {
     if (k == 0) {
       drawn.emplace(d);
-      if (!(largest > 0)) largest = saturated_flux(d);
+      largest = table_end(d->largest_flux, [&] { return saturated_flux(d); });
     } else {
       halved.emplace(std::make_shared<const DrawnMagnet>(refined(*d)));
     }
@@ -76,10 +113,9 @@ PotentialTable build_table(const std::shared_ptr<const DrawnMagnet>& d, const Ta
   if (ring) dense.accuracy = std::min(o.accuracy, 0.02);
   TablePlan plan = plan_table(dense, largest);
   if (ring) {
-    const double reach = 1.15 * open_ring_flux(*drawn, largest);
     const int count =
         o.ring_nodes != 0 ? o.ring_nodes : std::max(8, static_cast<int>(plan.psi.size()) * 2 / 3);
-    for (int k = 0; k < count; ++k) plan.ring.push_back(reach * (2.0 * k / (count - 1) - 1));
+    take_ring(plan, d, *drawn, largest, count);
   }
   double closed = 0, open = 0;
   TableReport sum;

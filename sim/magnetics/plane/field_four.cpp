@@ -43,7 +43,7 @@ void FieldFour::set_steels(const std::vector<Steel>& steels) {
   newton_.take_steels();
 }
 
-FieldFour::Vectors FieldFour::air(bool ring) {
+FieldFour::Vectors FieldFour::air(bool ring, double ratio) {
   constexpr double coil = 1e-3, loop = 1e-6;  // Wb; what is linear needs one step, whatever the flux
   NewtonOptions one_step;
   one_step.most_iterations = 1;
@@ -54,9 +54,12 @@ FieldFour::Vectors FieldFour::air(bool ring) {
   for (std::size_t k = 0; k < gaps; ++k)
     out[k] = {by_coil[k].response.current_psi, by_coil[k].response.current_gap / coil};
   if (ring) {
-    const auto by_ring = solve(each_[0]->with_fluxes(0, loop, false), {}, one_step);
-    for (std::size_t k = 0; k < gaps; ++k)
-      out[k].insert(out[k].end(), {by_ring[k].response.ring_ring, by_ring[k].response.ring_gap / loop});
+    const auto by_ring = solve(each_[0]->with_fluxes(ratio * loop, loop, false), {}, one_step);
+    for (std::size_t k = 0; k < gaps; ++k) {
+      const auto& r = by_ring[k].response;
+      out[k].insert(out[k].end(), {r.ring_ring + ratio * (2 * r.current_ring + ratio * r.current_psi),
+                                   (r.ring_gap + ratio * r.current_gap) / loop});
+    }
   }
   set_steels(steels);
   return out;

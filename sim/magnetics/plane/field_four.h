@@ -28,8 +28,8 @@ class FieldFour {
   std::array<FieldPoint, gaps> at_flux(double psi, double ring, Vectors starts, bool ring_open);
   Vectors tangent(std::size_t winding) const { return newton_.flux_tangent(winding); }  ///< da/dflux of them
 
-  /// Inverse inductances with air in place of steel, as PotentialTable::air.
-  Vectors air(bool ring);
+  /// Inverse inductances with air in place of steel, as PotentialTable::air, for such a `ring_ratio`.
+  Vectors air(bool ring, double ratio);
 
  private:
   void set_steels(const std::vector<Steel>&);

@@ -1,6 +1,7 @@
 #include "sim/magnetics/plane/import_mesh.h"
 
 #include <algorithm>
+#include <cstdio>
 #include <stdexcept>
 #include <string>
 
@@ -9,6 +10,13 @@ namespace {
 
 std::size_t index(int i) {
   return static_cast<std::size_t>(i);
+}
+
+std::string place_text(const Mesh& m, int vertex) {
+  char text[80];
+  std::snprintf(text, sizeof text, "x = %.4g, y = %.4g mm", m.x[index(vertex)] * 1e3,
+                m.y[index(vertex)] * 1e3);
+  return text;
 }
 
 /// The region of a block of surface elements.
@@ -56,16 +64,25 @@ Mesh import_plane_mesh(const MshMesh& from, double metres, const std::map<int, i
   }
   if (mesh.triangle.empty()) throw std::invalid_argument("mesh: no triangles or quadrangles");
   mesh.zero.assign(mesh.x.size(), 0);
+  std::map<std::pair<int, int>, int> triangles;
+  for (const auto& t : mesh.triangle)
+    for (std::size_t k = 0; k < 3; ++k) ++triangles[std::minmax(t[k], t[(k + 1) % 3])];
   for (const auto& block : from.blocks) {
     if (msh_dimension(block.shape) != 1) continue;
     const bool zero = std::any_of(block.groups.begin(), block.groups.end(), [&](int g) {
       return std::find(zero_groups.begin(), zero_groups.end(), g) != zero_groups.end();
     });
     if (!zero) continue;
-    for (int e = 0; e < block.elements(); ++e)
-      for (int k = 0; k < 2; ++k)  // the ends of a line come first
-        if (const int v = vertex[index(block.nodes[index(e * block.nodes_per_element + k)])]; v >= 0)
-          mesh.zero[index(v)] = 1;
+    for (int e = 0; e < block.elements(); ++e) {
+      const int* n = block.nodes.data() + e * block.nodes_per_element;  // the ends of a line come first
+      const int a = vertex[index(n[0])], b = vertex[index(n[1])];
+      const auto edge = triangles.find(std::minmax(a, b));
+      if (edge != triangles.end() && edge->second > 1)
+        throw std::invalid_argument("mesh: A = 0 on a line inside the mesh, at " + place_text(mesh, a) +
+                                    ", which no flux could cross; allowed on outer edges and around holes");
+      for (const int v : {a, b})
+        if (v >= 0) mesh.zero[index(v)] = 1;
+    }
   }
   check_mesh(mesh);
   return mesh;

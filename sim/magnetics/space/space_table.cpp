@@ -8,13 +8,11 @@
 namespace powbench::sim {
 namespace {
 
-constexpr double quarter_of_air = 1.25;  // differential inductance over that of air: saturated
-
-/// Flux linkage, Wb, at which the closed magnet's differential inductance has come down to that of air and a quarter.
+/// Flux linkage, Wb, from which on the closed magnet's di/dpsi is above `saturated_stiffness` of that of air.
 double saturation(const SpaceMagnet& d, space::MagnetField& field, space::MagnetField& bare) {
   field.set_gap(0);
   bare.set_gap(0);
-  const double wanted = bare.at_flux(1e-3, 0, {}, true).response.current_psi / quarter_of_air;
+  const double wanted = saturated_stiffness * bare.at_flux(1e-3, 0, {}, true).response.current_psi;
   double low = 1e-7 * d.turns(), high = low;  // Wb: far below saturation
   space::State near;
   const auto stiff = [&](double psi) {
@@ -79,7 +77,7 @@ PotentialTable build_table(const SpaceMagnet& d, const TableOptions& options, Ta
                            const space::Progress& progress) {
   space::MagnetField field = space_field(d, false, space::table_newton),
                      bare = space_field(d, true, space::table_newton);
-  const double largest = d.largest_flux > 0 ? d.largest_flux : saturation(d, field, bare);
+  const double largest = table_end(d.largest_flux, [&] { return saturation(d, field, bare); });
   TablePlan plan = plan_table(options, largest);
   if (options.ring && d.has_ring())
     plan.ring = ring_nodes(field, largest,

@@ -77,6 +77,8 @@ void check_table(const PotentialTable& t) {
   if (t.nodes.size() != count * t.values() || t.air.size() != t.gap.size() * air)
     throw std::invalid_argument("table: " + std::to_string(t.nodes.size()) + " values for " +
                                 std::to_string(count) + " nodes of " + std::to_string(t.values()));
+  if (!std::isfinite(t.ring_ratio) || (t.ring.empty() && t.ring_ratio != 0))
+    throw std::invalid_argument("table: ring_ratio = " + text(t.ring_ratio) + " without a ring, must be 0");
   if (!t.steel_field.empty() && t.steel_field.size() != count)
     throw std::invalid_argument("table: " + std::to_string(t.steel_field.size()) + " flux densities for " +
                                 std::to_string(count) + " nodes");
@@ -213,8 +215,10 @@ MagneticResponse TablePotential::inside3(double psi, double ring, double gap) co
 /// Inverse inductances of air at a gap with two derivatives by the gap: coil, or coil and ring.
 MagneticResponse TablePotential::at(const MagneticState& state) const {
   // without flux in the coil the ring's sign decides, so that both polarities are one evaluation
-  const double sign = state.psi < 0 || (state.psi == 0 && has_ring() && state.ring < 0) ? -1 : 1;
-  const double psi = sign * state.psi, ring = has_ring() ? sign * state.ring : 0;
+  const double ratio = table_.ring_ratio;
+  const double first = ratio == 0 ? state.psi : state.psi - ratio * state.ring;
+  const double sign = first < 0 || (first == 0 && has_ring() && state.ring < 0) ? -1 : 1;
+  const double psi = sign * first, ring = has_ring() ? sign * state.ring : 0;
   if (!std::isfinite(psi) || !std::isfinite(state.gap) || !std::isfinite(ring)) {
     const double nan = psi + ring + state.gap;
     return {nan, nan, nan, nan, nan, nan, nan, nan, nan, nan};
@@ -236,6 +240,12 @@ MagneticResponse TablePotential::at(const MagneticState& state) const {
   }
   const bool dead = psi == 0 && ring == 0;  // no flux, no current: to the last bit, whatever the nodes say
   if (dead) r.current = r.ring_current = r.current_gap = r.ring_gap = 0;
+  if (ratio != 0) {  // from the derivatives of V to those of W
+    r.ring_ring += ratio * (ratio * r.current_psi - 2 * r.current_ring);
+    r.current_ring -= ratio * r.current_psi;
+    r.ring_current -= ratio * r.current;
+    r.ring_gap -= ratio * r.current_gap;
+  }
   r.current *= sign;
   r.ring_current *= sign;
   r.current_gap *= sign;

@@ -14,12 +14,15 @@ namespace powbench::sim {
 /// Data of one table, SI. Nodes ascend; psi and gap start at 0, the nodes of the ring flux are symmetric about 0.
 /// Negative psi follows from W(-psi, -ring, gap) = W(psi, ring, gap).
 struct PotentialTable {
-  std::vector<double> psi;   ///< Wb, nodes
+  std::vector<double> psi;   ///< Wb, nodes; with a ring of psi - ring_ratio ring
   std::vector<double> ring;  ///< Wb, nodes; empty: no ring
-  std::vector<double> gap;   ///< m, nodes
+  /// 0, or turns of the coil by turn of the ring: then the first axis is the linkage of what the ring leaves out of the
+  /// pole, and saturation of either part stands along an axis. W(psi, ring) = V(psi - ring_ratio ring, ring).
+  double ring_ratio = 0;
+  std::vector<double> gap;  ///< m, nodes
 
-  /// By node, psi fastest, then ring, then gap. Two variables: W, W_psi, W_gap, W_psi,gap. Three: W, W_psi, W_ring,
-  /// W_psi,ring, and the derivatives of these four by the gap.
+  /// By node, psi fastest, then ring, then gap. Two variables: W, W_psi, W_gap, W_psi,gap. Three: V, V_psi, V_ring,
+  /// V_psi,ring, and the derivatives of these four by the gap.
   std::vector<double> nodes;
 
   /// Inverse inductances far beyond saturation (steel as air) by gap node, A/Wb: coil, or coil and ring; each with its
@@ -40,6 +43,9 @@ struct PotentialTable {
   std::string description;        ///< one line for people
 
   std::size_t values() const { return ring.empty() ? 4 : 8; }  ///< by node
+
+  /// Wb: linkage of the coil at the last nodes of both axes.
+  double largest_psi() const { return psi.back() + (ring.empty() ? 0 : ring_ratio * ring.back()); }
 };
 
 /// How much of a table rests on extrapolated steel.

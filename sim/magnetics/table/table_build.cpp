@@ -113,6 +113,25 @@ void fill_triple(PotentialTable& t) {
     }
 }
 
+double table_end(double stated, const std::function<double()>& saturated) {
+  if (!(stated > 0)) return saturated();
+  double at = 0;
+  try {
+    at = saturated();
+  } catch (const std::invalid_argument&) {
+    return stated;  // nothing to compare it with
+  }
+  constexpr double least = 0.02, most = 4;
+  if (stated >= least * at && stated <= most * at) return stated;
+  char text[200];
+  std::snprintf(
+      text, sizeof text,
+      "largest_flux_Wb = %.4g, allowed %.3g .. %.3g Wb: the linkage of all turns, and the closed magnet is "
+      "saturated from %.3g Wb on",
+      stated, least * at, most * at, at);
+  throw std::invalid_argument(text);
+}
+
 std::uint64_t mixed_hash(std::uint64_t hash, double value) {
   std::uint64_t bits = 0;
   std::memcpy(&bits, &value, sizeof bits);
@@ -128,7 +147,7 @@ std::uint64_t mixed_hash(std::uint64_t hash, const TableOptions& o) {
 }
 
 std::uint64_t hash_values(const std::vector<double>& values, const Steel& steel) {
-  constexpr std::uint64_t version = 4;  // raise when the same input gives another table
+  constexpr std::uint64_t version = 5;  // raise when the same input gives another table
   std::uint64_t hash = version;
   const auto mix = [&](double value) { hash = mixed_hash(hash, value); };
   for (const double v : values) mix(v);

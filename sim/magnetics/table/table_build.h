@@ -21,6 +21,16 @@ struct TableOptions {
   bool ring = true;            ///< false: the ring carries no current, a table of two variables
 };
 
+/// di/dpsi of the closed magnet, of that with air in place of steel, where a drawing's table ends by itself: the narrow
+/// sections are saturated, and what follows is the saturation law in leakage. At 0.8 a pot's steel has 3.4 T, since
+/// its wide parts saturate last; at 0.5 it has 2.1 T.
+inline constexpr double saturated_stiffness = 0.5;
+
+/// Where the table of a drawing ends, Wb: as its designer states, 0: at `saturated()`, which throws
+/// std::invalid_argument for a magnet that does not saturate. Throws the same for a stated one below 0.02 or above 4
+/// times that.
+double table_end(double stated, const std::function<double()>& saturated);
+
 struct TableReport {
   int solutions = 0;
   int iterations = 0;       ///< factorisations in all
@@ -58,6 +68,7 @@ bool with_ring(const MagnetDesign&, const TableOptions&);
 /// The nodes and mesh that `build_table` takes.
 struct TablePlan {
   std::vector<double> psi, ring, gap;
+  double ring_ratio = 0;  ///< as PotentialTable's
   FieldOptions field;
   double mesh_error = 0;  ///< relative, that the sizes are meant for
 };

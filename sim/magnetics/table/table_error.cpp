@@ -88,7 +88,9 @@ ExtrapolatedShare extrapolated_share(const PotentialTable& t) {
   for (std::size_t n = 0; n < t.steel_field.size(); ++n) {
     e.largest_field = std::max(e.largest_field, t.steel_field[n]);
     if (!(t.data_end > 0 && t.steel_field[n] > t.data_end)) continue;
-    const double psi = t.psi[n % t.psi.size()];
+    const std::size_t line = n / t.psi.size();
+    const double ring = t.ring.empty() ? 0 : t.ring[line % t.ring.size()];
+    const double psi = std::fabs(t.psi[n % t.psi.size()] + t.ring_ratio * ring);
     e.from_psi = beyond == 0 ? psi : std::min(e.from_psi, psi);
     ++beyond;
   }

@@ -19,9 +19,10 @@ void extrapolate(Vectors& a, const Vectors& tangent, double step) {
 }
 
 /// What each node of a table takes from a state.
-std::vector<double> node_of(const MagneticResponse& r, bool ring) {
+std::vector<double> node_of(const MagneticResponse& r, bool ring, double ratio) {
   if (!ring) return {r.energy, r.current, r.pull, r.current_gap};
-  return {r.energy, r.current, r.ring_current, r.current_ring, r.pull, r.current_gap, r.ring_gap, 0};
+  return {r.energy, r.current,     r.ring_current + ratio * r.current, r.current_ring + ratio * r.current_psi,
+          r.pull,   r.current_gap, r.ring_gap + ratio * r.current_gap, 0};
 }
 
 /// Solves all fluxes of four gaps, of which the first `wanted` count. Each state starts where the tangents of the two
@@ -42,10 +43,12 @@ class Sweep {
       Vectors a = line_start;
       Vectors before;  // tangent one node back
       for (std::size_t p = 0; p < plan_.psi.size(); ++p) {
-        a = solve(plan_.psi[p], rings[r], std::move(a));
+        a = solve(plan_.psi[p] + plan_.ring_ratio * rings[r], rings[r], std::move(a));
         if (ring_ && p == 0 && r + 1 < rings.size()) {
           line_start = a;
           extrapolate(line_start, field_.tangent(1), rings[r + 1] - rings[r]);
+          if (plan_.ring_ratio != 0)
+            extrapolate(line_start, field_.tangent(0), plan_.ring_ratio * (rings[r + 1] - rings[r]));
         }
         if (p + 1 == plan_.psi.size()) break;
         const double step = plan_.psi[p + 1] - plan_.psi[p];
@@ -56,7 +59,7 @@ class Sweep {
       }
     }
     slice_.report.unknowns = field_.unknowns();
-    const auto air = field_.air(ring_);
+    const auto air = field_.air(ring_, plan_.ring_ratio);
     for (std::size_t g = 0; g < wanted_; ++g) {
       slice_.nodes.insert(slice_.nodes.end(), nodes_[g].begin(), nodes_[g].end());
       slice_.steel_field.insert(slice_.steel_field.end(), steel_field_[g].begin(), steel_field_[g].end());
@@ -90,7 +93,7 @@ class Sweep {
     report.iterations += point.newton.iterations;
     report.beyond_data += point.beyond_data;
     report.most_iterations = std::max(report.most_iterations, point.newton.iterations);
-    const auto node = node_of(point.response, ring_);
+    const auto node = node_of(point.response, ring_, plan_.ring_ratio);
     nodes_[g].insert(nodes_[g].end(), node.begin(), node.end());
     steel_field_[g].push_back(point.largest_field);
     const double pull = point.response.pull;
@@ -130,6 +133,7 @@ PotentialTable fill_table(const TablePlan& plan, bool ring, Team& team, const Ga
   PotentialTable t;
   t.psi = plan.psi;
   t.ring = plan.ring;
+  t.ring_ratio = plan.ring_ratio;
   t.gap = plan.gap;
   TableReport sum;
   double largest_pull = 0;

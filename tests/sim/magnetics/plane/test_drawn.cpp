@@ -266,7 +266,8 @@ TEST_CASE("a table by extrapolated starts is that of states solved alone, to the
       field.set_gap(t.gap[g]);
       for (std::size_t r = 0; r < rings; ++r)
         for (const double psi : t.psi) {
-          const auto alone = field.at_flux(psi, ring ? t.ring[r] : 0, {}, !ring).response;
+          const double loop = ring ? t.ring[r] : 0;
+          const auto alone = field.at_flux(psi + t.ring_ratio * loop, loop, {}, !ring).response;
           const double* const node = t.nodes.data() + n;
           const double i = std::max(std::fabs(alone.current), 0.002 * largest_current),
                        f = std::max(std::fabs(alone.pull), 0.002 * largest_pull);
@@ -282,6 +283,67 @@ TEST_CASE("a table by extrapolated starts is that of states solved alone, to the
     CHECK(force < 1e-5);
     CHECK(slope < 1e-3);
   }
+}
+
+TEST_CASE("where a drawing's table ends is stated within its saturation, or found there", "[fields]") {
+  const auto drawing = as_drawn({}, CoreMeshSizes{}.scaled(7), Role::stretch);
+  TableOptions o;
+  o.psi_nodes = 12;
+  o.gap_nodes = 6;
+  o.ring = false;
+  Team team(2);
+  const auto t = build_table(drawing, o, team);
+  CHECK(extrapolated_share(t).largest_field < 2.6);
+  const double end = t.psi.back();
+  for (const double stated : {100.0, 5 * end, 0.01 * end, 1e-6}) {
+    drawing->largest_flux = stated;
+    CHECK_THROWS_WITH(build_table(drawing, o, team), Contains("largest_flux_Wb = ") && Contains("allowed"));
+  }
+  drawing->largest_flux = 2 * end;
+  CHECK(build_table(drawing, o, team).psi.back() == 2 * end);
+}
+
+TEST_CASE("a drawing's table with ring is as near the field as it says, along both knees", "[fields]") {
+  const auto drawing = as_drawn({}, CoreMeshSizes{}.scaled(7), Role::stretch);
+  TableOptions o;
+  o.psi_nodes = 18;
+  o.gap_nodes = 12;
+  o.ring_nodes = 12;
+  Team team(2);
+  const auto table = build_table(drawing, o, team);
+  CHECK(std::fabs(table.ring_ratio) > 0);
+  double stated = 0;
+  for (const auto* errors : {&table.current_error, &table.pull_error})
+    stated = std::max(stated, *std::max_element(errors->begin(), errors->end()));
+  CHECK(stated < 0.02);
+  const TablePotential t(table);
+  DrawnField field(drawing, {1e-12});
+  std::mt19937_64 random(5);
+  const auto number = [&](double low, double high) {
+    return std::uniform_real_distribution(low, high)(random);
+  };
+  double largest_current = 0, largest_pull = 0, current = 0, ring_current = 0, pull = 0, of_ring = 0;
+  for (int k = 0; k < 60; ++k) {
+    const double ring = number(table.ring.front(), table.ring.back()), gap = number(0, 5e-3);
+    const double psi = number(0, table.psi.back()) + table.ring_ratio * ring;
+    field.set_gap(gap);
+    const auto a = t.at({psi, ring, gap}), b = field.at_flux(psi, ring).response;
+    CHECK_FALSE(a.beyond);
+    largest_current = std::max(largest_current, std::fabs(b.current));
+    largest_pull = std::max(largest_pull, b.pull);
+    of_ring = std::max(of_ring, std::fabs(b.ring_current));
+    current = std::max(current, std::fabs(a.current - b.current));
+    ring_current = std::max(ring_current, std::fabs(a.ring_current - b.ring_current));
+    pull = std::max(pull, std::fabs(a.pull - b.pull));
+    const auto c = t.at({-psi, -ring, gap});  // both polarities are one
+    CHECK(c.current == -a.current);
+    CHECK(c.ring_current == -a.ring_current);
+    CHECK(c.pull == a.pull);
+    CHECK(c.ring_gap == -a.ring_gap);
+  }
+  CHECK(current < stated * largest_current);
+  CHECK(ring_current < stated * of_ring);
+  CHECK(pull < stated * largest_pull);
 }
 
 TEST_CASE("a solution on the halved mesh is the same function of the place", "[fields]") {
