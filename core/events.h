@@ -43,6 +43,8 @@ enum Flag : std::uint32_t {
       << 14,  ///< it had been closed for as long as it was at the end, and opened again: settled is unknown
   flag_switch_on =
       1U << 13,  ///< the coil's voltage or current begins at another time than 0, from which all counts
+  flag_beyond_fields =
+      1U << 15,  ///< simulated, in part outside of the gaps and fluxes its fields were made from
 };
 
 /// One closed interval of one contact.

@@ -224,7 +224,8 @@ void print_events(const Events& events) {
                shown_unit(unit), time ? micro(2 * m.u) : shown(2 * m.u, unit, 2 * m.u),
                time ? "us" : shown_unit(unit), q.meaning);
   }
-  constexpr std::uint32_t of_record = flag_no_calibration | flag_angle_off | flag_switch_on | flag_no_hum_fit;
+  constexpr std::uint32_t of_record =
+      flag_no_calibration | flag_angle_off | flag_switch_on | flag_no_hum_fit | flag_beyond_fields;
   if (const std::uint32_t flags = events.flags & of_record; flags != 0)
     fmt::print("  record [{}]\n", flag_names(flags));
   if (!events.coil.no_angle.empty()) fmt::print("  no closing angle: {}\n", events.coil.no_angle);

@@ -37,6 +37,14 @@ std::string plain(const Measured& m, double scale, int decimals, double k = 2) {
   return text;
 }
 
+/// An angle of 0 .. 360 deg; what rounds to 360 is 0.
+std::string angle_text(Measured m) {
+  const std::string text = plain(m, degrees(1.0), 2);
+  if (!text.starts_with("360")) return text;
+  m.value -= 2 * pi;
+  return plain(m, degrees(1.0), 2);
+}
+
 /// What the rig itself has sealed; nothing of a simulation, an import or a seal of an earlier firmware.
 std::optional<rigs::SealedShot> sealed(const Store& store, const StoredShot& shot) {
   const std::string text = shot.record_hash.empty() ? std::string() : store.sealed_text(shot.id);
@@ -94,8 +102,8 @@ Exit list_shots(const ResultArgs& args) {
       return plain(m, 1e3, 3) + (m.known() && !std::isfinite(m.u) ? " +- ?" : "");
     };
     fmt::print("{:>6} {:<9} {:>7} {:>17} {:>17} {:>17} {:>17}  {}{}{}\n", s.id, name(s.kind), commanded(s),
-               plain(reached, degrees(1.0), 2), time(touch, "t_ct1"), time(bounce, "t_ct_bon"),
-               time(settled, "t_ct2"), name(s.outcome), s.reason.empty() ? "" : ": ", s.reason);
+               angle_text(reached), time(touch, "t_ct1"), time(bounce, "t_ct_bon"), time(settled, "t_ct2"),
+               name(s.outcome), s.reason.empty() ? "" : ": ", s.reason);
   }
   if (args.json) fmt::print("{}\n", list.dump(2));
   return Exit::pass;
@@ -161,7 +169,7 @@ Exit show_shot(const ShotArgs& args) {
                        ? fmt::format("{:.1f} degC", s.conditions.ambient - zero_celsius)
                        : std::string("ambient not known")));
   if (events)
-    line("reached", plain(events->coil.closing_angle, degrees(1.0), 2) + " deg, " +
+    line("reached", angle_text(events->coil.closing_angle) + " deg, " +
                         plain(events->coil.supply_volts, 1, 1) + " V, " +
                         plain(events->coil.mains_hertz, 1, 3) + " Hz");
   line("outcome", fmt::format("{}{}{}", name(s.outcome), s.reason.empty() ? "" : ": ", s.reason));

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <nlohmann/json.hpp>
@@ -11,6 +12,7 @@
 #include "host/cli/percent.h"
 #include "host/cli/solenoid_output.h"
 #include "host/cli/table_files.h"
+#include "host/cli/table_text.h"
 #include "host/cli/threads.h"
 #include "host/config/rig_file.h"
 #include "host/config/solenoid_file.h"
@@ -146,8 +148,9 @@ std::string text_of(const sim::SolenoidSpecimen& s, const sim::SolenoidCase& c, 
       return time ? ms(*time - c.hold) + " later"
                   : fmt::format("not within --duration {:g}", c.duration * 1e3);
     };
-    out +=
-        fmt::format("  off at {}: leaves the stop {}, open {}\n", ms(c.hold), later(t.unseat), later(t.back));
+    out += t.settled ? fmt::format("  off at {}: leaves the stop {}, open {}\n", ms(c.hold), later(t.unseat),
+                                   later(t.back))
+                     : fmt::format("  off at {}: not closed then\n", ms(c.hold));
   }
   out += fmt::format("  energy balance  {:.1e} of {:.4f} J\n", r.run.energy_residual, r.run.supplied);
   if (r.run.beyond > 0)
@@ -219,6 +222,8 @@ Exit show_solenoid_field(const FieldArgs& args) {
   std::error_code ignored;  // the first file says it
   fs::create_directories(folder, ignored);
   std::vector<fs::path> files;
+  sim::ExtrapolatedShare share;
+  std::string steel;  // what of it is above its data
   std::string table = "no table: a permanent magnet makes the energy uneven in the flux";
   if (s.design.remanence != 0 && !args.tables.empty()) throw BadInput({"--out: " + table});
   if (s.design.remanence == 0) {
@@ -229,6 +234,9 @@ Exit show_solenoid_field(const FieldArgs& args) {
         told(args.specimen_file, [&] { return obtain_field_table(folder, s.design, t, team); });
     table = fmt::format("{} ({}): {}", choice.file.string(), choice.reused ? "as stored" : "built",
                         choice.table.description);
+    share = sim::extrapolated_share(choice.table);
+    steel = fmt::format("  steel up to {:.3g} T; {}\n", share.largest_field,
+                        extrapolated_text(choice.table, share));
     files.push_back(folder / "field-table.svg");
     const std::string title = s.name + ": " + choice.table.description;
     write_file(files.back(), table_svg(sim::TablePotential(choice.table), title));
@@ -262,10 +270,15 @@ Exit show_solenoid_field(const FieldArgs& args) {
   if (args.json) {
     Json list = Json::array();
     for (const auto& f : files) list.push_back(f.string());
-    fmt::print("{}\n", Json{{"table", table}, {"states", states}, {"pictures", list}}.dump(2));
+    Json out{{"table", table}, {"states", states}, {"pictures", list}};
+    if (!steel.empty())
+      out.update(Json{{"largest_field_T", share.largest_field},
+                      {"states_beyond_data", share.share},
+                      {"beyond_data_from_Wb", share.from_psi}});
+    fmt::print("{}\n", out.dump(2));
     return Exit::pass;
   }
-  fmt::print("{}\n{}", table, lines);
+  fmt::print("{}\n{}{}", table, steel, lines);
   for (const auto& f : files) fmt::print("{}\n", f.string());
   return Exit::pass;
 }
@@ -276,32 +289,41 @@ Exit describe_solenoid(const SpecimenArgs& args) {
   constexpr int places = 6;
   constexpr double accuracy = 5e-3;
   sim::FieldOptions o;
-  o.sizes = sim::sizes_for(accuracy);
+  o.sizes = sim::sizes_for(mesh_share * accuracy);
   sim::SolenoidField field(s.design, o);
   const auto& p = s.plunger;
   const double current = volts / s.coil.resistance;
-  double hold_current = 0;
-  if (s.coil.hold_turns > 0) hold_current = volts / (s.coil.resistance + s.coil.hold_resistance);
+  const bool two = s.coil.hold_turns > 0;  // in series from hold_from on
+  const double hold_current = two ? volts / (s.coil.resistance + s.coil.hold_resistance) : 0;
+  const double hold_ratio = 1 + s.coil.hold_turns / s.design.turns;
   Json rows = Json::array();
   std::string text = fmt::format("{}: {:g} turns, {:g} ohm, {:.4g} A and {:.4g} W at {:g} V and 20 degC\n",
                                  s.name, s.design.turns, s.coil.resistance, current, volts * current, volts);
-  if (hold_current > 0)
+  if (two)
     text += fmt::format("hold winding from {:.2f} mm on: {:.4g} A, {:.4g} W\n", s.coil.hold_from * 1e3,
                         hold_current, volts * hold_current);
-  text += fmt::format("{:>10} {:>10} {:>12} {:>10} {:>12}\n", "travel mm", "gap mm", "linkage Wb", "pull N",
-                      "to move N");
+  text += fmt::format("{:>10} {:>10} {:>10} {:>12} {:>10} {:>12}\n", "travel mm", "gap mm", "current A",
+                      "linkage Wb", "pull N", "to move N");
   bool moves = true;
-  for (int k = 0; k < places; ++k) {
-    const double travel = s.travel() * k / (places - 1), gap = s.travel() - travel;
+  std::vector<double> travels;
+  for (int k = 0; k < places; ++k) travels.push_back(s.travel() * k / (places - 1));
+  if (two)
+    travels.insert(std::upper_bound(travels.begin(), travels.end(), s.coil.hold_from), s.coil.hold_from);
+  for (const double travel : travels) {
+    const double gap = s.travel() - travel;
     const double load = p.return_preload + p.load + p.return_rate * travel + p.friction;
     field.set_gap(gap);
-    const auto at = field.at_current(current);
+    const bool holds = two && travel >= s.coil.hold_from;
+    const double flows = holds ? hold_current : current, ratio = holds ? hold_ratio : 1;
+    const auto at = field.at_current(flows * ratio);
+    const double linkage = field.flux(at) * ratio;
     moves = moves && at.response.pull > load;
-    text += fmt::format("{:>10.3f} {:>10.3f} {:>12.5f} {:>10.3f} {:>12.3f}\n", travel * 1e3, gap * 1e3,
-                        field.flux(at), at.response.pull, load);
+    text += fmt::format("{:>10.3f} {:>10.3f} {:>10.4f} {:>12.5f} {:>10.3f} {:>12.3f}\n", travel * 1e3,
+                        gap * 1e3, flows, linkage, at.response.pull, load);
     rows.push_back({{"travel_m", travel},
                     {"gap_m", gap},
-                    {"linkage_Wb", field.flux(at)},
+                    {"current_A", flows},
+                    {"linkage_Wb", linkage},
                     {"pull_N", at.response.pull},
                     {"load_N", load}});
   }

@@ -6,6 +6,7 @@
 #include "core/channel_set.h"
 #include "core/phase.h"
 #include "host/config/file_reader.h"
+#include "host/config/solenoid_file.h"
 #include "host/config/specimen_file.h"
 #include "sim/models/rungs.h"
 
@@ -178,6 +179,9 @@ Plan read_with(FileReader reader) {
 }  // namespace
 
 Plan read_plan(const std::filesystem::path& path) {
+  if (is_solenoid_file(path))
+    throw BadInput(
+        {path.string() + ": is a solenoid, which has no plan; `powbench sim` and `powbench field` take it"});
   Plan p = read_with(FileReader::open(path));
   p.folder = path.parent_path();
   return p;

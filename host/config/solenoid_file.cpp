@@ -98,7 +98,10 @@ void place_error(FileReader& reader, const std::string& sentence) {
   if (key == "cone_depth_mm") key = "cone_angle_deg";
   const auto allowed = sentence.find(", allowed ");
   reader.fail(section, key,
-              "does not go with the other numbers: " + sentence.substr(equals + 3, allowed - equals - 3),
+              reader.good(section, key)
+                  ? "does not go with the other numbers"
+                  : "is left out, and " + sentence.substr(equals + 3, allowed - equals - 3) +
+                        " does not go with the other numbers",
               allowed == std::string::npos ? "" : sentence.substr(allowed + 10));
 }
 

@@ -85,6 +85,7 @@ ActuatorTable actuator_table(const sim::MagneticPotential& potential, double lar
   for (std::size_t k = positions; k-- > 0;) t.position.push_back(travel * (1 - graded(k, positions)));
   const std::size_t states = currents * positions;
   for (auto* v : {&t.linkage, &t.force, &t.linkage_current, &t.linkage_position}) v->resize(states);
+  t.extrapolated.resize(states);
   std::size_t beyond = 0;
   for (std::size_t x = 0; x < positions; ++x) {
     double psi = 0;
@@ -96,7 +97,8 @@ ActuatorTable actuator_table(const sim::MagneticPotential& potential, double lar
       t.force[k] = m.pull;
       t.linkage_current[k] = 1 / m.current_psi;
       t.linkage_position[k] = m.current_gap / m.current_psi;  // dx = -dgap
-      beyond += m.beyond ? 1 : 0;
+      t.extrapolated[k] = m.beyond ? 1 : 0;
+      beyond += t.extrapolated[k];
     }
   }
   t.beyond = static_cast<double>(beyond) / static_cast<double>(states);
@@ -107,12 +109,12 @@ ActuatorTable actuator_table(const sim::MagneticPotential& potential, double lar
 std::string actuator_csv(const ActuatorTable& t) {
   std::string out =
       "current [A],position [m],flux linkage [Wb],force [N],d linkage / d current [H],d linkage / d position "
-      "[Wb/m]\n";
+      "[Wb/m],extrapolated\n";
   for (std::size_t i = 0; i < t.current.size(); ++i)
     for (std::size_t x = 0; x < t.position.size(); ++x) {
       const std::size_t k = t.at(i, x);
-      out += fmt::format("{},{},{},{},{},{}\n", t.current[i], t.position[x], t.linkage[k], t.force[k],
-                         t.linkage_current[k], t.linkage_position[k]);
+      out += fmt::format("{},{},{},{},{},{},{}\n", t.current[i], t.position[x], t.linkage[k], t.force[k],
+                         t.linkage_current[k], t.linkage_position[k], t.extrapolated[k]);
     }
   return out;
 }

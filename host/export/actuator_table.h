@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -17,7 +18,8 @@ struct ActuatorTable {
   std::vector<double> linkage, force, linkage_current, linkage_position;
   double linear_error_linkage = 0,
          linear_error_force = 0;  ///< largest in the middle of a cell, as a share of the largest value
-  double beyond = 0;              ///< share of the states that the potential extrapolates
+  std::vector<std::uint8_t> extrapolated;  ///< by current, then position: 1 outside of the potential's nodes
+  double beyond = 0;                       ///< share of these
   std::size_t at(std::size_t i, std::size_t x) const { return i * position.size() + x; }
 };
 
@@ -26,7 +28,7 @@ struct ActuatorTable {
 ActuatorTable actuator_table(const sim::MagneticPotential&, double largest_current, double travel,
                              std::size_t currents = 81, std::size_t positions = 61);
 
-/// One line a state: current, position, flux linkage, force, both derivatives, with units in the header.
+/// One line a state: current, position, flux linkage, force, both derivatives, with units in the header, extrapolated.
 std::string actuator_csv(const ActuatorTable&);
 
 /// Text file of Modelica's table blocks: the matrices `flux_linkage` and `force`, current down (u1), position across

@@ -81,7 +81,7 @@ std::string short_hash(const std::string& hash) {
 }
 
 std::string flags_text(std::uint32_t flags) {
-  static constexpr std::array<std::pair<std::uint32_t, std::string_view>, 15> words{
+  static constexpr std::array<std::pair<std::uint32_t, std::string_view>, 16> words{
       {{flag_clipped, "clipped"},
        {flag_gap, "lost samples"},
        {flag_edge, "filter edge"},
@@ -96,7 +96,8 @@ std::string flags_text(std::uint32_t flags) {
        {flag_grazing, "opening not certain"},
        {flag_resolution, "later landing not certain"},
        {flag_switch_on, "time 0 is not the switch-on"},
-       {flag_chatter, "chatters: settled not known"}}};
+       {flag_chatter, "chatters: settled not known"},
+       {flag_beyond_fields, "fields extrapolated"}}};
   std::string text;
   for (const auto& [flag, word] : words) {
     if ((flags & flag) == 0) continue;

@@ -275,6 +275,7 @@ SimulatedCount simulate_campaign(Store& store, std::int64_t campaign, std::span<
           p.record = closing.record;
           p.field_states = closing.field_states, p.field_beyond = closing.field_beyond;
           p.events = extract_checked(p.record, options);
+          if (p.field_beyond > 0) p.events.flags |= flag_beyond_fields;
           return bytes_of(p);
         };
         const auto bytes =

@@ -14,7 +14,7 @@ namespace {
 using nlohmann::json;
 using Ordered = nlohmann::ordered_json;
 
-constexpr std::array<std::pair<std::uint32_t, const char*>, 15> flag_table{
+constexpr std::array<std::pair<std::uint32_t, const char*>, 16> flag_table{
     {{flag_clipped, "clipped"},
      {flag_gap, "gap"},
      {flag_edge, "edge"},
@@ -29,7 +29,8 @@ constexpr std::array<std::pair<std::uint32_t, const char*>, 15> flag_table{
      {flag_grazing, "grazing"},
      {flag_resolution, "resolution"},
      {flag_switch_on, "switch_on"},
-     {flag_chatter, "chatter"}}};
+     {flag_chatter, "chatter"},
+     {flag_beyond_fields, "beyond_fields"}}};
 
 Ordered flags_json(std::uint32_t flags) {
   Ordered list = Ordered::array();

@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "sim/mechanics/rigid_closing.h"
@@ -21,9 +23,10 @@ std::string line(const BounceRow& row) {
   return fmt::format("{:<14} {:>13} {:>10.1e} {:>13.1e}  {:>11.3g}  {}\n", row.name,
                      fmt::format("{}/{}", e.matched, e.reference), e.largest_dt * 1e6, e.distance * 1e6,
                      c.per_input,
-                     row.study.computable ? "computable"
-                     : c.diverged         ? fmt::format("twin leaves at {:.2f} ms", c.horizon * 1e3)
-                                          : fmt::format("leaves at {:.2f} ms", e.diverged_at * 1e3));
+                     row.study.error.reference == 0 ? "no contact closes"
+                     : row.study.computable         ? "computable"
+                     : c.diverged                   ? fmt::format("twin leaves at {:.2f} ms", c.horizon * 1e3)
+                                  : fmt::format("leaves at {:.2f} ms", e.diverged_at * 1e3));
 }
 
 std::string times_text(const std::vector<BounceRow>& rows) {
@@ -33,8 +36,11 @@ std::string times_text(const std::vector<BounceRow>& rows) {
     if (out.empty())
       out = fmt::format("{:<14} {:>10} {:>8} {:>10} {:>16}\n", "closing", "touch ms", "bounces", "open ms",
                         "last closing ms");
-    out += fmt::format("{:<14} {:>10.4f} {:>8} {:>10.4f} {:>16.4f}\n", row.name, row.times->touch * 1e3,
-                       row.times->bounces, row.times->open * 1e3, row.times->last * 1e3);
+    if (std::isnan(row.times->touch))
+      out += fmt::format("{:<14} {:>10} {:>8} {:>10} {:>16}\n", row.name, "-", "-", "-", "-");
+    else
+      out += fmt::format("{:<14} {:>10.4f} {:>8} {:>10.4f} {:>16.4f}\n", row.name, row.times->touch * 1e3,
+                         row.times->bounces, row.times->open * 1e3, row.times->last * 1e3);
   }
   return out;
 }
@@ -81,6 +87,8 @@ BounceRow bounce_row(const sim::Rung& rung, const std::string& name, const sim::
   const auto events = sim::contact_events(closing.events);
   const auto seen = sim::bounce_summary(events, 0);
   BounceTimes times{seen.first_touch, seen.open_time, seen.last_closing, 0};
+  if (std::ranges::none_of(events, [](const auto& e) { return e.contact == 0 && e.closes; }))
+    times.touch = times.open = times.last = std::nan("");
   for (const auto& e : events) times.bounces += e.contact == 0 && !e.closes;
   return {name, sim::study_bounces(run, options), times, std::move(closing.stages)};
 }
@@ -137,7 +145,7 @@ std::string bounce_json(const std::vector<BounceRow>& rows) {
            {"largest_dt_s", e.largest_dt},
            {"state_distance_s", e.distance},
            {"condition_s", c.per_input},
-           {"computable", row.study.computable}};
+           {"computable", row.study.error.reference > 0 ? Json(row.study.computable) : Json()}};
     if (row.times) {
       j["touch_s"] = row.times->touch;
       j["bounces"] = row.times->bounces;
@@ -145,7 +153,7 @@ std::string bounce_json(const std::vector<BounceRow>& rows) {
       j["last_closing_s"] = row.times->last;
     }
     for (const auto& s : row.stages) j["stages_s"][std::string(sim::stage_name(s.stage))] = s.begin;
-    if (!row.study.computable) {
+    if (!row.study.computable && row.study.error.reference > 0) {
       const auto& s = row.study.ensemble;
       j["twin_horizon_s"] = c.horizon;
       j["ensemble"] = {{"runs", s.runs},

@@ -27,14 +27,29 @@ void say(const FieldCache& cache, const std::string& text) {
   if (cache.say) cache.say(text);
 }
 
+/// What a drawing's table errs by, once it is there.
+std::shared_ptr<const sim::TablePotential> judged(const FieldCache& cache, sim::PotentialTable table) {
+  const auto worst = [](const std::vector<double>& e) {
+    return e.empty() ? 0.0 : *std::max_element(e.begin(), e.end());
+  };
+  const double nodes = std::max(worst(table.current_error), worst(table.pull_error));
+  const double error = std::max(nodes, table.mesh_error);
+  say(cache,
+      fmt::format("  expected error: mesh {:.2g} %, table {:.2g} %{}", 100 * table.mesh_error, 100 * nodes,
+                  error > cache.accuracy
+                      ? fmt::format("; MISSED: {:.3g} % was asked for, `powbench field` says what helps",
+                                    100 * cache.accuracy)
+                      : ""));
+  return std::make_shared<sim::TablePotential>(std::move(table));
+}
+
 std::shared_ptr<const sim::TablePotential> plane_table(const sim::Specimen& s, const FieldCache& cache) {
   say(cache,
       (s.drawn ? "field table of the drawing: from " : "field table of the shape, plane, with ring: from ") +
           cache.folder.string() + ", or built there");
   sim::Team team(2);
   if (s.drawn)
-    return std::make_shared<sim::TablePotential>(
-        obtain_field_table(cache.folder, s.drawn, options_of(s, cache), team).table);
+    return judged(cache, obtain_field_table(cache.folder, s.drawn, options_of(s, cache), team).table);
   return std::make_shared<sim::TablePotential>(
       obtain_field_table(cache.folder, sim::magnet_design(s), options_of(s, cache), team).table);
 }
@@ -46,7 +61,7 @@ std::shared_ptr<const sim::TablePotential> space_table(const sim::Specimen& s, c
   auto choice = obtain_field_table(cache.folder, *s.in_space, options_of(s, cache), [&](int done, int all) {
     say(cache, fmt::format("  {} of {} states in space", done, all));
   });
-  return std::make_shared<sim::TablePotential>(std::move(choice.table));
+  return judged(cache, std::move(choice.table));
 }
 
 /// The plane table with the ends of three dimensions; the ring is a variable where the shape has one.
@@ -99,7 +114,8 @@ sim::FieldRung obtain_field(std::string_view name, const sim::Specimen& s, const
       return sim::pure_field("field3d", table->table().description, table);
     }
   } catch (const std::invalid_argument& error) {
-    throw BadInput({fmt::format("fields = {}: {}", name, error.what())});
+    throw BadInput({fmt::format("{}fields = {}: {}", s.magnet.drawing.empty() ? "" : s.magnet.drawing + ": ",
+                                name, error.what())});
   }
   std::string known;
   for (const auto n : sim::field_names) known += (known.empty() ? "" : ", ") + std::string(n);

@@ -66,15 +66,75 @@ TEST_CASE("own magnet: a half, a whole with ring, and one around an axis give ta
   CHECK_THAT(ring.err, Contains("--ring") && Contains("role ring"));
 }
 
-TEST_CASE("own magnet: a table with ring has nodes enough where 5 % is asked for", "[system][.slow]") {
+TEST_CASE("own magnet: a table with ring keeps what is asked of it, or says that it does not",
+          "[system][.slow]") {
   const Examples e;
-  const Finished r = run(
-      e.folder, {"field", e.file("u-core.magnet.toml"), "-o", e.file("out"), "--accuracy", "5%", "--ring"});
+  for (const auto& [accuracy, nodes] :
+       {std::pair{"5%", "18 x 12 x 18 nodes"}, {"3%", "18 x 12 x 18 nodes"}}) {
+    const Finished r = run(e.folder, {"field", e.file("u-core.magnet.toml"), "-o", e.file("out"),
+                                      "--accuracy", accuracy, "--ring"});
+    INFO(r.err << r.out);
+    CHECK(r.status == 0);
+    CHECK_THAT(r.out, Contains(nodes) && !Contains("MISSED"));
+  }
+  const Finished fine = run(e.folder, {"field", e.file("u-core.magnet.toml"), "-o", e.file("out"),
+                                       "--accuracy", "1%", "--ring", "--json"});
+  CHECK(fine.status == 1);  // the mesh; the nodes keep it
+  const auto j = nlohmann::json::parse(fine.out);
+  CHECK(j["mesh_error"] > 0.01);
+  CHECK(j["worst_current_error"] < 0.01);
+  CHECK(j["worst_pull_error"] < 0.01);
+  CHECK(j["accuracy_met"] == false);
+}
+
+TEST_CASE("own magnet: where no end of the flux is stated, a drawing has one that its table bears",
+          "[system][.slow]") {
+  const Examples e;
+  std::string pot = read_file(e.file("pot.magnet.toml")), core = read_file(e.file("e-core.magnet.toml"));
+  const auto without = [](std::string text, const std::string& key) {
+    const auto at = text.find("\n" + key);
+    REQUIRE(at != std::string::npos);
+    return text.erase(at, text.find('\n', at + 1) - at);
+  };
+  e.folder.write("bare.magnet.toml", without(pot, "largest_flux_Wb"));
+  for (const char* key : {"depth_mm", "stack_factor", "symmetry"}) core = without(core, key);
+  core.replace(core.find("\"plane\""), 7, "\"axisymmetric\"");
+  e.folder.write("round.magnet.toml", core);
+  for (const char* name : {"bare", "round"})
+    for (const char* accuracy : {"5%", "1%"}) {
+      const Finished r = run(e.folder, {"field", e.file(std::string(name) + ".magnet.toml"), "-o",
+                                        e.file("out"), "--accuracy", accuracy, "--json"});
+      INFO(r.err);
+      CHECK(r.status < 2);
+      const auto j = nlohmann::json::parse(r.out);
+      CHECK(j["largest_field_T"] < 2.6);
+      CHECK(j["states_beyond_data"] < 0.4);
+      CHECK(j["worst_current_error"] < 0.02);
+    }
+}
+
+TEST_CASE("own magnet: a closing outside of its table, and one that never moves, say so", "[system][.slow]") {
+  const Examples e;
+  const std::string low = e.refusal("pot.magnet.toml", "largest_flux_Wb = 0.6", "largest_flux_Wb = 60");
+  CHECK_THAT(low, Contains("largest_flux_Wb = 60, allowed"));
+  std::string text = read_file(e.file("pot.magnet.toml"));
+  text.replace(text.find("= 0.6"), 5, "= 0.15");
+  e.folder.write("low.magnet.toml", text);
+  e.folder.write("low.specimen.toml",
+                 "[magnet]\ndrawing = \"low.magnet.toml\"\n[coil]\nresistance_ohm = 245\n");
+  const auto plan =
+      e.folder.write("low.plan.toml", "specimen = \"low.specimen.toml\"\nangles_deg = [0]\nrepeats = 1\n");
+  const std::vector<std::string> words{"sim",     plan,          "--db",       e.file("a.db"),
+                                       "--cache", e.file("out"), "--progress", "none"};
+  const Finished r = run(e.folder, words);
   INFO(r.err);
-  CHECK(r.status == 1);  // the table is there, and misses what was asked for
-  // with 15 x 10 x 15 its current fell with the flux
-  CHECK_THAT(r.out,
-             Contains("18 x 12 x 18 nodes") && Contains("MISSED: 5 % was asked for; table 6.9 %: a smaller"));
+  CHECK(r.status == 0);
+  CHECK_THAT(r.err, Contains("expected error: mesh") && Contains("no contact closes") &&
+                        !Contains("computable") && Contains("outside of what the fields were made from"));
+  const Finished shown = run(e.folder, {"show", "1", "--db", e.file("a.db")});
+  CHECK_THAT(shown.out, Contains("beyond_fields"));
+  const Finished shots = run(e.folder, {"shots", "--db", e.file("a.db")});
+  CHECK_THAT(shots.out, !Contains("360."));
 }
 
 TEST_CASE("own magnet: options that a drawing has no use for are refused, not ignored", "[system]") {
