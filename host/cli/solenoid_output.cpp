@@ -16,9 +16,11 @@ std::string solenoid_csv(const std::vector<sim::SolenoidSample>& samples) {
   return out;
 }
 
-std::string solenoid_svg(const std::vector<sim::SolenoidSample>& samples, const std::string& title) {
-  constexpr double width = 800, left = 74, right = 14, panel = 150, apart = 34, head = 40, foot = 48;
+std::string solenoid_svg(const std::vector<sim::SolenoidSample>& samples, const std::vector<TimeMark>& marks,
+                         const std::string& title) {
+  constexpr double width = 800, left = 74, right = 14, panel = 130, apart = 30, head = 40, foot = 48;
   const std::pair<const char*, double (*)(const sim::SolenoidSample&)> panels[] = {
+      {"coil voltage / V", [](const sim::SolenoidSample& s) { return s.coil_voltage; }},
       {"current / A", [](const sim::SolenoidSample& s) { return s.current; }},
       {"travel / mm", [](const sim::SolenoidSample& s) { return s.travel * 1e3; }},
       {"pull / N", [](const sim::SolenoidSample& s) { return s.pull; }}};
@@ -37,15 +39,17 @@ std::string solenoid_svg(const std::vector<sim::SolenoidSample>& samples, const 
     Plot plot({left, y, width - left - right, panel}, x, range);
     const Ticks yt = nice_ticks(range, 4);
     plot.grid(xt, yt);
+    for (const auto& mark : marks) plot.vertical(mark.time * 1e3, {colour::ink, 0.8, 0.6, "4 3"});
     plot.line(line, {colour::simulated, 1.4});
     plot.frame();
     plot.y_labels(yt, label);
-    if (y == head) plot.note(0.5 * (x.low + x.high), title, colour::ink, 0);
+    if (drawn.empty())
+      for (const auto& mark : marks) plot.note(mark.time * 1e3, mark.name, colour::ink, 0);
     if (drawn.size() + 1 == std::size(panels)) plot.x_labels(xt, "time after switch-on / ms");
     drawn.push_back(plot.finish());
     y += panel + apart;
   }
-  return figure(width, y - apart + foot, title, drawn).str();
+  return standing_alone(figure(width, y - apart + foot, title, drawn).str(), title);
 }
 
 }  // namespace powbench::host

@@ -12,7 +12,14 @@ namespace powbench::host {
 /// One header line with units, one line a sample, SI.
 std::string solenoid_csv(const std::vector<sim::SolenoidSample>&);
 
-/// Current, position and pull over time, one panel each.
-std::string solenoid_svg(const std::vector<sim::SolenoidSample>&, const std::string& title);
+/// What happens at a time, s.
+struct TimeMark {
+  double time = 0;
+  std::string name;
+};
+
+/// Coil voltage, current, position and pull over time, one panel each, with lines at the marks.
+std::string solenoid_svg(const std::vector<sim::SolenoidSample>&, const std::vector<TimeMark>&,
+                         const std::string& title);
 
 }  // namespace powbench::host

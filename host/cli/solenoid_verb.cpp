@@ -125,12 +125,27 @@ std::string ms(const std::optional<double>& seconds) {
   return seconds ? fmt::format("{:.3f} ms", *seconds * 1e3) : "-";
 }
 
+std::string title_of(const sim::SolenoidSpecimen& s, const sim::SolenoidCase& c) {
+  constexpr std::array<const char*, 4> kinds{"ac", "dc", "half wave", "full wave"};
+  return fmt::format("{}: {:g} V {}, coil {:.3g} degC", s.name, c.supply.mains.volts,
+                     kinds[static_cast<std::size_t>(c.supply.mains.kind)], c.coil_kelvin - zero_celsius);
+}
+
+std::vector<TimeMark> marks_of(const sim::SolenoidTruth& t, double off) {
+  std::vector<TimeMark> out;
+  const auto mark = [&](const std::optional<double>& time, const char* name) {
+    if (time) out.push_back({*time, name});
+  };
+  mark(t.seat, "pull-in");
+  if (std::isfinite(off)) out.push_back({off, "off"});
+  mark(t.unseat, "leaves the stop");
+  mark(t.back, "open");
+  return out;
+}
+
 std::string text_of(const sim::SolenoidSpecimen& s, const sim::SolenoidCase& c, const Simulated& r) {
   const auto& t = r.run.truth;
-  constexpr std::array<const char*, 4> kinds{"ac", "dc", "half wave", "full wave"};
-  std::string out = fmt::format("{}: {:g} V {}, coil {:.3g} degC\n  {}\n", s.name, c.supply.mains.volts,
-                                kinds[static_cast<std::size_t>(c.supply.mains.kind)],
-                                c.coil_kelvin - zero_celsius, r.fields);
+  std::string out = title_of(s, c) + "\n  " + r.fields + "\n";
   out += fmt::format("  starts to move  {}\n", ms(t.start));
   out += t.seat ? fmt::format("  pull-in         {}, {:.3f} m/s\n", ms(t.seat), t.seat_velocity)
                 : std::string("  pull-in         does not close\n");
@@ -200,9 +215,8 @@ Exit simulate_solenoid(const SimArgs& args) {
     const bool csv = args.output.ends_with(".csv");
     if (!csv && !args.output.ends_with(".svg"))
       throw BadInput({"--output = " + args.output + ", allowed NAME.csv or NAME.svg"});
-    write_file(args.output,
-               csv ? solenoid_csv(r.run.samples)
-                   : solenoid_svg(r.run.samples, fmt::format("{}, {:g} V", s.name, c.supply.mains.volts)));
+    write_file(args.output, csv ? solenoid_csv(r.run.samples)
+                                : solenoid_svg(r.run.samples, marks_of(r.run.truth, c.hold), title_of(s, c)));
   }
   if (args.json)
     fmt::print("{}\n", json_of(r.run, r.fields).dump(2));

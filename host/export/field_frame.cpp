@@ -20,8 +20,8 @@ std::string legend(double x, double y) {
                        y + height * (shades - 1 - k) / shades, width, height / shades + 0.3,
                        scale_colour((k + 0.5) / shades));
   for (const double b : {0.0, 0.6, 1.2, 1.8, 2.4})
-    out += fmt::format("<text x=\"{:.1f}\" y=\"{:.1f}\">{:.1f} T</text>\n", x + width + 5,
-                       y + height * (1 - b / largest_b) + 4, b);
+    out += fmt::format("<text x=\"{:.1f}\" y=\"{:.1f}\">{:.1f} T{}</text>\n", x + width + 5,
+                       y + height * (1 - b / largest_b) + 4, b, b < largest_b ? "" : " +");
   return out;
 }
 

@@ -13,8 +13,6 @@
 namespace powbench::host {
 namespace {
 
-constexpr int lines = 24;
-
 struct Point {
   double x, y;
 };
@@ -111,6 +109,7 @@ struct FieldPicture {
 
   void trace(const std::array<Point, 6>& p, const std::array<double, 6>& value,
              const std::array<std::size_t, 3>& part) {
+    const int lines = problem.space().axisymmetric ? 12 : 24;  // the outer leg of a pot is thin
     for (int line = 0; line < lines; ++line) {
       const double level = least_a + (largest_a - least_a) * (line + 0.5) / lines;
       std::vector<Point> cuts;

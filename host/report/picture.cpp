@@ -25,17 +25,10 @@ std::string shot_title(const AngleView& view) {
 
 std::string render_shot_svg(const ReportInput& input) {
   const AngleView view = first_view(input);
-  std::string svg = waveform_figure(input, view, time_window(input)).str() + "\n";
   // a picture leaves its folder: what it shows, and where from, goes with it
-  Markup about;
-  about.open("text", {{"x", "74"}, {"y", "16"}, {"font-size", "13"}, {"fill", colour::ink}});
-  about.text(shot_title(view) + " \xC2\xB7 " + std::string(name(input.origin)) + " \xC2\xB7 " +
-             input.campaign + " \xC2\xB7 " + input.specimen);
-  about.close();
-  svg.insert(svg.rfind("</svg>"), about.str());
-  return svg.insert(svg.find(' '),
-                    " font-family=\"Arial, Liberation Sans, DejaVu Sans, sans-serif\" font-size=\"12\" "
-                    "style=\"background:#fff\"");
+  return standing_alone(waveform_figure(input, view, time_window(input)).str() + "\n",
+                        shot_title(view) + " \xC2\xB7 " + std::string(name(input.origin)) + " \xC2\xB7 " +
+                            input.campaign + " \xC2\xB7 " + input.specimen);
 }
 
 std::string render_shot_html(const ReportInput& input) {

@@ -276,4 +276,15 @@ Markup figure(double width, double height, std::string_view title, const std::ve
   return out;
 }
 
+std::string standing_alone(std::string svg, std::string_view about) {
+  Markup line;
+  line.open("text", {{"x", "74"}, {"y", "16"}, {"font-size", "13"}, {"fill", colour::ink}});
+  line.text(about);
+  line.close();
+  svg.insert(svg.rfind("</svg>"), line.str());
+  return svg.insert(svg.find(' '),
+                    " font-family=\"Arial, Liberation Sans, DejaVu Sans, sans-serif\" font-size=\"12\" "
+                    "style=\"background:#fff\"");
+}
+
 }  // namespace powbench::host

@@ -103,6 +103,9 @@ class Plot {
   Markup outside_;  // axes and labels
 };
 
+/// A figure as a file of its own: with background, font, and a line above that says what it shows.
+std::string standing_alone(std::string svg, std::string_view about);
+
 /// Opens nothing: a whole <svg> of this size around the panels, with a title for those who cannot see it.
 Markup figure(double width, double height, std::string_view title, const std::vector<Markup>& panels);
 

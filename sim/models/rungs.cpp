@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <mutex>
 #include <stdexcept>
@@ -19,24 +20,35 @@
 namespace powbench::sim {
 namespace {
 
-/// The field as a potential that remembers its last solution. Not for two threads.
+/// The field as a potential that remembers its last solution. Not for two threads. Past the largest gap of its mesh, m,
+/// the energy goes on linearly in the gap: steps that are tried look there.
 template <class Field>
 class LivePotential final : public MagneticPotential {
  public:
   template <class Design, class Options>
-  LivePotential(const Design& design, const Options& options) : field_(design, options) {}
+  LivePotential(const Design& design, const Options& options,
+                double largest_gap = std::numeric_limits<double>::infinity())
+      : field_(design, options), largest_gap_(largest_gap) {}
 
   bool has_ring() const override { return field_.has_ring(); }
   MagneticResponse at(const MagneticState& s) const override {
-    field_.set_gap(std::max(0.0, s.gap));
+    field_.set_gap(std::clamp(s.gap, 0.0, largest_gap_));
     auto point = field_.at_flux(s.psi, s.ring, last_);
     last_ = std::move(point.a);
-    return point.response;
+    auto& r = point.response;
+    if (const double past = s.gap - largest_gap_; past > 0) {
+      r.energy += r.pull * past;
+      r.current += r.current_gap * past;
+      r.ring_current += r.ring_gap * past;
+      r.beyond = true;
+    }
+    return r;
   }
 
  private:
   mutable Field field_;
   mutable std::vector<double> last_;
+  double largest_gap_;
 };
 
 /// Counts the states of the steps taken, and of these the ones that its potential had to extrapolate: a step that was
@@ -193,7 +205,9 @@ FieldRung live_field(const MagnetDesign& design, const FieldOptions& options) {
 FieldRung live_field(const std::shared_ptr<const DrawnMagnet>& drawing, const NewtonOptions& options) {
   return {"field2d", "finite elements of the drawing solved at every step",
           [drawing, options](const Case&) {
-            return std::make_shared<LivePotential<DrawnField>>(drawing, options);
+            constexpr double spare = 0.99;
+            const double largest = spare * usable_gaps(*drawing).second - drawing->residual_gap;
+            return std::make_shared<LivePotential<DrawnField>>(drawing, options, largest);
           },
           false, true};
 }
