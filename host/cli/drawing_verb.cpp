@@ -108,6 +108,7 @@ Exit show_drawing(const FieldArgs& args, const Drawing& drawing) {
     Json j = table_json<Json>(choice, options.accuracy, missed);
     j.update(Json{{"largest_field_T", share.largest_field},
                   {"states_beyond_data", share.share},
+                  {"air_around", sim::air_around(d)},
                   {"states", list},
                   {"tables", args.tables},
                   {"pictures", pictures}});
@@ -116,6 +117,12 @@ Exit show_drawing(const FieldArgs& args, const Drawing& drawing) {
   }
   fmt::print("{}", table_head(choice, missed));
   fmt::print("  steel up to {:.3g} T; {}\n", share.largest_field, extrapolated_text(t, share));
+  if (const double air = sim::air_around(d); air < 0.5)
+    fmt::print(
+        "  little air: the outer edge is as near to iron or coil as {:.2g} of their size; below 1 it holds "
+        "flux "
+        "together, which no error here contains\n",
+        air);
   fmt::print(
       "  least angle of the air that stretches: {:.2g} deg as drawn, {:.2g} closed, {:.2g} at {:.3g} mm\n",
       angle(d.drawn_gap), angle(d.residual_gap), angle(open), open * 1e3);

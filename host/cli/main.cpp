@@ -1,5 +1,7 @@
 #include <fmt/format.h>
+
 #include <CLI/CLI.hpp>
+#include <filesystem>
 
 #include <exception>
 #include <functional>
@@ -367,10 +369,11 @@ int main(int argc, char** argv) {
   add_specimen_verbs(app);
 
   app.failure_message(parse_failure);
-  if (const std::string wrong = unknown_verb(app, argc, argv); !wrong.empty()) {
-    fmt::print(stderr, "{}\n", wrong);
-    return leave(Exit::bad_input);
-  }
+  const auto ended = [](Exit exit, const std::string& text) {
+    fmt::print(stderr, "{}\n", text);
+    return leave(exit);
+  };
+  if (const auto wrong = unknown_verb(app, argc, argv); !wrong.empty()) return ended(Exit::bad_input, wrong);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& e) {
@@ -379,22 +382,19 @@ int main(int argc, char** argv) {
   try {
     return leave(chosen()());
   } catch (const BadInput& e) {
-    fmt::print(stderr, "{}\n", e.what());
-    return leave(Exit::bad_input);
+    return ended(Exit::bad_input, e.what());
   } catch (const WrongStore& e) {
-    fmt::print(stderr, "powbench: {}\n", e.what());
-    return leave(Exit::bad_input);
+    return ended(Exit::bad_input, fmt::format("powbench: {}", e.what()));
   } catch (const StoreError& e) {
-    fmt::print(stderr, "powbench: {}\n", e.what());
-    return leave(Exit::data_damaged);
+    return ended(Exit::data_damaged, fmt::format("powbench: {}", e.what()));
   } catch (const rigs::UnknownRig& e) {
-    fmt::print(stderr, "powbench: {}\n", e.what());
-    return leave(Exit::bad_input);
+    return ended(Exit::bad_input, fmt::format("powbench: {}", e.what()));
   } catch (const rigs::RigError& e) {
-    fmt::print(stderr, "powbench: {}\n", e.what());
-    return leave(Exit::rig_fault);
+    return ended(Exit::rig_fault, fmt::format("powbench: {}", e.what()));
+  } catch (const std::filesystem::filesystem_error& e) {
+    return ended(Exit::bad_input,
+                 fmt::format("powbench: {}: {}; name another place", e.path1().string(), e.code().message()));
   } catch (const std::exception& e) {
-    fmt::print(stderr, "powbench: {}\n", e.what());
-    return leave(Exit::bad_input);
+    return ended(Exit::bad_input, fmt::format("powbench: {}", e.what()));
   }
 }

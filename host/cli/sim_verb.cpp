@@ -182,6 +182,9 @@ std::int64_t campaign_for(Store& store, const Scene& scene, const std::string& m
   return there ? *there : store.create_campaign(only_simulated(campaign_info(scene, "", model)));
 }
 
+/// Share of the states outside of what the fields were made from, above which no time is one to rely on.
+constexpr double few_beyond = 0.01;
+
 /// How much of the closings lay outside of what their fields were made from.
 double share_beyond(const SimulatedCount& n) {
   return n.field_states > 0 ? static_cast<double>(n.field_beyond) / static_cast<double>(n.field_states) : 0;
@@ -191,10 +194,11 @@ std::string beyond_text(const SimulatedCount& n) {
   return fmt::format(
       "fields: {:.2g} % of the states of the magnet, in {} of {}, lie outside of what the fields were made "
       "from "
-      "(largest gap or flux); there they are continued by the saturation law: take their times with care, "
-      "or make "
-      "the table larger\n",
-      100 * share_beyond(n), n.beyond_fields, counted(n.stored, "run"));
+      "(largest gap or flux); there they are continued by the saturation law, which is wrong where the steel "
+      "is not "
+      "saturated at the end of the table: make it larger (largest_flux_Wb of a drawing){}\n",
+      100 * share_beyond(n), n.beyond_fields, counted(n.stored, "run"),
+      share_beyond(n) > few_beyond ? "; exit code 1" : "");
 }
 
 RecordMaker maker_of(const sim::SceneChoice& choice, const std::string& name) {
@@ -323,6 +327,7 @@ Exit simulate_plan(const SimArgs& args) {
   if (n.field_beyond > 0) fmt::print(stderr, "{}", beyond_text(n));
   fmt::print(stderr, "campaign {}: {}\n", campaign, said(n));
   if (StopOnSignal::asked()) return Exit::interrupted;
+  if (share_beyond(n) > few_beyond) return Exit::outside_limits;
   if (!choice || !wish.accuracy || choice->reached() == sim::Reached::met) return Exit::pass;
   return choice->reached() == sim::Reached::not_met ? Exit::outside_limits : Exit::not_known;
 }

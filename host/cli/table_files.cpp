@@ -30,8 +30,14 @@ void check_tables(const FieldArgs& args) {
 void write_tables(const FieldArgs& args, const sim::TablePotential& table, double travel,
                   const std::string& title) {
   if (args.tables.empty()) return;
-  const double most = args.largest_current > 0 ? args.largest_current
-                                               : table.at({table.table().psi.back(), 0, travel}).current;
+  const double end = table.at({table.table().psi.back(), 0, travel}).current;
+  constexpr double spare = 2;
+  if (args.largest_current > spare * end)
+    throw BadInput(
+        {fmt::format("--largest-current = {:g}, allowed up to {:.3g} A: twice that of the open magnet at the "
+                     "end of the table",
+                     args.largest_current, spare * end)});
+  const double most = args.largest_current > 0 ? args.largest_current : end;
   const ActuatorTable t = actuator_table(table, most, travel);
   for (const auto& file : args.tables) {
     const auto ending = fs::path(file).extension();

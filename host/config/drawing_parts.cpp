@@ -14,6 +14,7 @@ namespace {
 namespace fs = std::filesystem;
 
 std::string drawing_bytes(const fs::path& path) {
+  if (fs::is_directory(path)) throw std::invalid_argument(path.string() + " is a folder");
   std::ifstream in(path, std::ios::binary);
   std::ostringstream text;
   if (in) text << in.rdbuf();

@@ -32,9 +32,22 @@ class LivePotential final : public MagneticPotential {
 
   bool has_ring() const override { return field_.has_ring(); }
   MagneticResponse at(const MagneticState& s) const override {
+    if (const double sum = s.psi + s.gap + (has_ring() ? s.ring : 0); !std::isfinite(sum)) {
+      constexpr double nan = std::numeric_limits<double>::quiet_NaN();  // of a step that is tried in vain
+      return {nan, nan, nan, nan, nan, nan, nan, nan, nan, nan};
+    }
     field_.set_gap(std::clamp(s.gap, 0.0, largest_gap_));
+    constexpr double nothing = 1e-30, little = 1e-9;  // Wb: no flux, and one that saturates nothing
+    if (std::fabs(s.psi) < nothing && (!has_ring() || std::fabs(s.ring) < nothing)) {
+      const auto linear = field_.at_flux(little, 0, {}).response;
+      MagneticResponse none;
+      none.current_psi = linear.current_psi;
+      none.current_ring = linear.current_ring;
+      none.ring_ring = linear.ring_ring;
+      return none;
+    }
     auto point = field_.at_flux(s.psi, s.ring, last_);
-    last_ = std::move(point.a);
+    last_ = point.newton.converged ? std::move(point.a) : std::vector<double>{};
     auto& r = point.response;
     if (const double past = s.gap - largest_gap_; past > 0) {
       r.energy += r.pull * past;

@@ -75,6 +75,10 @@ struct SharpTriangle {
 };
 SharpTriangle sharpest_triangle(const DrawnMagnet&);
 
+/// How far the outer edge stays from iron and coil, as a share of their size: above, below and beside them, the least.
+/// Mirror lines do not count.
+double air_around(const DrawnMagnet&);
+
 /// Smallest distance of the armature from the fixed iron below it, along y, m; in a quarter twice that from the lower
 /// edge of the mesh. Infinity: nothing below.
 double measured_gap(const DrawnMagnet&);
@@ -164,9 +168,10 @@ double saturated_flux(const std::shared_ptr<const DrawnMagnet>&);
 void refuse_mesh_error(double);
 
 /// W(psi, gap) or W(psi, ring, gap) of a drawn magnet. `largest_field` and the sizes of `options` do not count: the
-/// mesh is that of the drawing. `mesh_error` is what one halving of all triangles changes in current and pull of the
-/// closed and of the open magnet at half of the largest flux. Throws as build_table,
-/// as refuse_mesh_error, and where the mesh turns over up to the largest gap.
+/// mesh is that of the drawing. `mesh_error` is 1.66 times what one halving of all triangles changes in current and
+/// pull of the closed and of the open magnet at half of the largest flux. Unless `options` states them, nodes of psi
+/// are added until their error is within `accuracy`, three times at most. Throws as build_table, as table_end, as
+/// refuse_mesh_error, and where the mesh turns over up to the largest gap.
 PotentialTable build_table(const std::shared_ptr<const DrawnMagnet>&, const TableOptions& options, Team&,
                            TableReport* report = nullptr);
 std::uint64_t table_hash(const DrawnMagnet&, const TableOptions&);

@@ -287,4 +287,26 @@ SharpTriangle sharpest_triangle(const DrawnMagnet& d) {
   return out;
 }
 
+double air_around(const DrawnMagnet& d) {
+  const auto& m = d.mesh;
+  double low_x = infinity, high_x = -infinity, low_y = infinity, high_y = -infinity;
+  for (std::size_t t = 0; t < m.triangle.size(); ++t) {
+    const auto role = d.parts[at(m.region[t])].role;
+    if (role == DrawnRole::air || role == DrawnRole::stretch) continue;
+    for (const int v : m.triangle[t]) {
+      low_x = std::min(low_x, m.x[at(v)]), high_x = std::max(high_x, m.x[at(v)]);
+      low_y = std::min(low_y, m.y[at(v)]), high_y = std::max(high_y, m.y[at(v)]);
+    }
+  }
+  const auto [x0, x1] = std::minmax_element(m.x.begin(), m.x.end());
+  const auto [y0, y1] = std::minmax_element(m.y.begin(), m.y.end());
+  const bool mirrored = d.axisymmetric || d.copies > 1;  // at a line along the motion, on one side
+  const double left = low_x - *x0, right = *x1 - high_x;
+  double least = std::min(mirrored ? std::max(left, right) : std::min(left, right), *y1 - high_y);
+  if (d.copies < 4) least = std::min(least, low_y - *y0);
+  const double width = (mirrored ? 2 : 1) * (high_x - low_x),
+               height = (d.copies == 4 ? 2 : 1) * (high_y - low_y);
+  return least / std::max(width, height);
+}
+
 }  // namespace powbench::sim

@@ -17,11 +17,18 @@ constexpr double least = 0.05e-3, longest = 0.5, gap_clearance = 1e-3, face_clea
 constexpr int least_across = 4;  ///< cells, of the clearance beside a pin
 constexpr double radian = 0.017453292519943295;
 
-void need(bool holds, const char* key, double value, const char* range) {
+void need(bool holds, const char* key, double value, const std::string& range) {
   if (holds) return;
   char text[160];
-  std::snprintf(text, sizeof text, "solenoid.%s_mm = %g, allowed %s", key, value * 1e3, range);
+  std::snprintf(text, sizeof text, "solenoid.%s_mm = %g, allowed %s", key, value * 1e3, range.c_str());
   throw std::invalid_argument(text);
+}
+
+/// Of a length in m.
+std::string millimetres(double length) {
+  char text[40];
+  std::snprintf(text, sizeof text, "%.4g", length * 1e3);
+  return text;
 }
 
 void append(std::vector<double>& lines, const std::vector<double>& more) {
@@ -132,18 +139,19 @@ void check_face(const SolenoidShape& s) {
                   cone ? "5 .. 75" : "0 unless the face is conical");
     throw std::invalid_argument(text);
   }
-  const char *to_conical = "0 unless the face is conical", *to_stepped = "0 unless the face is stepped";
+  const std::string to_conical = "0 unless the face is conical", to_stepped = "0 unless the face is stepped";
   need(cone ? s.tip_radius == 0 || (s.tip_radius >= least && s.tip_radius <= s.plunger_radius - least)
             : s.tip_radius == 0,
-       "tip_radius", s.tip_radius, cone ? "0, or 0.05 .. 0.05 below the plunger's radius" : to_conical);
+       "tip_radius", s.tip_radius,
+       cone ? "0, or 0.05 .. " + millimetres(s.plunger_radius - least) : to_conical);
   need(step ? s.step_clearance >= least : s.step_clearance == 0, "step_clearance", s.step_clearance,
-       step ? "0.05 and above" : to_stepped);
+       step ? std::string("0.05 and above") : to_stepped);
   need(step ? s.step_radius >= least && s.step_radius + s.step_clearance <= s.plunger_radius - least
             : s.step_radius == 0,
        "step_radius", s.step_radius,
-       step ? "0.05 .. such that the hole is 0.05 smaller than the plunger" : to_stepped);
+       step ? "0.05 .. " + millimetres(s.plunger_radius - least - s.step_clearance) : to_stepped);
   need(step ? s.step_depth >= least : s.step_depth == 0, "step_depth", s.step_depth,
-       step ? "0.05 and above" : to_stepped);
+       step ? std::string("0.05 and above") : to_stepped);
   const double magnet = s.magnet_length, apart = std::fabs(magnet - s.coil_clearance);
   need(magnet == 0 || (magnet >= least && (apart == 0 || apart >= least) &&
                        magnet <= s.stop_length - s.face_depth() - face_clearance),
@@ -151,7 +159,7 @@ void check_face(const SolenoidShape& s) {
        "0, or 0.05 up to 1 below the stop's face, and equal to coil_clearance_mm or 0.05 apart");
   const double room = s.stop_length - s.coil_clearance - face_clearance;
   need(s.face_depth() <= room, cone ? "cone_depth" : "step_depth", s.face_depth(),
-       "up to 1 above the winding's lower end");
+       "up to " + millimetres(room));
 }
 
 }  // namespace
@@ -169,7 +177,7 @@ void check_solenoid(const SolenoidShape& s, double largest_gap) {
                                       {"case_outer", s.case_outer}}};
   double before = 0;
   for (const auto& [key, value] : radius) {
-    need(value >= before + least && value <= longest, key, value, "0.05 above the radius inside it .. 500");
+    need(value >= before + least && value <= longest, key, value, millimetres(before + least) + " .. 500");
     before = value;
   }
   for (const auto& [key, value] :
@@ -177,11 +185,11 @@ void check_solenoid(const SolenoidShape& s, double largest_gap) {
         Length{"coil_clearance", s.coil_clearance}, Length{"window", s.window}})
     need(value >= least && value <= longest, key, value, "0.05 .. 500");
   need(s.stop_length > s.coil_clearance + least && s.stop_length < s.window, "stop_length", s.stop_length,
-       "above the coil's clearance, below the window");
+       millimetres(s.coil_clearance + least) + " .. " + millimetres(s.window));
   need(largest_gap >= 0.1e-3 && largest_gap <= coil_top(s) - gap_clearance, "gap", largest_gap,
-       "0.1 .. 1 below the winding's end");
+       "0.1 .. " + millimetres(coil_top(s) - gap_clearance));
   need(s.plunger_length >= flange_bottom(s) + s.flange + gap_clearance - 1e-12, "plunger_length",
-       s.plunger_length, "1 more than what reaches from the stop through the flange");
+       s.plunger_length, millimetres(flange_bottom(s) + s.flange + gap_clearance) + " and above");
   check_face(s);
 }
 

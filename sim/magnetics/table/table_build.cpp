@@ -121,7 +121,7 @@ double table_end(double stated, const std::function<double()>& saturated) {
   } catch (const std::invalid_argument&) {
     return stated;  // nothing to compare it with
   }
-  constexpr double least = 0.02, most = 4;
+  constexpr double least = 0.02, most = 2.5;
   if (stated >= least * at && stated <= most * at) return stated;
   char text[200];
   std::snprintf(
@@ -147,7 +147,7 @@ std::uint64_t mixed_hash(std::uint64_t hash, const TableOptions& o) {
 }
 
 std::uint64_t hash_values(const std::vector<double>& values, const Steel& steel) {
-  constexpr std::uint64_t version = 5;  // raise when the same input gives another table
+  constexpr std::uint64_t version = 6;  // raise when the same input gives another table
   std::uint64_t hash = version;
   const auto mix = [&](double value) { hash = mixed_hash(hash, value); };
   for (const double v : values) mix(v);

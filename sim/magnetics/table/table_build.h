@@ -27,7 +27,7 @@ struct TableOptions {
 inline constexpr double saturated_stiffness = 0.5;
 
 /// Where the table of a drawing ends, Wb: as its designer states, 0: at `saturated()`, which throws
-/// std::invalid_argument for a magnet that does not saturate. Throws the same for a stated one below 0.02 or above 4
+/// std::invalid_argument for a magnet that does not saturate. Throws the same for a stated one below 0.02 or above 2.5
 /// times that.
 double table_end(double stated, const std::function<double()>& saturated);
 

@@ -295,7 +295,7 @@ TEST_CASE("where a drawing's table ends is stated within its saturation, or foun
   const auto t = build_table(drawing, o, team);
   CHECK(extrapolated_share(t).largest_field < 2.6);
   const double end = t.psi.back();
-  for (const double stated : {100.0, 5 * end, 0.01 * end, 1e-6}) {
+  for (const double stated : {100.0, 3 * end, 0.01 * end, 1e-6}) {
     drawing->largest_flux = stated;
     CHECK_THROWS_WITH(build_table(drawing, o, team), Contains("largest_flux_Wb = ") && Contains("allowed"));
   }

@@ -8,6 +8,7 @@
 #include "bench/fields/contactor.h"
 #include "bench/fields/shaded_pole.h"
 #include "sim/magnetics/table/table_build.h"
+#include "sim/models/rungs.h"
 
 using namespace powbench::sim;
 using powbench::bench::BilinearTables;
@@ -118,4 +119,20 @@ TEST_CASE(
   CHECK(found.lag == Approx(truth.lag).epsilon(0.01));
   CHECK(found.mean_pull == Approx(truth.mean_pull).epsilon(0.02));
   CHECK(found.least_pull == Approx(truth.least_pull).epsilon(0.01));
+}
+
+TEST_CASE("a field in the loop survives a step that is tried in vain, and knows the magnet without flux") {
+  const auto rung = live_field(powbench::bench::reference_contactor(), {});
+  const Case c;
+  const auto potential = rung.potential(c), other = rung.potential(c);
+  const MagneticState state{0.3, 1e-5, 1e-3};
+  const auto before = potential->at(state);
+  CHECK(std::isnan(potential->at({NAN, 0, 1e-3}).current));
+  CHECK(std::isnan(potential->at({0.3, 0, NAN}).pull));
+  CHECK(potential->at(state).current == Approx(before.current).epsilon(1e-6));
+  const auto none = potential->at({0, 0, 1e-3}), little = other->at({1e-6, 0, 1e-3});
+  CHECK(none.current == 0);
+  CHECK(none.energy == 0);
+  CHECK(none.pull == 0);
+  CHECK(none.current_psi == Approx(little.current_psi).epsilon(1e-3));
 }
