@@ -166,6 +166,10 @@ double saturated_flux(const std::shared_ptr<const DrawnMagnet>& drawing) {
     at = psi;
     return p.response.current_psi >= wanted;
   };
+  if (stiff(low))
+    throw std::invalid_argument(
+        "the closed magnet is as stiff as half of air from no flux on: does its iron lack air, or meet "
+        "nowhere?");
   constexpr double stride = 1.6;
   for (int k = 0; !stiff(high); ++k) {
     if (k == 40)

@@ -161,7 +161,7 @@ std::vector<double> on_refined(const FieldSpace& coarse, const std::vector<doubl
 
 /// Flux linkage, Wb, from which on the closed magnet's di/dpsi is above `saturated_stiffness` of that of air. By
 /// elements of the first order: it is where a table ends, and need not be sharp. Throws std::invalid_argument where
-/// the steel does not saturate.
+/// the steel does not saturate, or seems to without flux.
 double saturated_flux(const std::shared_ptr<const DrawnMagnet>&);
 
 /// Throws std::invalid_argument for an estimated error of the mesh, relative, above 1: the table would mean nothing.

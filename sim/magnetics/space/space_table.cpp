@@ -21,6 +21,10 @@ double saturation(const SpaceMagnet& d, space::MagnetField& field, space::Magnet
     near = p.solution.state;
     return p.response.current_psi >= wanted;
   };
+  if (stiff(low))
+    throw std::invalid_argument(
+        "the closed magnet is as stiff as half of air from no flux on: does its iron lack air, or meet "
+        "nowhere?");
   constexpr double stride = 4;
   for (int k = 0; !stiff(high); ++k) {
     if (k == 12)
