@@ -204,8 +204,7 @@ Json tables() {
     sim::MagnetField finer(job.design, fine);
     const auto inner = distance(t, own, options.ring ? 100 : 400, 1), all = distance(t, finer, 25, 2);
     const auto& table = t.table();
-    const double i = *std::max_element(table.current_error.begin(), table.current_error.end());
-    const double f = *std::max_element(table.pull_error.begin(), table.pull_error.end());
+    const double i = table.worst_current_error(), f = table.worst_pull_error();
     std::printf("%-28s %3zu x %2zu x %3zu %11.4f %11.4f %11.4f %11.4f %11.4f %11.4f\n", job.name,
                 table.psi.size(), std::max<std::size_t>(1, table.ring.size()), table.gap.size(),
                 inner.current * 100, inner.pull * 100, all.current * 100, all.pull * 100, i * 100, f * 100);

@@ -107,8 +107,7 @@ nlohmann::ordered_json table_row(const bench::OwnPeer& peer, const Own& own) {
   sim::TableReport report;
   const auto table = sim::build_table(drawing, o, team, &report);
   const double took = wall() - started, spent = process_cpu_seconds() - cpu;
-  const double current = *std::ranges::max_element(table.current_error),
-               pull = *std::ranges::max_element(table.pull_error);
+  const double current = table.worst_current_error(), pull = table.worst_pull_error();
   std::printf("%-18s %8d %8.2f %8.2f %10d %8.2f %8.3f %8.3f\n", own.name, report.unknowns, spent, took,
               report.iterations, table.mesh_error * 100, current * 100, pull * 100);
   return {{"magnet", own.name},

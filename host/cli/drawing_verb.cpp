@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
+#include "core/counted.h"
 #include "core/units.h"
 #include "host/cli/percent.h"
 #include "host/cli/table_files.h"
@@ -50,6 +51,8 @@ std::vector<ShownState> shown_states(const fs::path& folder, const Drawing& draw
   }
   return out;
 }
+
+constexpr int least_across_gap = 3;
 
 }  // namespace
 
@@ -109,6 +112,7 @@ Exit show_drawing(const FieldArgs& args, const Drawing& drawing) {
     j.update(Json{{"largest_field_T", share.largest_field},
                   {"states_beyond_data", share.share},
                   {"air_around", sim::air_around(d)},
+                  {"triangles_across_gap", sim::triangles_across_gap(d)},
                   {"states", list},
                   {"tables", args.tables},
                   {"pictures", pictures}});
@@ -123,6 +127,9 @@ Exit show_drawing(const FieldArgs& args, const Drawing& drawing) {
         "flux "
         "together, which no error here contains\n",
         air);
+  if (const int few = sim::triangles_across_gap(d); few > 0 && few < least_across_gap)
+    fmt::print("  {} across the gap; with fewer than {} the mesh can err by more than is said\n",
+               counted(few, "triangle"), least_across_gap);
   fmt::print(
       "  least angle of the air that stretches: {:.2g} deg as drawn, {:.2g} closed, {:.2g} at {:.3g} mm\n",
       angle(d.drawn_gap), angle(d.residual_gap), angle(open), open * 1e3);

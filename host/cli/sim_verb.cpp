@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <set>
 
@@ -59,12 +60,16 @@ sim::SceneAxes axes_of(const Wish& wish, const sim::Case& first, const FieldCach
   axes.mechanics = {(wish.mechanics.empty() || open) ? "rigid" : wish.mechanics};
   if (open && sim::unknown_to("modal", first).empty()) axes.mechanics.emplace_back("modal");
   const bool named = axes.mechanics.size() == 1 && !wish.mechanics.empty();
+  const auto known =
+      std::make_shared<std::map<std::size_t, sim::FieldRung>>();  // built once for all mechanics
   axes.rung = [=, specimen = first.specimen, fields = axes.fields, mechanics = axes.mechanics](
                   std::size_t f, std::size_t m) {
     // plant and rigid are the same equations on the circuit, and the plant is cheaper
     const bool plant =
         fields[f] == "circuit" && mechanics[m] == "rigid" && !named && sim::rigid_only(specimen).empty();
-    return sim::scene_rung(obtain_field(fields[f], specimen, cache), plant ? "plant" : mechanics[m]);
+    auto field = known->find(f);
+    if (field == known->end()) field = known->emplace(f, obtain_field(fields[f], specimen, cache)).first;
+    return sim::scene_rung(field->second, plant ? "plant" : mechanics[m]);
   };
   return axes;
 }

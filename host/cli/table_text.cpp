@@ -2,17 +2,11 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
-
 namespace powbench::host {
-
-double worst_of(const std::vector<double>& errors) {
-  return errors.empty() ? 0.0 : *std::max_element(errors.begin(), errors.end());
-}
 
 std::string missed_accuracy(const sim::PotentialTable& t, double asked, std::string_view finer_mesh,
                             std::string_view finer_table) {
-  const double table = std::max(worst_of(t.current_error), worst_of(t.pull_error));
+  const double table = t.worst_error();
   if (t.mesh_error <= asked && table <= asked) return "";
   std::string why;
   if (t.mesh_error > asked) why = fmt::format("mesh {:.2g} %: {}", t.mesh_error * 100, finer_mesh);
@@ -27,8 +21,7 @@ std::string table_head(const FieldTableChoice& choice, const std::string& missed
       "{} ({})\n  {}\n  expected error: mesh {:.2g} %, table {:.2g} % in the current, {:.2g} % in the "
       "pull\n{}",
       choice.file.string(), choice.reused ? "as stored" : "built", t.description, t.mesh_error * 100,
-      worst_of(t.current_error) * 100, worst_of(t.pull_error) * 100,
-      missed.empty() ? "" : "  " + missed + "\n");
+      t.worst_current_error() * 100, t.worst_pull_error() * 100, missed.empty() ? "" : "  " + missed + "\n");
 }
 
 std::string extrapolated_text(const sim::PotentialTable& t, const sim::ExtrapolatedShare& e) {

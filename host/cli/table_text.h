@@ -2,7 +2,6 @@
 
 #include <string>
 #include <string_view>
-#include <vector>
 
 #include "core/outcome.h"
 #include "host/store/field_table.h"
@@ -23,9 +22,6 @@ constexpr Exit exit_of_accuracy(std::string_view missed) {
 /// File, nodes, expected errors, and what was missed: lines.
 std::string table_head(const FieldTableChoice&, const std::string& missed);
 
-/// The largest of the errors, 0 where there are none.
-double worst_of(const std::vector<double>& errors);
-
 /// The same as the first keys of the JSON.
 template <class Json>
 Json table_json(const FieldTableChoice& choice, double asked, const std::string& missed) {
@@ -34,8 +30,8 @@ Json table_json(const FieldTableChoice& choice, double asked, const std::string&
           {"reused", choice.reused},
           {"description", t.description},
           {"mesh_error", t.mesh_error},
-          {"worst_current_error", worst_of(t.current_error)},
-          {"worst_pull_error", worst_of(t.pull_error)},
+          {"worst_current_error", t.worst_current_error()},
+          {"worst_pull_error", t.worst_pull_error()},
           {"accuracy", asked},
           {"accuracy_met", missed.empty()}};
 }

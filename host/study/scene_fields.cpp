@@ -29,10 +29,7 @@ void say(const FieldCache& cache, const std::string& text) {
 
 /// What a drawing's table errs by, once it is there.
 std::shared_ptr<const sim::TablePotential> judged(const FieldCache& cache, sim::PotentialTable table) {
-  const auto worst = [](const std::vector<double>& e) {
-    return e.empty() ? 0.0 : *std::max_element(e.begin(), e.end());
-  };
-  const double nodes = std::max(worst(table.current_error), worst(table.pull_error));
+  const double nodes = table.worst_error();
   const double error = std::max(nodes, table.mesh_error);
   say(cache,
       fmt::format(

@@ -7,7 +7,6 @@
 #include "core/units.h"
 #include "sim/mechanics/rigid_closing.h"
 #include "sim/solid/modal_motion.h"
-#include "sim/specimen/specimen_potential.h"
 #include "sim/specimen/validate.h"
 
 namespace powbench::sim {
@@ -41,7 +40,7 @@ class ModalRun {
         off_(c.hold_time) {
     resistance_ =
         s.coil.resistance * (1 + s.coil.temperature_coefficient * (c.ambient - 293.15)) + mains_.resistance;
-    ring_resistance_ = SpecimenPotential(s).ring_resistance();
+    ring_resistance_ = s.magnet.ring_resistance;
     u_ = body_.equilibrium();
     start_ = u_;
     v_.assign(u_.size(), 0.0);

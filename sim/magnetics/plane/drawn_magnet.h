@@ -83,6 +83,10 @@ double air_around(const DrawnMagnet&);
 /// edge of the mesh. Infinity: nothing below.
 double measured_gap(const DrawnMagnet&);
 
+/// The fewest triangles of air on a line along the motion from fixed iron to the armature, as drawn, where the gap is
+/// at most 1.25 times its smallest; in a quarter both halves. 0: no such line.
+int triangles_across_gap(const DrawnMagnet&);
+
 /// Gaps (faces, residual gap included) over which no triangle turns over, m: from (>= 0), to (may be infinite).
 std::pair<double, double> usable_gaps(const DrawnMagnet&);
 

@@ -79,9 +79,7 @@ bool good_enough(const PotentialTable& t, double accuracy) {
   } catch (const std::invalid_argument&) {
     return false;
   }
-  for (const auto* errors : {&t.current_error, &t.pull_error})
-    if (*std::max_element(errors->begin(), errors->end()) > accuracy) return false;
-  return true;
+  return t.worst_error() <= accuracy;
 }
 
 void check_reach(const DrawnMagnet& d, double largest_gap) {

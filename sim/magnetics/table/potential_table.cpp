@@ -55,6 +55,10 @@ double least_on_unit(Quad c) {
   return least;
 }
 
+double largest(const std::vector<double>& errors) {
+  return errors.empty() ? 0.0 : *std::max_element(errors.begin(), errors.end());
+}
+
 void check_axis(const char* name, const std::vector<double>& node, bool from_zero) {
   if (node.size() < 2) throw std::invalid_argument(std::string("table: fewer than two nodes of ") + name);
   if (from_zero && node.front() != 0)
@@ -66,6 +70,14 @@ void check_axis(const char* name, const std::vector<double>& node, bool from_zer
 }
 
 }  // namespace
+
+double PotentialTable::worst_current_error() const {
+  return largest(current_error);
+}
+
+double PotentialTable::worst_pull_error() const {
+  return largest(pull_error);
+}
 
 void check_table(const PotentialTable& t) {
   check_axis("psi", t.psi, true);

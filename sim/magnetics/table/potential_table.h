@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -41,6 +42,11 @@ struct PotentialTable {
 
   std::uint64_t design_hash = 0;  ///< of shape, steel, turns and mesh
   std::string description;        ///< one line for people
+
+  /// Largest expected error between the nodes, of current, of pull, and of both; 0 where none is known.
+  double worst_current_error() const;
+  double worst_pull_error() const;
+  double worst_error() const { return std::max(worst_current_error(), worst_pull_error()); }
 
   std::size_t values() const { return ring.empty() ? 4 : 8; }  ///< by node
 

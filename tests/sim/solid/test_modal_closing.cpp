@@ -116,6 +116,20 @@ TEST_CASE("modal closing: half a period later is the same closing, and the coil 
   CHECK(r.samples.back().coil_current == 0);
 }
 
+TEST_CASE("modal closing takes any potential: the specimen needs no circuit of its own") {
+  Specimen s;
+  const SpecimenPotential potential(s);
+  const ModalParts parts = rigid_places(3);
+  ModalClosingOptions o;
+  o.duration = 0.02;
+  const auto with = modal_closing(s, at(60), potential, parts, o).truth;
+  s.lumped = false;  // as of a drawing
+  const auto without = modal_closing(s, at(60), potential, parts, o).truth;
+  REQUIRE(with.touch.has_value());
+  CHECK(*with.touch == *without.touch);
+  CHECK(*with.core_seat == *without.core_seat);
+}
+
 TEST_CASE("modal closing says what it cannot do") {
   const Specimen s;
   const ModalParts parts = rigid_places(3);

@@ -176,6 +176,7 @@ TEST_CASE("a quarter is the half whose other half is its image: energy, flux and
     d->drawn_gap = 2e-3;
     d->motion = drawn_motion(*d);
     CHECK(measured_gap(*d) == Approx(2e-3));
+    CHECK(triangles_across_gap(*d) == 8);  // four rows of cells, each cut in two
     CHECK(d->turns() == Approx(1000));
   }
   DrawnField a(quarter, {}), b(half, {});
