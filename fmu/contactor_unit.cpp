@@ -6,9 +6,9 @@
 #include <stdexcept>
 
 #include "core/units.h"
-#include "sim/magnetics/circuit/remanence.h"
 #include "sim/mechanics/contact_damping.h"
-#include "sim/mechanics/rigid_closing.h"
+#include "sim/models/rigid_closing.h"
+#include "sim/specimen/specimen_remanence.h"
 #include "sim/specimen/validate.h"
 
 namespace powbench::fmu {

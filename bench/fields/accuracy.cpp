@@ -12,7 +12,7 @@
 #include "bench/fields/contactor.h"
 #include "bench/fields/json_out.h"
 #include "core/random.h"
-#include "sim/magnetics/table/table_build.h"
+#include "sim/magnetics/plane/table_build.h"
 
 namespace {
 

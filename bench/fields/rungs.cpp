@@ -17,7 +17,7 @@
 #include "core/cpu_time.h"
 #include "core/random.h"
 #include "core/units.h"
-#include "sim/magnetics/table/table_build.h"
+#include "sim/magnetics/plane/table_build.h"
 
 namespace {
 

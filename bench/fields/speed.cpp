@@ -19,7 +19,7 @@
 #include "bench/fields/peers.h"
 #include "core/cpu_time.h"
 #include "core/random.h"
-#include "sim/magnetics/table/table_build.h"
+#include "sim/magnetics/plane/table_build.h"
 
 namespace {
 

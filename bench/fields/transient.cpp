@@ -13,7 +13,7 @@
 #include "core/cpu_time.h"
 #include "core/units.h"
 #include "sim/magnetics/plane/field_transient.h"
-#include "sim/magnetics/table/table_build.h"
+#include "sim/magnetics/plane/table_build.h"
 
 namespace {
 

@@ -15,7 +15,7 @@
 #include <nlohmann/json.hpp>
 #include <vector>
 
-#include "sim/mechanics/rigid_closing.h"
+#include "sim/models/rigid_closing.h"
 
 namespace {
 

@@ -12,7 +12,7 @@
 #include "core/cpu_time.h"
 #include "core/units.h"
 #include "sim/models/closing.h"
-#include "sim/solid/solid_closing.h"
+#include "sim/models/solid_closing.h"
 #include "sim/specimen/specimen_potential.h"
 
 namespace {

@@ -16,8 +16,8 @@
 #include "core/cpu_time.h"
 #include "core/units.h"
 #include "host/export/ladder_svg.h"
-#include "sim/magnetics/table/table_build.h"
-#include "sim/models/rungs.h"
+#include "sim/magnetics/plane/table_build.h"
+#include "sim/models/mechanics.h"
 #include "sim/study/ladder.h"
 
 namespace {
@@ -36,8 +36,10 @@ sim::Rung table_rung(const sim::Specimen& s) {
   options.accuracy = 0.02;
   options.largest_gap = 1.5 * s.core.travel;
   sim::Team team(2);
-  return sim::potential_rung("table", "plane finite elements in a table",
-                             std::make_shared<sim::TablePotential>(sim::build_table(d, options, team)));
+  return sim::scene_rung(
+      sim::pure_field("table", "plane finite elements in a table",
+                      std::make_shared<sim::TablePotential>(sim::build_table(d, options, team))),
+      "rigid");
 }
 
 /// Rungs whose closings take a tenth of a second and more: calibrated on fewer scenes, at settings of their own.

@@ -19,6 +19,7 @@
 #include "core/cpu_time.h"
 #include "core/random.h"
 #include "core/units.h"
+#include "sim/models/mechanics.h"
 #include "sim/study/parameter.h"
 #include "sim/study/scene_choice.h"
 #include "sim/team.h"

@@ -6,8 +6,8 @@
 #include <stdexcept>
 
 #include "core/units.h"
-#include "sim/mechanics/rigid_closing.h"
 #include "sim/models/closing.h"
+#include "sim/models/rigid_closing.h"
 #include "sim/specimen/validate.h"
 #include "sim/study/misfit.h"
 #include "sim/study/parameter.h"

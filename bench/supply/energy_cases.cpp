@@ -9,8 +9,8 @@
 #include "bench/fields/circuit.h"
 #include "core/units.h"
 #include "sim/magnetics/plane/field_transient.h"
-#include "sim/magnetics/table/table_build.h"
-#include "sim/mechanics/rigid_closing.h"
+#include "sim/magnetics/plane/table_build.h"
+#include "sim/models/rigid_closing.h"
 
 namespace powbench::bench {
 namespace {

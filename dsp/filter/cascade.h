@@ -95,9 +95,8 @@ class ZeroPhaseStream {
   /// The rest of the record. Throws FilterMemoryError when all of it was shorter than the memory.
   void finish(std::vector<double>& out);
 
-  std::int64_t position() const { return position_; }              ///< samples taken
-  std::int64_t finished() const { return finished_; }              ///< samples given back
-  std::size_t invalid_edge() const { return cascade_->memory(); }  ///< samples at either end of the record
+  std::int64_t position() const { return position_; }                               ///< samples taken
+  std::int64_t finished() const { return finished_; }                               ///< samples given back
   std::size_t held_samples() const { return work_.capacity() + held_.capacity(); }  ///< memory in use
 
  private:

@@ -10,7 +10,7 @@
 #include "host/export/write_file.h"
 #include "host/gather/gather.h"
 #include "host/store/store.h"
-#include "sim/solid/solid_closing.h"
+#include "sim/models/solid_closing.h"
 #include "sim/specimen/specimen_potential.h"
 
 namespace powbench::host {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <CLI/CLI.hpp>
+#include <array>
 #include <functional>
 #include <memory>
 #include <string>
@@ -43,14 +44,28 @@ void add_shard_options(CLI::App*, ShardArgs&, const char* of, const char* store 
 void add_rig_verbs(CLI::App&);
 /// serve.
 void add_live_verb(CLI::App&);
+/// plan, run, sim.
+void add_plan_verbs(CLI::App&);
+/// What reads a store.
+void add_result_verbs(CLI::App&);
+void add_import_verb(CLI::App&);
 /// db.
 void add_db_verbs(CLI::App&);
-
+/// tables, field, steel, demo.
+void add_study_verbs(CLI::App&);
 void add_fit_verb(CLI::App&);
 void add_sweep_verb(CLI::App&);
-/// specimen describe, convert.
-void add_specimen_verbs(CLI::App&);
 void add_ladder_verb(CLI::App&);
 void add_fmu_verb(CLI::App&);
+/// help, and the hidden verb `manual` that writes manual pages, completion and reference into a folder.
+void add_manual_verbs(CLI::App&);
+/// specimen describe, convert.
+void add_specimen_verbs(CLI::App&);
+
+/// All of them, in the order of the help. A new verb is a line here, its words beside its act.
+inline constexpr std::array verb_files{add_rig_verbs,     add_live_verb,   add_plan_verbs,  add_result_verbs,
+                                       add_import_verb,   add_db_verbs,    add_study_verbs, add_fit_verb,
+                                       add_sweep_verb,    add_ladder_verb, add_fmu_verb,    add_manual_verbs,
+                                       add_specimen_verbs};
 
 }  // namespace powbench::host

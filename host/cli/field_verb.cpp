@@ -28,7 +28,7 @@
 #include "host/store/field_table.h"
 #include "host/store/point_bytes.h"
 #include "host/store/store.h"
-#include "sim/models/rungs.h"
+#include "sim/models/mechanics.h"
 
 namespace powbench::host {
 namespace {

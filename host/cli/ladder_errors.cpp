@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "sim/models/rungs.h"
+#include "sim/models/mechanics.h"
 #include "sim/study/scene_choice.h"
 
 namespace powbench::host {
@@ -15,22 +15,18 @@ sim::LadderTimes ModelError::known() const {
 }
 
 ModelError model_error_of(std::size_t rung, std::span<const sim::Rung> rungs, const sim::Ladder& ladder) {
-  const auto place = [](const auto& names, const std::string& name) {
-    return std::find(names.begin(), names.end(), name) - names.begin();
-  };
+  const auto place = [](const std::string& name) { return static_cast<int>(sim::place_of_fields(name)); };
+  const auto detail = [](const std::string& name) { return sim::mechanics_named(name).detail; };
   ModelError error{sim::nan_times};
   bool fields = false, mechanics = false;
   for (const auto& m : ladder.models) {
     if (m.rung != rung && m.other != rung) continue;
     const sim::Rung &mine = rungs[rung], &other = rungs[m.rung == rung ? m.other : m.rung];
-    const auto f = place(sim::field_names, other.fields) - place(sim::field_names, mine.fields);
-    const auto k = place(sim::mechanics_names, other.mechanics) - place(sim::mechanics_names, mine.mechanics);
-    const bool same_parts =
-        place(sim::mechanics_names, other.mechanics) <= 1 &&
-        place(sim::mechanics_names, mine.mechanics) <= 1;  // plant and rigid: the same equations
-    if (f < 0 || k < 0 || (f == 0 && (k == 0 || same_parts))) continue;
+    const int f = place(other.fields) - place(mine.fields);
+    const int k = detail(other.mechanics) - detail(mine.mechanics);
+    if (f < 0 || k < 0 || (f == 0 && k == 0)) continue;
     fields = fields || f > 0;
-    mechanics = mechanics || (k > 0 && !same_parts);
+    mechanics = mechanics || k > 0;
     for (std::size_t q = 0; q < error.part.size(); ++q)
       if (!(error.part[q] >= m.difference[q])) error.part[q] = m.difference[q];
   }

@@ -17,6 +17,7 @@
 #include "host/run/progress.h"
 #include "host/study/fit_text.h"
 #include "host/study/scene_fields.h"
+#include "sim/models/mechanics.h"
 
 /// `powbench ladder --judge`: every pair of fields and mechanics at every angle, held against one accuracy.
 
@@ -30,19 +31,9 @@ constexpr double judged_span = 0.06;  ///< s simulated, as `sim` judges
 /// Fields and mechanics of the table, cheap ones first.
 sim::SceneAxes axes_of(const LadderArgs& args, const sim::Specimen& specimen) {
   sim::SceneAxes axes;
-  axes.fields = args.fields;
-  if (axes.fields.empty()) {
-    if (specimen.lumped) axes.fields.emplace_back("circuit");
-    if (specimen.drawn || specimen.in_space || specimen.shaped) axes.fields.emplace_back("table");
-    if (specimen.shaped) axes.fields.emplace_back("field3d");
-  }
-  if (!args.mechanics.empty())
-    axes.mechanics = {args.mechanics};
-  else {
-    const sim::Case c{specimen, {}, {}};
-    for (const auto& [name, taken] : {std::pair("rigid", true), {"modal", true}, {"explicit", args.all}})
-      if (taken && sim::unknown_to(name, c).empty()) axes.mechanics.emplace_back(name);
-  }
+  axes.fields = args.fields.empty() ? sim::automatic_fields(specimen) : args.fields;
+  axes.mechanics = args.mechanics.empty() ? sim::automatic_mechanics({specimen, {}, {}}, args.all)
+                                          : std::vector{args.mechanics};
   FieldCache cache;
   cache.folder = args.cache;
   cache.say = [](const std::string& text) { fmt::print(stderr, "{}\n", text); };

@@ -24,7 +24,7 @@
 #include "host/store/store.h"
 #include "host/study/bounce_text.h"
 #include "host/study/scene_fields.h"
-#include "sim/models/rungs.h"
+#include "sim/models/mechanics.h"
 #include "sim/study/scene_choice.h"
 
 namespace powbench::host {
@@ -165,24 +165,25 @@ std::vector<sim::Rung> rungs_of(const LadderArgs& args, const sim::Specimen& spe
   cache.folder = args.cache;
   cache.say = [](const std::string& text) { fmt::print(stderr, "{}\n", text); };
   std::vector<std::string> fields = args.fields;
-  if (args.all && fields.empty()) fields.assign(sim::field_names.begin(), sim::field_names.end());
+  if (args.all && fields.empty())
+    for (const auto& f : sim::all_fields()) fields.emplace_back(f.name);
   if (fields.empty()) fields = {"circuit"};
   const bool one_physics = !args.accuracy.empty() && args.mechanics.empty();
   std::vector<sim::Rung> rungs;
   for (const auto& name : fields) {
     const auto field = obtain_field(name, specimen, cache);
-    for (const auto mechanics : sim::mechanics_names) {
-      if (!args.mechanics.empty() && mechanics != args.mechanics) continue;
-      if (mechanics == "plant" && name != "circuit" && args.mechanics.empty()) continue;
-      if (mechanics == "modal" && one_physics) continue;
-      if (field.costly && mechanics != "rigid" && args.mechanics.empty()) continue;  // hours
-      const auto rung = sim::scene_rung(field, mechanics);
+    for (const auto& m : sim::all_mechanics()) {
+      if (!args.mechanics.empty() && m.name != args.mechanics) continue;
+      if (!m.any_fields && name != "circuit" && args.mechanics.empty()) continue;
+      if (m.detail > 0 && one_physics) continue;
+      if (field.costly && m.detail > 0 && args.mechanics.empty()) continue;  // hours
+      const auto rung = sim::scene_rung(field, m.name);
       if (rung.costly && !args.all && args.mechanics.empty() && args.fields.empty()) continue;
-      if (mechanics == "explicit" && !args.all && args.mechanics.empty()) continue;
+      if (m.costly && !args.all && args.mechanics.empty()) continue;
       rungs.push_back(rung);
     }
   }
-  if (rungs.empty()) sim::scene_rung(sim::circuit_field(), args.mechanics);  // names what is known
+  if (rungs.empty()) sim::mechanics_named(args.mechanics);  // names what is known
   return rungs;
 }
 
@@ -292,7 +293,7 @@ Exit show_ladder(const LadderArgs& args) {
     // the estimate speaks of one physics: it cannot choose between fields
     if (!args.accuracy.empty()) rungs.clear();
     const auto table = std::make_shared<sim::TablePotential>(load_field_table(args.table_file));
-    rungs.push_back(sim::potential_rung("table", table->table().description, table));
+    rungs.push_back(sim::scene_rung(sim::pure_field("table", table->table().description, table), "rigid"));
   }
   const sim::LadderOptions options;
   if (const double accuracy = share_of(args.accuracy); accuracy > 0)

@@ -25,8 +25,4 @@ std::string command_reference(const CLI::App& program);
 /// Every key of the four kinds of file: the commented templates, as one Markdown page.
 std::string file_reference();
 
-/// help, and the hidden verb `manual` that writes all of the above into a folder. Last: they look at the verbs that
-/// are there.
-void add_manual_verbs(CLI::App& program);
-
 }  // namespace powbench::host

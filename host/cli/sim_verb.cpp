@@ -21,6 +21,7 @@
 #include "host/study/bounce_text.h"
 #include "host/study/scene_fields.h"
 #include "sim/mechanics/contact_damping.h"
+#include "sim/models/mechanics.h"
 #include "sim/study/scene_choice.h"
 
 namespace powbench::host {
@@ -50,26 +51,22 @@ Wish wish_of(const SimArgs& args, const Plan& plan) {
 /// Fields and mechanics that the wish leaves open, cheap ones first.
 sim::SceneAxes axes_of(const Wish& wish, const sim::Case& first, const FieldCache& cache) {
   sim::SceneAxes axes;
-  if (wish.fields == "auto") {
-    if (first.specimen.lumped) axes.fields = {"circuit"};
-    if (first.specimen.drawn || first.specimen.in_space) axes.fields.emplace_back("table");
-    if (first.specimen.shaped) axes.fields.insert(axes.fields.end(), {"table", "field3d"});
-  } else
-    axes.fields = {wish.fields.empty() ? "circuit" : wish.fields};
+  axes.fields = wish.fields == "auto" ? sim::automatic_fields(first.specimen)
+                                      : std::vector{wish.fields.empty() ? "circuit" : wish.fields};
   const bool open = wish.mechanics == "auto" || (wish.mechanics.empty() && wish.accuracy);
-  axes.mechanics = {(wish.mechanics.empty() || open) ? "rigid" : wish.mechanics};
-  if (open && sim::unknown_to("modal", first).empty()) axes.mechanics.emplace_back("modal");
+  if (open)
+    axes.mechanics = sim::automatic_mechanics(first, false);
+  else
+    axes.mechanics = {wish.mechanics.empty() ? "rigid" : wish.mechanics};
   const bool named = axes.mechanics.size() == 1 && !wish.mechanics.empty();
   const auto known =
       std::make_shared<std::map<std::size_t, sim::FieldRung>>();  // built once for all mechanics
-  axes.rung = [=, specimen = first.specimen, fields = axes.fields, mechanics = axes.mechanics](
-                  std::size_t f, std::size_t m) {
-    // plant and rigid are the same equations on the circuit, and the plant is cheaper
-    const bool plant =
-        fields[f] == "circuit" && mechanics[m] == "rigid" && !named && sim::rigid_only(specimen).empty();
+  axes.rung = [=, fields = axes.fields, mechanics = axes.mechanics](std::size_t f, std::size_t m) {
     auto field = known->find(f);
-    if (field == known->end()) field = known->emplace(f, obtain_field(fields[f], specimen, cache)).first;
-    return sim::scene_rung(field->second, plant ? "plant" : mechanics[m]);
+    if (field == known->end())
+      field = known->emplace(f, obtain_field(fields[f], first.specimen, cache)).first;
+    return sim::scene_rung(field->second,
+                           named ? mechanics[m] : sim::cheapest_equal(mechanics[m], field->second, first));
   };
   return axes;
 }

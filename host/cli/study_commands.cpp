@@ -5,12 +5,27 @@
 #include "host/cli/specimen_verb.h"
 #include "host/cli/study.h"
 #include "host/cli/verbs.h"
+#include "sim/models/mechanics.h"
 
 /// Fits, sweeps, specimens and the ladder: words to arguments.
 
 namespace powbench::host {
 
 namespace {
+
+constexpr const char* steel_footer = R"(
+A B-H sheet has one header line and one row a line, the commutation curve from zero upwards:
+  H (A/m), B (T)
+  42, 0.21
+  88, 0.66
+H in A/m, kA/m, A/cm or Oe; B in T, mT, G or kG; J (T) in the place of B is the polarisation B - mu0 H.
+Other columns are passed over, the order of rows does not matter.
+Noise is smoothed and its size printed. Numbers that no steel has in these units are refused with the units
+that would fit.
+
+Use it:  [magnet] steel = "sheet.csv"     in the specimen file: every rung, circuit and fields, takes it
+         powbench field SPECIMEN --steel sheet.csv
+)";
 
 /// What was typed but what each shard, and the run that collects them, has of its own.
 std::vector<std::string> words_of(const CLI::App& v, const std::string& store) {
@@ -48,6 +63,74 @@ void add_shard_options(CLI::App* v, ShardArgs& args, const char* of, const char*
                 "compute nothing: print a script that submits so many shards to Slurm and puts them together")
       ->check(CLI::Range(1, 1'000'000));
   v->parse_complete_callback([v, &args] { args.words = words_of(*v, args.store); });
+}
+
+void add_study_verbs(CLI::App& app) {
+  auto tables = std::make_shared<TablesArgs>();
+  CLI::App* show = verb(app, "tables", "The published tables against this simulator, errors recomputed",
+                        tables, show_tables);
+  show->add_option("--specimen", tables->specimen_file,
+                   "specimen file (TOML); scenes/published.specimen.toml if left out");
+  show->add_option("--fit", tables->fit_file, "fit file of `powbench fit`: its held-out predictions");
+  show->add_flag("--pressure", tables->pressure,
+                 "the statements on contact pressure beside two simulated trains");
+  show->add_flag("--json", tables->json, "JSON to stdout");
+  auto field_args = std::make_shared<FieldArgs>();
+  CLI::App* field = verb(app, "field", "The magnet's potential by finite elements: table and pictures",
+                         field_args, show_field);
+  field->add_option(
+      "specimen", field_args->specimen_file,
+      "specimen file (TOML); the reference contactor if left out. Its [shape] is an E-core, with legs = 2 "
+      "a U-core, with closed_leg = 1 too a C-core; or a solenoid, kind = \"solenoid\". Or a drawing "
+      "(x.magnet.toml): any magnet on a mesh of gmsh");
+  field->add_option("-o,--output", field_args->folder, "folder for table and pictures; made if missing")
+      ->capture_default_str();
+  field->add_option("--accuracy", field_args->accuracy, "relative error of current and pull")
+      ->capture_default_str();
+  field->add_option("--steel", field_args->steel,
+                    "built-in steel or B-H sheet (CSV) in place of the specimen's");
+  field->add_flag("--ring", field_args->ring, "the shading ring as a third variable");
+  field->add_option(
+      "--mesh", field_args->mesh_file,
+      "plane mesh of gmsh (MSH 2.2 or 4.1) in place of the specimen's shape: one state at --current");
+  field->add_option("--mesh-unit", field_args->mesh_unit, "of the mesh's coordinates: mm, m or in")
+      ->capture_default_str();
+  field->add_option("--current", field_args->current, "A in the coil, with --mesh or of a solenoid")
+      ->default_str("0.3");
+  field->add_flag("--symmetric", field_args->symmetric, "the mesh is one half of the device");
+  field->add_flag(
+      "--ends", field_args->ends,
+      "with the ends of stack and coil, and with --ring of the ring, from three dimensions: minutes with it");
+  field->add_option(
+      "--out", field_args->tables,
+      "table of flux linkage and force over current and position; FILE.csv, FILE.mat (Simscape and "
+      "Modelica) or FILE.txt (Modelica); may be repeated");
+  field
+      ->add_option("--largest-current", field_args->largest_current,
+                   "A, end of the tables of --out; 0: of the open core at the largest flux computed")
+      ->check(CLI::Range(0.0, 1e4))
+      ->capture_default_str();
+  field->add_option("-j,--threads", field_args->threads, "threads; 0 = all cores")
+      ->check(CLI::Range(0, 1024))
+      ->capture_default_str();
+  add_shard_options(field, field_args->shards, "group of four gaps of the table with all their fluxes");
+  field->add_flag("--json", field_args->json, "JSON to stdout");
+  auto steel_args = std::make_shared<SteelArgs>();
+  CLI::App* steel =
+      verb(app, "steel", "A steel's B-H curve: checked, smoothed, with a picture; alone: the list",
+           steel_args, show_steel);
+  steel->footer(steel_footer);
+  steel->add_option("steel", steel_args->steel,
+                    "B-H sheet (CSV) or built-in steel; all built-in ones if left out");
+  steel->add_option("-o,--output", steel_args->picture, "picture (SVG); the steel's name if left out");
+  steel->add_flag("--json", steel_args->json, "JSON to stdout");
+  auto args = std::make_shared<DemoArgs>();
+  CLI::App* all =
+      verb(app, "demo", "The whole path on the simulated rig: run, simulate, compare, report", args, demo);
+  all->add_option("-o,--output", args->folder, "folder for store and report; made if missing")
+      ->capture_default_str();
+  all->add_option("--rig", args->rig, "another rig than the simulated one")->capture_default_str();
+  add_progress(all, args->progress);
 }
 
 void add_fit_verb(CLI::App& app) {
@@ -207,9 +290,9 @@ void add_ladder_verb(CLI::App& app) {
                 "such as 0.1%: take the cheapest rung and tolerance whose estimated error in touch, seat and "
                 "settled is below this share of the touch time");
   v->add_option("--fields", args->fields,
-                "fields of the rungs: circuit, table, field2d, field3d; may be repeated");
+                "fields of the rungs: " + sim::names_of(sim::all_fields(), ", ") + "; may be repeated");
   v->add_option("--mechanics", args->mechanics,
-                "only rungs with these mechanics: plant, rigid, modal or explicit");
+                "only rungs with these mechanics: " + sim::names_of(sim::all_mechanics()));
   v->add_flag("--all", args->all, "every pair of fields and mechanics, also those that take minutes");
   v->add_option("--cache", args->cache, "folder for field tables; made if missing")->capture_default_str();
   v->add_option("--table", args->table_file,

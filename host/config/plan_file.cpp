@@ -8,7 +8,7 @@
 #include "host/config/file_reader.h"
 #include "host/config/solenoid_file.h"
 #include "host/config/specimen_file.h"
-#include "sim/models/rungs.h"
+#include "sim/models/mechanics.h"
 
 namespace powbench::host {
 namespace {
@@ -80,8 +80,9 @@ FileKind kind_of(Plan& p) {
   for (std::size_t i = 0; i < p.wanted.size(); ++i)
     kind.number(times[i], p.wanted[i], {1e-6, 50}, "largest error of this time, in percent of the touch time",
                 Need::optional);
-  kind.text("fields", p.fields, "circuit, table, field2d, field3d, or auto: climb as far as it takes");
-  kind.text("mechanics", p.mechanics, "plant, rigid, modal, explicit, or auto");
+  kind.text("fields", p.fields,
+            sim::names_of(sim::all_fields(), ", ") + ", or auto: climb as far as it takes");
+  kind.text("mechanics", p.mechanics, sim::names_of(sim::all_mechanics(), ", ") + ", or auto");
   kind.text("channels", p.channels, "that are simulated, such as \"contact_a laser\"; left out: all");
   kind.section(
       "events",
@@ -95,14 +96,13 @@ FileKind kind_of(Plan& p) {
 }
 
 /// One of the names of a list, `auto`, or nothing.
-template <std::size_t n>
-void check_rung(FileReader& reader, const char* key, const std::string& word,
-                const std::array<std::string_view, n>& names) {
+template <class Kind>
+void check_rung(FileReader& reader, const char* key, const std::string& word, std::span<const Kind> kinds) {
   if (word.empty() || word == "auto") return;
   std::string known = "auto";
-  for (const auto name : names) {
-    if (name == word) return;
-    known += ", " + std::string(name);
+  for (const Kind& kind : kinds) {
+    if (kind.name == word) return;
+    known += ", " + std::string(kind.name);
   }
   reader.fail("wanted", key, "is '" + word + "'", known);
 }
@@ -152,8 +152,8 @@ void check(FileReader& reader, Plan& p) {
     reader.fail("", "repeats",
                 "gives " + number_text(shots) + " shots with " + std::to_string(p.angles.size()) + " angles",
                 "1..100000 shots");
-  check_rung(reader, "fields", p.fields, sim::field_names);
-  check_rung(reader, "mechanics", p.mechanics, sim::mechanics_names);
+  check_rung(reader, "fields", p.fields, sim::all_fields());
+  check_rung(reader, "mechanics", p.mechanics, sim::all_mechanics());
   check_channels(reader, p.channels);
   dsp::ExtractOptions unused;
   if (const FilterMistake m = set_filter(unused, p.events); !m.key.empty())

@@ -10,8 +10,8 @@
 #include "host/config/solenoid_file.h"
 #include "host/config/space_file.h"
 #include "host/config/steel_file.h"
+#include "sim/magnetics/circuit/lumped_magnet.h"
 #include "sim/specimen/specimen_fields.h"
-#include "sim/specimen/specimen_steel.h"
 #include "sim/specimen/validate.h"
 
 namespace powbench::host {

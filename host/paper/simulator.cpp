@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "core/units.h"
-#include "sim/mechanics/rigid_closing.h"
+#include "sim/models/rigid_closing.h"
 
 namespace powbench::host {
 namespace {

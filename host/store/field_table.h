@@ -6,9 +6,9 @@
 
 #include "sim/magnetics/plane/drawn_magnet.h"
 #include "sim/magnetics/plane/solenoid_field.h"
+#include "sim/magnetics/plane/table_build.h"
 #include "sim/magnetics/space/end_table.h"
 #include "sim/magnetics/space/space_magnet.h"
-#include "sim/magnetics/table/table_build.h"
 
 /// Tables of the magnetic potential on disk: a text header with version, units and sizes, the numbers as little-endian
 /// doubles, a CRC-32 at the end. Named after the hash of everything they depend on.

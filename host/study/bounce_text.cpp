@@ -6,7 +6,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "sim/mechanics/rigid_closing.h"
+#include "sim/models/rigid_closing.h"
 
 namespace powbench::host {
 namespace {

@@ -8,13 +8,12 @@
 #include "host/config/bad_input.h"
 #include "host/store/field_table.h"
 #include "sim/magnetics/plane/drawn_magnet.h"
-#include "sim/specimen/specimen_potential.h"
+#include "sim/models/mechanics.h"
 
 namespace powbench::host {
 namespace {
 
 namespace fs = std::filesystem;
-using Potential = std::shared_ptr<const sim::MagneticPotential>;
 
 sim::TableOptions options_of(const sim::Specimen& s, const FieldCache& cache) {
   sim::TableOptions o;
@@ -78,46 +77,37 @@ std::shared_ptr<const sim::TablePotential> end_table(const sim::Specimen& s, con
   return std::make_shared<sim::TablePotential>(std::move(choice.table));
 }
 
+/// Tables that are kept in the folder of the cache.
+class KeptTables final : public sim::FieldTables {
+ public:
+  explicit KeptTables(const FieldCache& cache) : cache_(cache) {}
+  sim::TableOptions options(const sim::Specimen& s) const override { return options_of(s, cache_); }
+  std::shared_ptr<const sim::TablePotential> drawn_or_plane(const sim::Specimen& s) override {
+    return s.in_space ? space_table(s, cache_) : plane_table(s, cache_);
+  }
+  std::shared_ptr<const sim::TablePotential> with_ends(const sim::Specimen& s) override {
+    return end_table(s, cache_);
+  }
+
+ private:
+  const FieldCache& cache_;
+};
+
 }  // namespace
 
 sim::FieldRung obtain_field(std::string_view name, const sim::Specimen& s, const FieldCache& cache) {
+  const auto kinds = sim::all_fields();
+  const std::size_t k = sim::place_of_fields(name);
+  if (k == kinds.size())
+    throw BadInput({fmt::format("fields = {}, allowed {}", name, sim::names_of(kinds, ", "))});
   try {
-    if (name == "circuit") {
-      sim::require_circuit(s);
-      return sim::circuit_field();
-    }
-    if (!s.drawn && !s.in_space && !s.magnet.drawing.empty())
-      throw std::invalid_argument("the drawing '" + s.magnet.drawing + "' of the stored specimen '" + s.name +
-                                  "' is not at hand; name its specimen file");
-    if (s.in_space && (name == "field2d" || name == "field3d"))
-      throw std::invalid_argument("allowed table: that of the drawing in space of specimen '" + s.name +
-                                  "' is of three dimensions");
-    if (s.drawn && name == "field2d") return sim::live_field(s.drawn, {});
-    if (s.drawn && name == "field3d")
-      throw std::invalid_argument("allowed table, field2d: the drawing of specimen '" + s.name +
-                                  "' is no magnet in three dimensions");
-    if (!s.shaped && !s.drawn && !s.in_space &&
-        std::ranges::find(sim::field_names, name) != sim::field_names.end())
-      throw std::invalid_argument("allowed circuit, for specimen '" + s.name +
-                                  "' has no [shape]: whose magnet the fields are is not known");
-    if (name == "table") {
-      const auto table = s.in_space ? space_table(s, cache) : plane_table(s, cache);
-      return sim::pure_field("table", table->table().description, table);
-    }
-    if (name == "field2d")
-      return sim::live_field(sim::magnet_design(s),
-                             sim::plan_table(sim::magnet_design(s), options_of(s, cache)).field);
-    if (name == "field3d") {
-      const auto table = end_table(s, cache);
-      return sim::pure_field("field3d", table->table().description, table);
-    }
+    if (const std::string why = kinds[k].unknown(s); !why.empty()) throw std::invalid_argument(why);
+    KeptTables tables(cache);
+    return kinds[k].rung(s, tables);
   } catch (const std::invalid_argument& error) {
     throw BadInput({fmt::format("{}fields = {}: {}", s.magnet.drawing.empty() ? "" : s.magnet.drawing + ": ",
                                 name, error.what())});
   }
-  std::string known;
-  for (const auto n : sim::field_names) known += (known.empty() ? "" : ", ") + std::string(n);
-  throw BadInput({fmt::format("fields = {}, allowed {}", name, known)});
 }
 
 }  // namespace powbench::host

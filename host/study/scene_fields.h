@@ -5,7 +5,7 @@
 #include <string>
 #include <string_view>
 
-#include "sim/models/rungs.h"
+#include "sim/models/fields.h"
 
 /// The rungs of fields by name, from a specimen; tables are built once and kept on disk by what they depend on.
 

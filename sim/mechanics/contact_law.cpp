@@ -2,20 +2,7 @@
 
 #include <cmath>
 
-#include "core/units.h"
-
 namespace powbench::sim {
-
-double largest_depth(const ContactLaw& law, double mass, double speed) {
-  const double p = law.exponent + 1;
-  return std::pow(p * mass * speed * speed / (2 * law.stiffness), 1 / p);
-}
-
-double contact_time(const ContactLaw& law, double mass, double speed) {
-  const double p = law.exponent + 1;
-  const double beta = std::exp(std::lgamma(1 / p) - std::lgamma(1 / p + 0.5)) * std::sqrt(pi);
-  return 2 * largest_depth(law, mass, speed) / (speed * p) * beta;
-}
 
 double hunt_crossley_restitution(double lambda_v) {
   if (lambda_v <= 0) return 1;

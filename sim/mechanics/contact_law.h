@@ -77,12 +77,6 @@ inline Real raw_force(const ContactLaw& law, Real depth, Real rate, Real hystere
   return f;
 }
 
-/// Largest depth of a mass m that arrives with v: ((n + 1) m v^2 / (2 k))^(1/(n + 1)), without damping.
-double largest_depth(const ContactLaw&, double mass, double speed);
-
-/// Duration of an undamped impact: 2 d_max / (v (n + 1)) B(1/(n + 1), 1/2).
-double contact_time(const ContactLaw&, double mass, double speed);
-
 /// Restitution of Hunt and Crossley's law for lambda v: the root e of
 /// ln((1 + lambda v) / (1 - lambda e v)) = lambda v (1 + e). Does not depend on k, n or the mass; the common
 /// 1 - 2/3 lambda v is its start only (0.600 instead of 0.712 at 0.6).

@@ -149,7 +149,6 @@ class RigidContactor {
   bool uses(int contact) const { return used_ >> lane_of(contact) & 1U; }
   bool is_pressing(int contact) const { return pressing_ >> lane_of(contact) & 1U; }
   Real depth_of(int contact, const Real* y) const { return lane_depth(lane_of(contact), y); }
-  Real rate_of(int contact, const Real* y) const { return lane_rate(lane_of(contact), y); }
   Real force_of(int contact, const Real* y) const;
   /// Where the travel of a bridge stands in the states; its angle follows bridges() later.
   int bridge_state(int bridge) const { return 3 + lanes_.modes + lane_of(bridge); }

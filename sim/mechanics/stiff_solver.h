@@ -53,7 +53,6 @@ class StiffSolver {
   }
 
   std::int64_t evaluations() const { return evaluations_; }
-  std::int64_t factorisations() const { return factorisations_; }
 
  private:
   static constexpr int stages = 4;
@@ -80,7 +79,6 @@ class StiffSolver {
 
   /// Factors 1 / (h gamma) - J with row pivots.
   bool factor(Real h, int n) {
-    ++factorisations_;
     for (int r = 0; r < n; ++r)
       for (int c = 0; c < n; ++c) lu_[r][c] = (r == c ? 1 / (h * gamma) : Real(0)) - jacobian_[r][c];
     for (int c = 0; c < n; ++c) {
@@ -163,7 +161,6 @@ class StiffSolver {
   GuardSet begin_{};
   GuardSet end_{};
   std::int64_t evaluations_ = 0;
-  std::int64_t factorisations_ = 0;
 };
 
 }  // namespace powbench::sim

@@ -4,6 +4,7 @@
 
 #include "sim/mechanics/contact_damping.h"
 #include "sim/specimen/specimen_potential.h"
+#include "sim/specimen/specimen_remanence.h"
 
 namespace powbench::sim {
 

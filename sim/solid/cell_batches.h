@@ -35,9 +35,6 @@ class CellBatches {
 
   int count() const { return static_cast<int>(batches_.size()); }
   int part_of(int batch) const { return batches_[static_cast<std::size_t>(batch)].part; }
-  int cells_in(int batch) const {
-    return static_cast<int>(batches_[static_cast<std::size_t>(batch)].cells.size());
-  }
 
   /// Computes the forces of one batch from displacement u and velocity v (4 numbers a node); `dt` is the step that led
   /// here. Safe for different batches at once. Returns -1, or the number of a cell that is inside out.

@@ -3,6 +3,8 @@
 #include <array>
 #include <type_traits>
 
+#include "sim/magnetics/magnet_shape_fields.h"
+
 namespace powbench::sim {
 namespace {
 
@@ -80,27 +82,7 @@ namespace {
   X(base, flex_modes, "flex_modes", 1, 0, 3, "bending modes of the housing, a free beam along the poles")    \
   X(base, flex_hertz, "flex_mode_Hz", 1, 1, 1e5, "f_1; the higher ones at 2.757 and 5.404 times that")       \
   X(base, flex_mass, "flex_mass_g", 1e-3, 1, 1e6, "modal mass of each of them")                              \
-  X(base, flex_damping, "flex_damping", 1, 0, 2, "damping ratio of each of them")                            \
-  X(shape, centre_width, "centre_width_mm", 1e-3, 2, 200, "centre leg of the core")                          \
-  X(shape, outer_width, "outer_width_mm", 1e-3, 1, 100, "each outer leg")                                    \
-  X(shape, window_width, "window_width_mm", 1e-3, 1, 200, "between centre and outer leg")                    \
-  X(shape, fixed_window, "fixed_window_mm", 1e-3, 2, 300, "height of the window in the fixed half")          \
-  X(shape, moving_window, "moving_window_mm", 1e-3, 0, 300,                                                  \
-    "height of the window in the moving half; 0: flat armature")                                             \
-  X(shape, yoke, "yoke_mm", 1e-3, 1, 100, "height of both yokes")                                            \
-  X(shape, stack, "stack_mm", 1e-3, 1, 300, "depth of the lamination stack")                                 \
-  X(shape, stack_factor, "stack_factor", 1, 0.5, 1, "share of iron in the stack")                            \
-  X(shape, coil_width, "coil_width_mm", 1e-3, 0.5, 200, "section of the winding in one window")              \
-  X(shape, coil_height, "coil_height_mm", 1e-3, 0.5, 300, "section of the winding in one window")            \
-  X(shape, coil_offset, "coil_offset_mm", 1e-3, 0, 100,                                                      \
-    "from the bottom of the fixed window to the winding")                                                    \
-  X(shape, ring_share, "ring_share", 1, 0, 0.95, "of each outer leg inside the shading ring; 0: no ring")    \
-  X(shape, ring_depth, "ring_depth_mm", 1e-3, 0.2, 100, "depth of the ring's slot below the pole face")      \
-  X(shape, ring_slot, "ring_slot_mm", 1e-3, 0.2, 20, "width of the ring's slot")                             \
-  X(shape, centre_gap, "centre_gap_mm", 1e-3, 0, 2,                                                          \
-    "by which the fixed centre leg is shorter than the outer legs")                                          \
-  X(shape, legs, "legs", 1, 2, 3, "3: E-core, 2: U-core with the coil on the centre leg")                    \
-  X(shape, closed_leg, "closed_leg", 1, 0, 1, "1: of two legs the outer one has no gap, a C-core")
+  X(base, flex_damping, "flex_damping", 1, 0, 2, "damping ratio of each of them")
 
 constexpr std::array table{
 #define POWBENCH_X(part, member, key, unit, low, high, meaning)                                         \
@@ -114,6 +96,9 @@ constexpr std::array table{
                 [](Specimen& s, double v) { s.part.member = static_cast<decltype(s.part.member)>(v); }, \
                 meaning},
     POWBENCH_SPECIMEN(POWBENCH_X)
+#define POWBENCH_SHAPE_X(...) POWBENCH_X(shape, __VA_ARGS__)
+        POWBENCH_MAGNET_SHAPE(POWBENCH_SHAPE_X)
+#undef POWBENCH_SHAPE_X
 #undef POWBENCH_X
 };
 

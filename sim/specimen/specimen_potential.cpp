@@ -6,12 +6,15 @@
 
 namespace powbench::sim {
 
+std::string no_circuit(const Specimen& s) {
+  if (s.lumped) return "";
+  return "specimen '" + s.name +
+         "' is a drawing without a lumped circuit: fields = table is its magnet; for the circuit "
+         "[magnet] pole_area_mm2 and iron_length_mm have to be given";
+}
+
 void require_circuit(const Specimen& s) {
-  if (!s.lumped)
-    throw std::invalid_argument(
-        "specimen '" + s.name +
-        "' is a drawing without a lumped circuit: fields = table is its magnet; for the circuit "
-        "[magnet] pole_area_mm2 and iron_length_mm have to be given");
+  if (const std::string why = no_circuit(s); !why.empty()) throw std::invalid_argument(why);
 }
 
 SpecimenPotential::SpecimenPotential(const Specimen& s)

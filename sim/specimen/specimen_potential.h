@@ -2,6 +2,7 @@
 
 #include "sim/magnetics/circuit/magnetic_circuit.h"
 #include "sim/magnetics/potential.h"
+#include "sim/specimen/specimen.h"
 
 /// The lumped circuit of `sim/magnetics/circuit/magnetic_circuit.h` behind the interface of magnetics: the states
 /// are the flux linkage of the coil with its leakage, psi = N phi + L i, and the flux through the shading ring.
@@ -11,6 +12,8 @@ namespace powbench::sim {
 
 /// Throws std::invalid_argument for a drawn magnet whose circuit is not stated (Specimen::lumped).
 void require_circuit(const Specimen&);
+/// Why a specimen has no lumped circuit; empty: it has.
+std::string no_circuit(const Specimen&);
 
 /// Throws as require_circuit.
 class SpecimenPotential : public MagneticPotential {

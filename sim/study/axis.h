@@ -6,21 +6,12 @@
 #include <string_view>
 #include <vector>
 
-#include "core/conditions.h"
+#include "sim/models/rung.h"
 #include "sim/specimen/specimen_fields.h"
-#include "sim/supply/supply_modes.h"
 
 /// What a sweep varies, and the points it visits.
 
 namespace powbench::sim {
-
-/// A specimen, the conditions it is closed under and what feeds it: of `bench`, volts, hertz and phase are the
-/// conditions'.
-struct Case {
-  Specimen specimen;
-  Conditions conditions;
-  Supply bench{};
-};
 
 /// A number that may vary: `section.key` of the specimen file, or angle_deg, supply_volts, mains_hertz, ambient_degC.
 struct Variable {

@@ -7,7 +7,6 @@
 
 #include "core/random.h"
 #include "core/units.h"
-#include "sim/mechanics/rigid_closing.h"
 
 namespace powbench::sim {
 namespace {
@@ -66,59 +65,13 @@ double relative_to_touch(const LadderTimes& estimate, const LadderRun& run, doub
   return largest(estimate) / (std::isnan(run.times[0]) ? duration : run.times[0]);
 }
 
-Audited::Run circuit_rigid(bool ledger) {
-  return [ledger](const Case& c, double duration, double tolerance, double sample_dt) {
-    return simulate_rigid(c.specimen, c.conditions, duration, sample_dt, tolerance, ledger, c.bench);
-  };
-}
-
 }  // namespace
-
-Trajectory Audited::operator()(const Case& c, double duration, double tolerance, double sample_dt) const {
-  constexpr std::uint64_t every = 40;
-  Trajectory result = run(c, duration, tolerance, sample_dt);
-  // a run with the ledger takes other steps: its result is not used, so that an audit changes no bit
-  if (calls->fetch_add(1) % every == 0)
-    result.energy_residual = with_ledger(c, duration, tolerance, 0).energy_residual;
-  return result;
-}
 
 std::vector<double> settings_of(const Rung& rung, double coarsest, double finest) {
   if (!rung.settings.empty()) return rung.settings;
   std::vector<double> list;
   for (double t = coarsest; t > 0.1 * finest * (1 + 1e-6); t /= 10) list.push_back(t);
   return list;
-}
-
-std::vector<Rung> closing_rungs() {
-  return {{"circuit", "plant", "lumped circuit, core, base and bridges of the simulated rig",
-           [](const Case& c, double duration, double tolerance, double sample_dt) {
-             return simulate(c.specimen, c.conditions, duration, sample_dt, tolerance, c.bench);
-           }},
-          {"circuit", "rigid", "lumped circuit, rigid parts with two ends each",
-           Audited{circuit_rigid(false), circuit_rigid(true)}}};
-}
-
-Rung potential_rung(std::string fields, std::string meaning,
-                    std::shared_ptr<const MagneticPotential> potential) {
-  const auto with = [potential](bool ledger) {
-    return [potential, ledger](const Case& c, double duration, double tolerance, double sample_dt) {
-      return simulate_rigid_with(*potential, c.specimen, c.conditions, duration, sample_dt, tolerance, ledger,
-                                 c.bench);
-    };
-  };
-  return {std::move(fields), "rigid", std::move(meaning), Audited{with(false), with(true)}};
-}
-
-std::vector<Rung> rungs_with(std::string_view mechanics) {
-  std::vector<Rung> all = closing_rungs();
-  if (mechanics.empty()) return all;
-  std::string known;
-  for (const auto& r : all) known += (known.empty() ? "" : ", ") + r.mechanics;
-  std::erase_if(all, [&](const Rung& r) { return r.mechanics != mechanics; });
-  if (all.empty())
-    throw std::invalid_argument("mechanics = " + std::string(mechanics) + ", allowed " + known);
-  return all;
 }
 
 double largest(const LadderTimes& errors) {

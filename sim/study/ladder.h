@@ -1,60 +1,20 @@
 #pragma once
 
 #include <array>
-#include <atomic>
 #include <cstdint>
 #include <functional>
-#include <memory>
 #include <optional>
 #include <span>
 #include <string>
 #include <string_view>
 #include <vector>
 
-#include "sim/magnetics/potential.h"
-#include "sim/models/closing.h"
-#include "sim/study/axis.h"
+#include "sim/models/rung.h"
 
 /// The rungs a closing can be simulated on, and the choice among them: what each costs, how far it is off, and how far
 /// it believes to be off.
 
 namespace powbench::sim {
-
-/// One way to simulate a closing, to be had at any tolerance - or, where `settings` says so, at any step or cell.
-struct Rung {
-  std::string fields;     ///< magnetics, e.g. `circuit`
-  std::string mechanics;  ///< motion, e.g. `rigid`
-  std::string meaning;    ///< one line
-  /// case, s simulated, relative tolerance of the integrator or other setting, s between samples (0: none)
-  std::function<Trajectory(const Case&, double duration, double tolerance, double sample_dt)> run;
-  std::string setting = "tolerance";  ///< what the third argument is
-  std::vector<double> settings =
-      {};               ///< coarse to fine, the last is what counts as true; empty: any tolerance
-  bool costly = false;  ///< seconds a closing
-
-  std::string name() const { return fields + "+" + mechanics; }
-};
-
-/// A rigid closing whose energies are looked at: the first and one in forty after it run once more with the ledger,
-/// which throws std::runtime_error where it does not balance within a hundred tolerances. That run is not used
-/// otherwise, so an audit changes no bit. (The plant carries its ledger in every run, `modal` and `explicit` too.)
-struct Audited {
-  using Run = std::function<Trajectory(const Case&, double duration, double tolerance, double sample_dt)>;
-  Run run, with_ledger;
-  std::shared_ptr<std::atomic<std::uint64_t>> calls = std::make_shared<std::atomic<std::uint64_t>>(0);
-  Trajectory operator()(const Case&, double duration, double tolerance, double sample_dt) const;
-};
-
-/// `circuit+plant`: the lumped circuit and the plant of the simulated rig. `circuit+rigid`: the same circuit and the
-/// rigid parts with two ends each. Both solve the same equations: they differ by their integrators alone.
-std::vector<Rung> closing_rungs();
-
-/// `FIELDS+rigid`: the rigid parts driven by a potential of any rung of fields, with gaps from 0 on. Ring resistance
-/// and coil are those of the case.
-Rung potential_rung(std::string fields, std::string meaning, std::shared_ptr<const MagneticPotential>);
-
-/// Those with these mechanics; all for "". Throws std::invalid_argument for an unknown name.
-std::vector<Rung> rungs_with(std::string_view mechanics);
 
 /// Its own settings, or tolerances from `coarsest` down to `finest`, each a tenth of the one before.
 std::vector<double> settings_of(const Rung&, double coarsest, double finest);

@@ -3,7 +3,8 @@
 #include <cstdint>
 #include <limits>
 
-#include "sim/models/rungs.h"
+#include "sim/models/mechanics.h"
+#include "sim/study/ladder.h"
 
 /// Which fields and which mechanics a scene needs. Three errors, three words: the step error, judged by a finer run
 /// of the same rung; the model error, that of the fields and that of the mechanics, judged by the next rung of each;

@@ -139,22 +139,16 @@ inline const std::vector<std::string_view>& unreached_functions() {
   static const std::vector<std::string_view> table{"add_box",
                                                    "ask_energies",
                                                    "can_write_netcdf",
-                                                   "cells_in",
                                                    "cholesky",
                                                    "coherence",
-                                                   "contact_time",
                                                    "design_zpk",
                                                    "estimator_coverage",
-                                                   "factor_entries",
-                                                   "factorisations",
                                                    "fix",
-                                                   "flops",
                                                    "follow_depths",
                                                    "forward_frames",
                                                    "from_centi_degrees",
                                                    "held_samples",
                                                    "import_waveform",
-                                                   "invalid_edge",
                                                    "join_meshes",
                                                    "limit_pages",
                                                    "line_errors",
@@ -163,15 +157,12 @@ inline const std::vector<std::string_view>& unreached_functions() {
                                                    "node_pressure",
                                                    "parse_calibration",
                                                    "random_scenes",
-                                                   "rate_of",
                                                    "reference_closing",
                                                    "restore",
                                                    "run_until",
-                                                   "rungs_with",
                                                    "scheduled",
                                                    "send_raw",
                                                    "set_velocity",
-                                                   "solve_linear",
                                                    "steady_current",
                                                    "store_events",
                                                    "twin_condition",
@@ -184,6 +175,20 @@ inline const std::vector<std::string_view>& unreached_functions() {
 inline const std::vector<std::string_view>& dsp_order() {
   static const std::vector<std::string_view> table{"dsp/signal", "dsp/filter", "dsp/vibration",
                                                    "dsp/contacts", "dsp/events"};
+  return table;
+}
+
+inline const std::vector<std::string_view>& sim_order() {
+  static const std::vector<std::string_view> table{"sim/magnetics/circuit",
+                                                   "sim/magnetics/table",
+                                                   "sim/magnetics/plane",
+                                                   "sim/magnetics/space",
+                                                   "sim/specimen",
+                                                   "sim/supply",
+                                                   "sim/mechanics",
+                                                   "sim/solid",
+                                                   "sim/models",
+                                                   "sim/study"};
   return table;
 }
 

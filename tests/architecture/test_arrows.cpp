@@ -55,13 +55,15 @@ TEST_CASE("neither folders nor files include each other in a circle") {
   CHECK(wrong.empty());
 }
 
-TEST_CASE("no folder of dsp includes a later one") {
-  const auto wrong = check_order(project(), dsp_order());
-  INFO(joined(wrong));
-  CHECK(wrong.empty());
-  for (const auto folder : dsp_order())  // the order names what is there
-    CHECK(std::any_of(project().begin(), project().end(),
-                      [&](const Source& s) { return s.path.starts_with(std::string(folder) + "/"); }));
+TEST_CASE("no folder of dsp or sim includes a later one") {
+  for (const auto* order : {&dsp_order(), &sim_order()}) {
+    const auto wrong = check_order(project(), *order);
+    INFO(joined(wrong));
+    CHECK(wrong.empty());
+    for (const auto folder : *order)  // the order names what is there
+      CHECK(std::any_of(project().begin(), project().end(),
+                        [&](const Source& s) { return s.path.starts_with(std::string(folder) + "/"); }));
+  }
   CHECK(mentions(check_order({{"dsp/signal/a.h", "#include \"dsp/filter/b.h\"\n"}}, dsp_order()),
                  "dsp/signal/a.h:1: dsp/filter comes later"));
   CHECK(check_order({{"dsp/events/a.h", "#include \"dsp/options.h\"\n#include \"dsp/signal/b.h\"\n"}},

@@ -6,7 +6,7 @@
 
 #include "core/conditions.h"
 #include "core/units.h"
-#include "sim/mechanics/rigid_closing.h"
+#include "sim/models/rigid_closing.h"
 
 /// Contactors of different kinds, and their native closings.
 

@@ -1,11 +1,12 @@
 // The lines below the tables that say how far bounces can be believed.
 
 #include "host/study/bounce_text.h"
+#include "sim/models/mechanics.h"
 
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
 
-#include "sim/mechanics/rigid_closing.h"
+#include "sim/models/rigid_closing.h"
 
 using namespace powbench;
 using namespace powbench::host;

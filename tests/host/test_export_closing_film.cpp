@@ -3,7 +3,7 @@
 #include <map>
 
 #include "host/export/closing_film.h"
-#include "sim/solid/solid_closing.h"
+#include "sim/models/solid_closing.h"
 #include "sim/specimen/specimen_potential.h"
 
 using namespace powbench;

@@ -8,8 +8,8 @@
 #include "core/units.h"
 #include "host/config/bad_input.h"
 #include "host/config/specimen_file.h"
+#include "sim/magnetics/circuit/lumped_magnet.h"
 #include "sim/magnetics/circuit/magnetic_circuit.h"
-#include "sim/specimen/specimen_steel.h"
 
 using namespace powbench;
 using namespace powbench::host;

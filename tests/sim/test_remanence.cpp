@@ -1,11 +1,11 @@
 // Iron that remembers: the law itself, and what it does to switching on, holding and opening.
 
-#include "sim/magnetics/circuit/remanence.h"
+#include "sim/specimen/specimen_remanence.h"
 
 #include <catch2/catch.hpp>
 #include <cmath>
 
-#include "sim/mechanics/rigid_closing.h"
+#include "sim/models/rigid_closing.h"
 #include "sim/specimen/specimen_potential.h"
 #include "tests/sim/supply/supply_cases.h"
 

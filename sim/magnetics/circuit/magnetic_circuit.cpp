@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "sim/specimen/specimen_steel.h"
+#include "sim/magnetics/circuit/lumped_magnet.h"
 
 namespace powbench::sim {
 

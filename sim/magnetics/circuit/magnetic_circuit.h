@@ -5,8 +5,8 @@
 
 #include "core/units.h"
 #include "sim/magnetics/circuit/circuit_equations.h"
+#include "sim/magnetics/circuit/lumped_magnet.h"
 #include "sim/magnetics/steel.h"
-#include "sim/specimen/specimen.h"
 
 /// Lumped magnetic circuit with one saturable iron path and two parallel outer pole parts, one inside the
 /// shading ring.

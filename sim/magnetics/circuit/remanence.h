@@ -4,7 +4,6 @@
 #include <cmath>
 
 #include "sim/magnetics/potential.h"
-#include "sim/specimen/specimen.h"
 
 /// Remanence of the iron as a coercive offset of the coil current, the same on every rung of fields:
 ///
@@ -49,13 +48,6 @@ struct Remanence {
   }
   double start() const { return -residual * current; }
 };
-
-/// Of a specimen: magnet.coercive_field over the whole iron path.
-inline Remanence remanence(const Specimen& s) {
-  const auto& m = s.magnet;
-  return {m.coercive_field * m.iron_length / s.coil.turns, s.coil.turns * m.pole_area * m.coercive_span,
-          m.remanence};
-}
 
 /// Of a coil at one state of its flux: dW/dpsi and the flux linkage, and their slopes by that state.
 struct CoilPoint {

@@ -39,7 +39,6 @@ Cholesky::Cholesky(const Pattern& pattern) : pattern_(pattern) {
     deepest = std::max(deepest, top + sizes[s]);  // own update matrix is built above those of the children
     for (const int c : n.children) top -= sizes[index(c)];
     top += sizes[s];
-    for (double j = 0; j < n.columns; ++j) flops_ += (n.rows - j) * (n.rows - j);
   }
   panels_.assign(panel + dense_slack, 0);
   stack_.assign(deepest + dense_slack, 0);

@@ -27,10 +27,6 @@ class Cholesky {
   void solve(const std::vector<double*>& b) const;
   void solve(double* b) const { solve(std::vector{b}); }
 
-  std::size_t factor_entries() const { return panels_.size(); }  ///< doubles held, padding included
-  double flops() const { return flops_; }                        ///< of one factorisation, products and sums
-  std::size_t supernodes() const { return nodes_.size(); }
-
  private:
   struct Node : Front {
     int ld = 0;                ///< of the panel
@@ -54,7 +50,6 @@ class Cholesky {
   bool kept_valid_ = false;
   mutable std::vector<double> work_;  ///< two vectors of a front
   int work_rows_ = 0;
-  double flops_ = 0;
 };
 
 }  // namespace powbench::sim

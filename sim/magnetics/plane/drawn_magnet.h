@@ -9,7 +9,7 @@
 
 #include "sim/magnetics/plane/gap_field.h"
 #include "sim/magnetics/plane/pull_form.h"
-#include "sim/magnetics/table/table_build.h"
+#include "sim/magnetics/plane/table_build.h"
 
 /// A magnet on a mesh that was drawn elsewhere, in the plane or around an axis. The armature moves along y as a rigid
 /// body; air that is named for it stretches. SI.

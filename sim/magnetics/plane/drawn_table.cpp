@@ -6,7 +6,7 @@
 #include <stdexcept>
 
 #include "sim/magnetics/plane/drawn_magnet.h"
-#include "sim/magnetics/table/table_sweep.h"
+#include "sim/magnetics/plane/table_sweep.h"
 
 namespace powbench::sim {
 namespace {

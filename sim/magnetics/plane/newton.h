@@ -74,8 +74,6 @@ class Newton {
   /// da/dpsi_k at the last solution.
   std::vector<double> flux_tangent(std::size_t k) const;
 
-  /// b becomes H^-1 b with the Hessian of the last factorisation.
-  void solve_linear(double* b) const { cholesky_.solve(b); }
   const Cholesky& cholesky() const { return cholesky_; }
 
  private:

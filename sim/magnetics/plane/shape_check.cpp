@@ -2,8 +2,8 @@
 #include <cstdio>
 #include <stdexcept>
 
+#include "sim/magnetics/magnet_shape_fields.h"
 #include "sim/magnetics/plane/core_mesh.h"
-#include "sim/specimen/specimen_fields.h"
 
 namespace powbench::sim {
 namespace {
@@ -53,16 +53,15 @@ struct Fit {
 
 std::vector<ShapeError> shape_errors(const MagnetShape& shape) {
   std::vector<ShapeError> errors;
-  Specimen specimen;
-  specimen.shape = shape;
-  for (const auto& f : specimen_fields()) {
-    if (f.section != "shape") continue;
+  const auto range = [&](const char* key, double value, double si_per_unit, double low, double high) {
     constexpr double round_off = 1e-12;
-    const double shown = f.get(specimen) / f.si_per_unit;
-    if (shown >= f.low - round_off * std::fabs(f.low) && shown <= f.high + round_off * std::fabs(f.high))
-      continue;
-    errors.push_back({"shape." + std::string(f.key), text(shown), text(f.low) + " .. " + text(f.high)});
-  }
+    const double shown = value / si_per_unit;
+    if (shown >= low - round_off * std::fabs(low) && shown <= high + round_off * std::fabs(high)) return;
+    errors.push_back({std::string("shape.") + key, text(shown), text(low) + " .. " + text(high)});
+  };
+#define POWBENCH_X(member, key, unit, low, high, meaning) range(key, shape.member, unit, low, high);
+  POWBENCH_MAGNET_SHAPE(POWBENCH_X)
+#undef POWBENCH_X
   if (!errors.empty()) return errors;
   Fit fit{shape, {}};
   fit.check();

@@ -4,7 +4,7 @@
 #include "sim/magnetics/plane/magnet_field.h"
 #include "sim/magnetics/plane/pull_form.h"
 #include "sim/magnetics/plane/solenoid_mesh.h"
-#include "sim/magnetics/table/table_build.h"
+#include "sim/magnetics/plane/table_build.h"
 
 /// A solenoid by finite elements around its axis: states, table and closing. Eddy currents flow in a closing with the
 /// field in the loop, on wish; states and tables leave them out.

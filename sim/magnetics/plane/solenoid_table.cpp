@@ -3,8 +3,8 @@
 #include "core/random.h"
 #include "core/units.h"
 #include "sim/magnetics/plane/solenoid_field.h"
+#include "sim/magnetics/plane/table_sweep.h"
 #include "sim/magnetics/plane/transient_march.h"
-#include "sim/magnetics/table/table_sweep.h"
 
 namespace powbench::sim {
 namespace {

@@ -102,8 +102,4 @@ std::vector<double> Cholesky::solve(const std::vector<double>& b) const {
   return out;
 }
 
-double Cholesky::factor_entries() const {
-  return impl_->common.lnz;
-}
-
 }  // namespace powbench::sim::space

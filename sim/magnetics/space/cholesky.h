@@ -31,8 +31,6 @@ class Cholesky {
   bool factor(const SymmetricMatrix&);
   /// Solves A x = b for each column.
   std::vector<double> solve(const std::vector<double>& b) const;
-  /// Entries of the factor.
-  double factor_entries() const;
 
  private:
   struct Impl;

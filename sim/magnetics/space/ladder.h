@@ -3,8 +3,8 @@
 #include <functional>
 #include <vector>
 
+#include "sim/magnetics/plane/table_build.h"
 #include "sim/magnetics/space/magnet_field.h"
-#include "sim/magnetics/table/table_build.h"
 
 /// What the other rungs take from the one in three dimensions.
 

@@ -1,7 +1,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "sim/magnetics/table/table_build.h"
+#include "sim/magnetics/table/potential_table.h"
 
 namespace powbench::sim {
 namespace {

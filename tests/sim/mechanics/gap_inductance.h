@@ -1,6 +1,6 @@
 #pragma once
 
-#include "sim/mechanics/rigid_run.h"
+#include "sim/models/rigid_run.h"
 
 namespace powbench::sim {
 

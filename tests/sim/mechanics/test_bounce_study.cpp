@@ -6,7 +6,7 @@
 
 #include "core/units.h"
 #include "sim/mechanics/bounce_study.h"
-#include "sim/mechanics/rigid_closing.h"
+#include "sim/models/rigid_closing.h"
 
 using namespace powbench;
 using namespace powbench::sim;

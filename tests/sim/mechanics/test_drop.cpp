@@ -7,9 +7,9 @@
 #include "core/random.h"
 #include "sim/mechanics/contact_damping.h"
 #include "sim/mechanics/event_solver.h"
-#include "sim/mechanics/rigid_closing.h"
 #include "sim/mechanics/rigid_contactor.h"
 #include "sim/mechanics/unilateral.h"
+#include "sim/models/rigid_closing.h"
 #include "sim/study/parameter.h"
 
 using namespace powbench::sim;

@@ -45,6 +45,19 @@ Rebound impact(const ContactLaw& law, double mass, double v, double tolerance) {
   return r;
 }
 
+/// Largest depth of a mass m that arrives with v: ((n + 1) m v^2 / (2 k))^(1/(n + 1)), without damping.
+double largest_depth(const ContactLaw& law, double mass, double speed) {
+  const double p = law.exponent + 1;
+  return std::pow(p * mass * speed * speed / (2 * law.stiffness), 1 / p);
+}
+
+/// Duration of an undamped impact: 2 d_max / (v (n + 1)) B(1/(n + 1), 1/2).
+double contact_time(const ContactLaw& law, double mass, double speed) {
+  const double p = law.exponent + 1;
+  const double beta = std::exp(std::lgamma(1 / p) - std::lgamma(1 / p + 0.5)) * std::sqrt(powbench::pi);
+  return 2 * largest_depth(law, mass, speed) / (speed * p) * beta;
+}
+
 }  // namespace
 
 TEST_CASE("Hertz impact: duration, depth and rebound to 1e-9", "[mechanics]") {

@@ -7,7 +7,7 @@
 
 #include "bench/mechanics/chain.h"
 #include "sim/mechanics/bounce_error.h"
-#include "sim/mechanics/rigid_run.h"
+#include "sim/models/rigid_run.h"
 
 using namespace powbench::sim;
 

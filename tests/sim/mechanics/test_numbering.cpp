@@ -7,7 +7,7 @@
 #include <cstring>
 
 #include "sim/mechanics/canonical_order.h"
-#include "sim/mechanics/rigid_run.h"
+#include "sim/models/rigid_run.h"
 
 namespace {
 

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <cstdio>
 
-#include "sim/mechanics/rigid_closing.h"
+#include "sim/models/rigid_closing.h"
 #include "tests/sim/mechanics/gap_inductance.h"
 
 using namespace powbench::sim;

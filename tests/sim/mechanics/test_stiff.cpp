@@ -6,8 +6,8 @@
 
 #include "bench/mechanics/smooth.h"
 #include "sim/mechanics/bounce_error.h"
-#include "sim/mechanics/rigid_run.h"
 #include "sim/mechanics/stiff_solver.h"
+#include "sim/models/rigid_run.h"
 
 using namespace powbench::sim;
 

@@ -3,8 +3,8 @@
 #include <iostream>
 
 #include "core/units.h"
-#include "sim/mechanics/rigid_closing.h"
-#include "sim/solid/modal_closing.h"
+#include "sim/models/modal_closing.h"
+#include "sim/models/rigid_closing.h"
 #include "sim/specimen/specimen_potential.h"
 
 using namespace powbench;

@@ -3,8 +3,8 @@
 
 #include "core/units.h"
 #include "sim/models/closing.h"
-#include "sim/models/rungs.h"
-#include "sim/solid/solid_closing.h"
+#include "sim/models/mechanics.h"
+#include "sim/models/solid_closing.h"
 #include "sim/specimen/specimen_potential.h"
 
 using namespace powbench;

@@ -8,8 +8,8 @@
 #endif
 
 #include "core/units.h"
+#include "sim/models/solid_closing.h"
 #include "sim/solid/flush_denormals.h"
-#include "sim/solid/solid_closing.h"
 #include "sim/specimen/specimen_potential.h"
 #include "tests/sim/solid/solid_cases.h"
 

@@ -6,6 +6,7 @@
 
 #include "core/random.h"
 #include "core/units.h"
+#include "sim/models/mechanics.h"
 #include "sim/study/ladder.h"
 #include "sim/study/parameter.h"
 

@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "core/units.h"
-#include "sim/models/rungs.h"
+#include "sim/models/mechanics.h"
 #include "sim/study/metrics.h"
 #include "sim/study/scene_choice.h"
 

@@ -6,7 +6,8 @@
 #include <stdexcept>
 
 #include "core/units.h"
-#include "sim/magnetics/table/table_build.h"
+#include "sim/magnetics/plane/table_build.h"
+#include "sim/models/mechanics.h"
 #include "sim/specimen/specimen_potential.h"
 #include "sim/study/scene_choice.h"
 

@@ -5,7 +5,7 @@
 #include <cstdio>
 #include <functional>
 
-#include "sim/mechanics/rigid_closing.h"
+#include "sim/models/rigid_closing.h"
 #include "tests/sim/supply/supply_cases.h"
 
 using namespace powbench;

@@ -7,8 +7,8 @@
 #include "bench/fields/circuit.h"
 #include "bench/fields/contactor.h"
 #include "bench/fields/shaded_pole.h"
-#include "sim/magnetics/table/table_build.h"
-#include "sim/models/rungs.h"
+#include "sim/magnetics/plane/table_build.h"
+#include "sim/models/mechanics.h"
 
 using namespace powbench::sim;
 using powbench::bench::BilinearTables;

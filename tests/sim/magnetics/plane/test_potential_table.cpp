@@ -5,7 +5,7 @@
 #include "bench/fields/contactor.h"
 #include "core/random.h"
 #include "core/units.h"
-#include "sim/magnetics/table/table_build.h"
+#include "sim/magnetics/plane/table_build.h"
 
 using namespace powbench::sim;
 

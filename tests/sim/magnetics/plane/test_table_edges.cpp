@@ -4,7 +4,7 @@
 
 #include "bench/fields/contactor.h"
 #include "core/random.h"
-#include "sim/magnetics/table/table_build.h"
+#include "sim/magnetics/plane/table_build.h"
 #include "sim/specimen/specimen_potential.h"
 
 using namespace powbench::sim;

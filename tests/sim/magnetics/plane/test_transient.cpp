@@ -6,7 +6,7 @@
 #include "bench/fields/contactor.h"
 #include "core/units.h"
 #include "sim/magnetics/plane/field_transient.h"
-#include "sim/magnetics/table/table_build.h"
+#include "sim/magnetics/plane/table_build.h"
 
 using namespace powbench::sim;
 using powbench::bench::BlendedPotential;

@@ -8,8 +8,8 @@
 #include "bench/fields/circuit.h"
 #include "core/units.h"
 #include "sim/magnetics/plane/field_transient.h"
+#include "sim/magnetics/plane/table_build.h"
 #include "sim/magnetics/space/magnet_field.h"
-#include "sim/magnetics/table/table_build.h"
 
 using namespace powbench::sim;
 using powbench::pi;

@@ -1,4 +1,4 @@
-#include "sim/mechanics/rigid_closing.h"
+#include "sim/models/rigid_closing.h"
 
 #include <algorithm>
 #include <cmath>
@@ -7,6 +7,7 @@
 #include "core/units.h"
 #include "sim/mechanics/contact_damping.h"
 #include "sim/specimen/specimen_potential.h"
+#include "sim/specimen/specimen_remanence.h"
 #include "sim/specimen/validate.h"
 
 namespace powbench::sim {
@@ -42,11 +43,11 @@ void add_bending(const Specimen& s, RigidParts& p) {
 }
 
 PlantEvent plant_event(const RigidEvent& e) {
-  using Kind = PlantEvent::Kind;
+  using Event = PlantEvent::Kind;
   const auto place = contact_place(e.contact);
-  Kind kind = e.closes ? Kind::core_touch : Kind::core_release;
-  if (place.kind == ContactKind::pad && place.end == 0) kind = e.closes ? Kind::touch_a : Kind::release_a;
-  if (place.kind == ContactKind::pad && place.end == 1) kind = e.closes ? Kind::touch_b : Kind::release_b;
+  Event kind = e.closes ? Event::core_touch : Event::core_release;
+  if (place.kind == ContactKind::pad && place.end == 0) kind = e.closes ? Event::touch_a : Event::release_a;
+  if (place.kind == ContactKind::pad && place.end == 1) kind = e.closes ? Event::touch_b : Event::release_b;
   return {kind, e.time, e.closes ? e.speed : -e.speed};
 }
 

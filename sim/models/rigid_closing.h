@@ -1,7 +1,7 @@
 #pragma once
 
-#include "sim/mechanics/rigid_run.h"
 #include "sim/models/closing.h"
+#include "sim/models/rigid_run.h"
 
 /// The rigid rung behind the specimen and the conditions that `simulate` takes: the second model of a closing.
 

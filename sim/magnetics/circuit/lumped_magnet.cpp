@@ -1,4 +1,4 @@
-#include "sim/specimen/specimen_steel.h"
+#include "sim/magnetics/circuit/lumped_magnet.h"
 
 #include <stdexcept>
 

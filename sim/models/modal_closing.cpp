@@ -1,11 +1,11 @@
-#include "sim/solid/modal_closing.h"
+#include "sim/models/modal_closing.h"
 
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
 
 #include "core/units.h"
-#include "sim/mechanics/rigid_closing.h"
+#include "sim/models/rigid_closing.h"
 #include "sim/solid/modal_motion.h"
 #include "sim/specimen/validate.h"
 

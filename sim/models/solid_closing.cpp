@@ -1,4 +1,4 @@
-#include "sim/solid/solid_closing.h"
+#include "sim/models/solid_closing.h"
 
 #include <algorithm>
 #include <cmath>
@@ -14,10 +14,10 @@ constexpr double chatter = 20e-6;  ///< s, of deforming parts: shorter gaps betw
 constexpr double slip = 1e-11;     ///< m, deflection of the mover's guide before it slides
 
 /// The bodies with their springs, and the coil beside them.
-class Closing {
+class SolidRun {
  public:
-  Closing(const Specimen& specimen, const Conditions& conditions, const MagneticPotential& field,
-          const SolidClosingOptions& options)
+  SolidRun(const Specimen& specimen, const Conditions& conditions, const MagneticPotential& field,
+           const SolidClosingOptions& options)
       : specimen_(specimen),
         field_(field),
         options_(options),
@@ -235,7 +235,7 @@ SolidClosingResult solid_closing(
   if (!(options.coupling > 0 && options.coupling <= 1e-4))
     throw std::invalid_argument("coupling = " + std::to_string(options.coupling) +
                                 " s, must be in (0, 1e-4]");
-  Closing closing(specimen, conditions, field, options);
+  SolidRun closing(specimen, conditions, field, options);
   return closing.run(watch);
 }
 

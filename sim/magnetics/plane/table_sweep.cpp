@@ -1,4 +1,4 @@
-#include "sim/magnetics/table/table_sweep.h"
+#include "sim/magnetics/plane/table_sweep.h"
 
 #include <algorithm>
 #include <atomic>

@@ -95,9 +95,4 @@ std::uint64_t mixed_hash(std::uint64_t hash, const TableOptions&);
 /// Sets d3W/dpsi dring dgap at the nodes of a table with a ring: slopes of the parabolas through three gaps.
 void fill_triple(PotentialTable&);
 
-/// Fills in `current_error` and `pull_error` from the table itself: each inner node is predicted from its neighbours
-/// along every axis, over a double cell; in a cell values err by 1/16 of what that misses, slopes by 0.2 of it over
-/// the width.
-void estimate_errors(PotentialTable&);
-
 }  // namespace powbench::sim

@@ -1,4 +1,4 @@
-#include "sim/mechanics/rigid_run.h"
+#include "sim/models/rigid_run.h"
 
 #include <algorithm>
 #include <cmath>

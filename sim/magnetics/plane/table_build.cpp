@@ -1,4 +1,4 @@
-#include "sim/magnetics/table/table_build.h"
+#include "sim/magnetics/plane/table_build.h"
 
 #include <algorithm>
 #include <cmath>
@@ -9,7 +9,7 @@
 #include <string>
 
 #include "core/random.h"
-#include "sim/magnetics/table/table_sweep.h"
+#include "sim/magnetics/plane/table_sweep.h"
 
 namespace powbench::sim {
 

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "sim/magnetics/plane/field_four.h"
-#include "sim/magnetics/table/table_build.h"
+#include "sim/magnetics/plane/table_build.h"
 
 namespace powbench::sim {
 
