@@ -206,6 +206,7 @@ CylinderContact cylinder_on_block(double finest) {
   contact.pairs.push_back({block, roll});
   contact.pairs[0].factor = 2;
   contact.edges = false;
+  contact.pressures = true;
   s.set_contact(contact);
   const double full = 35e3 / 1e-3 * thick / 2, ramp = 1.5e-3, end = 3e-3;
   const int load = s.add_load({top, {0, 0, 0}});

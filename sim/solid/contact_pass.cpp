@@ -164,10 +164,11 @@ void ContactPass::press(std::size_t lane, double sign, NodeForces& forces, NodeF
   report.force_sum += p.normal_force[lane];
   if (sign > 0) report.area += anchor.area;
   ++report.touching;
-  pressed_.push_back({node.slave,
-                      node.facet,
-                      {p.weights[0][lane], p.weights[1][lane], p.weights[2][lane], p.weights[3][lane]},
-                      p.normal_force[lane]});
+  if (keeps_pressed)
+    pressed_.push_back({node.slave,
+                        node.facet,
+                        {p.weights[0][lane], p.weights[1][lane], p.weights[2][lane], p.weights[3][lane]},
+                        p.normal_force[lane]});
 }
 
 /// Forces of the nodes in the block, in their order.

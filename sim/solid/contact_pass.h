@@ -47,6 +47,7 @@ class ContactPass {
   void add_pressure(std::vector<double>&) const;
 
   std::vector<Anchor> anchors;
+  bool keeps_pressed = false;  ///< for add_pressure
 
  private:
   double stiffness(std::size_t slave, double area) const { return penalty_[slave] * area; }

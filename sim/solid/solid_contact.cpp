@@ -162,6 +162,7 @@ SolidContact::SolidContact(const CellBatches& cells, const std::vector<double>& 
     m.passes.emplace_back(p, b, a, m.inverse_mass);
     if (options.edges) m.edges.emplace_back(p, a, b);
   }
+  for (auto& p : m.passes) p.keeps_pressed = options.pressures;
   m.courses.resize(m.options.pairs.size());
   m.reports.resize(m.options.pairs.size());
   m.nodes = mesh.nodes.size();

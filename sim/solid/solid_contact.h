@@ -39,6 +39,7 @@ struct ContactOptions {
   std::vector<ContactPair> pairs;
   bool edges = true;
   double allowed_overlap = 1e-9;  ///< m, at the start; more is refused
+  bool pressures = false;         ///< node_pressure() will be asked
   bool exhaustive = false;  ///< every node looks at every face in every step: slow, what tests compare with
 };
 
@@ -67,8 +68,8 @@ class SolidContact {
   double stored() const;         ///< J, normal and tangential
   double friction_lost() const;  ///< J, so far
   const ContactReport& report(int pair) const;
-  std::vector<double> node_pressure()
-      const;  ///< Pa, at every node of the mesh: normal force over area, latest step
+  /// Pa, at every node of the mesh: normal force over area, latest step. Only with `pressures`, else all 0.
+  std::vector<double> node_pressure() const;
 
   /// Penalty stiffness that can act on each node when everything touches, N/m.
   std::vector<double> stiffness() const;
