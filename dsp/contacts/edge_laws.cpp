@@ -13,12 +13,6 @@ namespace {
 
 constexpr std::size_t law_count = edge_laws;
 
-/// The terms of a law: a jump may have one more, so that over a long span it bends as well as a power that begins
-/// steeply.
-constexpr std::size_t terms_of(std::size_t law, std::size_t most) {
-  return law == 0 ? most : edge_terms;
-}
-
 /// Four times the exponents 0, 0.75, 1, 1.25, 1.5, 1.75, 2: the place of a law's first power in a table of quarter
 /// powers. The lane behind the last law repeats it and weighs nothing.
 constexpr std::array<std::size_t, wide_lanes> first_power{0, 3, 4, 5, 6, 7, 8, 8};
@@ -100,15 +94,37 @@ POWBENCH_WIDE SharedSums shared_sums(const EdgeRows& r, double t0, double span) 
   return s;
 }
 
+/// Half of the lanes of a Wide: what one register of AVX2 holds.
+using Half = double __attribute__((vector_size(wide_lanes * sizeof(double) / 2), may_alias));
+
+POWBENCH_WITHIN_WIDE Half& half(Wide& w, std::size_t h) {
+  return reinterpret_cast<Half*>(&w)[h];
+}
+
+/// p[first_power], a lane each, in two halves.
+struct Lanes {
+  Half low, high;
+};
+POWBENCH_WITHIN_WIDE Lanes lanes_of(const double* p) {
+  static_assert(first_power == std::array<std::size_t, wide_lanes>{0, 3, 4, 5, 6, 7, 8, 8});
+  return {Half{p[0], p[3], p[4], p[5]}, Half{p[6], p[7], p[8], p[8]}};
+}
+
 template <std::size_t terms>
 POWBENCH_WITHIN_WIDE void sums_of(const SharedSums& s, Sums<terms>& out) {
-  if (terms > edge_terms) out = {};
-  for (std::size_t l = 0; l < wide_lanes; ++l) {
-    const std::size_t q = first_power[l], n = terms_of(l, terms);
-    for (std::size_t j = 0; j < n; ++j)
-      for (std::size_t k = 0; k <= j; ++k) out.square[j][k][l] = s.half[q + 2 * (j + k)];
-    for (std::size_t k = 0; k < n; ++k)
-      out.plain[k][l] = s.quarter[q + 4 * k], out.data[k][l] = s.data[q + 4 * k];
+  const auto put = [](Wide& to, const double* from) {
+    const Lanes v = lanes_of(from);
+    half(to, 0) = v.low, half(to, 1) = v.high;
+  };
+  for (std::size_t j = 0; j < edge_terms; ++j) {
+    for (std::size_t k = 0; k <= j; ++k) put(out.square[j][k], s.half.data() + 2 * (j + k));
+    put(out.plain[j], s.quarter.data() + 4 * j);
+    put(out.data[j], s.data.data() + 4 * j);
+  }
+  // a jump alone may have one more: over a long span it bends as a power does that begins steeply
+  for (std::size_t j = edge_terms; j < terms; ++j) {
+    for (std::size_t k = 0; k <= j; ++k) out.square[j][k] = Wide{s.half[2 * (j + k)]};
+    out.plain[j] = Wide{s.quarter[4 * j]}, out.data[j] = Wide{s.data[4 * j]};
   }
 }
 
@@ -129,16 +145,18 @@ POWBENCH_WITHIN_WIDE void smooth(Sums<edge_terms>& s, const EdgeRows& r, double 
     bare[0] = tau > 0;
     for (std::size_t p = 1; p < bare.size(); ++p) bare[p] = bare[p - 1] * fourth;
     for (std::size_t p = 0; p < shown.size(); ++p) shown[p] *= scale[p];
-    Wide g[terms], b[terms];
-    for (std::size_t l = 0; l < wide_lanes; ++l)
-      for (std::size_t j = 0; j < terms; ++j)
-        g[j][l] = shown[first_power[l] + 4 * j], b[j][l] = bare[first_power[l] + 4 * j];
+    Half g[terms][2], b[terms][2];
     for (std::size_t j = 0; j < terms; ++j) {
-      const Wide more = g[j] - b[j];
-      s.plain[j] += more;
-      s.data[j] += r.y[i] * more;
-      for (std::size_t k = 0; k <= j; ++k) s.square[j][k] += g[j] * g[k] - b[j] * b[k];
+      const Lanes v = lanes_of(shown.data() + 4 * j), w = lanes_of(bare.data() + 4 * j);
+      g[j][0] = v.low, g[j][1] = v.high, b[j][0] = w.low, b[j][1] = w.high;
     }
+    for (std::size_t j = 0; j < terms; ++j)
+      for (std::size_t h = 0; h < 2; ++h) {
+        const Half more = g[j][h] - b[j][h];
+        half(s.plain[j], h) += more;
+        half(s.data[j], h) += r.y[i] * more;
+        for (std::size_t k = 0; k <= j; ++k) half(s.square[j][k], h) += g[j][h] * g[k][h] - b[j][h] * b[k][h];
+      }
   }
 }
 
