@@ -15,6 +15,18 @@ struct SpecimenArgs {
   bool json = false;
 };
 
+struct CircuitArgs {
+  std::string file;
+  double volts = 230, hertz = 50;  ///< rated: the circuit is sought up to 1.3 times their flux linkage
+  std::string cache = "field";     ///< folder of field tables
+  std::string accuracy = "1%";     ///< of the table
+  bool json = false;
+};
+
+/// The lumped circuit nearest to the specimen's field, as lines of a specimen file, with its deviations. Throws
+/// BadInput for a bad file or one without a field.
+Exit identify_specimen_circuit(const CircuitArgs&);
+
 /// Derived numbers beside catalogue ranges. Throws BadInput for a bad file.
 Exit describe_specimen(const SpecimenArgs&);
 

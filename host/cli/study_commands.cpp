@@ -255,6 +255,23 @@ void add_specimen_verbs(CLI::App& app) {
       ->check(CLI::Range(1.0, 1e4));
   v->add_option("--hertz", args->hertz, "rated frequency, Hz; 50 if left out")->check(CLI::Range(1.0, 1e3));
   v->add_flag("--json", args->json, "JSON to stdout");
+  auto circuit = std::make_shared<CircuitArgs>();
+  v = verb(*specimen, "circuit",
+           "Print the lumped circuit nearest to the magnet's field, with what is left between both: a drawn "
+           "magnet "
+           "then also runs on the simulated rig and as a mock-up unit",
+           circuit, identify_specimen_circuit);
+  v->add_option("file", circuit->file,
+                "specimen file (TOML) with a drawing or [shape]; the reference contactor if left out");
+  v->add_option("--volts", circuit->volts, "rated voltage, V rms: sets the largest flux linkage")
+      ->check(CLI::Range(1.0, 1e4))
+      ->capture_default_str();
+  v->add_option("--hertz", circuit->hertz, "rated frequency, Hz")
+      ->check(CLI::Range(1.0, 1e3))
+      ->capture_default_str();
+  v->add_option("--accuracy", circuit->accuracy, "of the field's table")->capture_default_str();
+  v->add_option("--cache", circuit->cache, "folder for field tables; made if missing")->capture_default_str();
+  v->add_flag("--json", circuit->json, "JSON to stdout");
   auto former = std::make_shared<SpecimenArgs>();
   verb(*specimen, "convert",
        "Print a file from before restitutions were rebounds of a drop test as one of now, with the same "

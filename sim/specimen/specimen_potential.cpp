@@ -10,7 +10,8 @@ std::string no_circuit(const Specimen& s) {
   if (s.lumped) return "";
   return "specimen '" + s.name +
          "' is a drawing without a lumped circuit: fields = table is its magnet; for the circuit "
-         "[magnet] pole_area_mm2 and iron_length_mm have to be given";
+         "[magnet] pole_area_mm2 and iron_length_mm have to be given (`powbench specimen circuit` finds "
+         "them)";
 }
 
 void require_circuit(const Specimen& s) {
