@@ -73,6 +73,7 @@ Exit identify_specimen_circuit(const CircuitArgs& args) {
                                               {"largest_flux_linkage_Wb", largest},
                                               {"current_rms", fit.all.current_rms},
                                               {"pull_rms", fit.all.pull_rms},
+                                              {"at_end_of_range", fit.at_end},
                                               {"by_gap", rows}}
                            .dump(2));
     return Exit::pass;
@@ -90,6 +91,14 @@ Exit identify_specimen_circuit(const CircuitArgs& args) {
                100 * d.current_worst, 100 * d.pull_rms, 100 * d.pull_worst);
   fmt::print("#     all   {:11.1f}  {:7.1f}   {:8.1f}  {:7.1f}\n", 100 * fit.all.current_rms,
              100 * fit.all.current_worst, 100 * fit.all.pull_rms, 100 * fit.all.pull_worst);
+  if (!fit.at_end.empty())
+    fmt::print("# At the end of its range: {}. The circuit has no law for what the field does there.\n",
+               fmt::join(fit.at_end, ", "));
+  if (table->has_ring())
+    fmt::print(
+        "# With current in the shading ring the deviation is larger and not known; that current decides how "
+        "the\n"
+        "# closed core holds. `powbench sim --fields auto` compares the closings.\n");
   fmt::print("{}", circuit_lines(fit.specimen, table->has_ring()));
   return Exit::pass;
 }

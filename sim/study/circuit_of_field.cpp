@@ -35,6 +35,7 @@ std::pair<MagneticResponse, double> at_open_ring(const MagneticPotential& field,
 
 /// One number that is sought, by its logarithm.
 struct Sought {
+  const char* key = "";
   double Magnet::*of_magnet = nullptr;  ///< nullptr: coil.leakage
   double low = 0, high = 0;
 };
@@ -120,16 +121,16 @@ CircuitFit identify_circuit(const Specimen& s, const MagneticPotential& field, d
   take_states(p, field, largest_psi);
   const double area = largest_psi / s.coil.turns / 1.5;  // at 1.5 T
   const FieldState& open = p.states.back();
-  p.numbers = {{&Magnet::pole_area, area / 10, area * 10},
-               {&Magnet::fringing, 1e-3, 10},
-               {nullptr, 1e-3 * open.psi / open.current, open.psi / open.current}};
+  p.numbers = {{"pole_area_mm2", &Magnet::pole_area, area / 10, area * 10},
+               {"fringing", &Magnet::fringing, 1e-3, 10},
+               {"leakage_H", nullptr, 1e-3 * open.psi / open.current, open.psi / open.current}};
   if (s.lumped && !s.magnet.steel.empty()) {
-    p.numbers.push_back({&Magnet::iron_length, 5e-3, 2});
+    p.numbers.push_back({"iron_length_mm", &Magnet::iron_length, 5e-3, 2});
   } else {
     p.base.magnet.steel.clear();
-    p.numbers.insert(
-        p.numbers.end(),
-        {{&Magnet::bh_linear, 1, 1e4}, {&Magnet::bh_power, 1e-4, 1e4}, {&Magnet::bh_exponent, 3, 30}});
+    p.numbers.insert(p.numbers.end(), {{"bh_linear_A_per_m_per_T", &Magnet::bh_linear, 1, 1e4},
+                                       {"bh_power_A_per_m", &Magnet::bh_power, 1e-4, 1e4},
+                                       {"bh_exponent", &Magnet::bh_exponent, 3, 30}});
   }
   const Residuals residuals = [&](std::span<const double> point) { return p.residuals(p.at(point)); };
   // the best of many points, refined from a few
@@ -156,6 +157,9 @@ CircuitFit identify_circuit(const Specimen& s, const MagneticPotential& field, d
   out.specimen = p.at(best.point);
   const std::vector<double> r = p.residuals(out.specimen);
   out.specimen.magnet.shaded_share = shaded_share(out.specimen, field, largest_psi);
+  constexpr double end = 1e-6;  // of the range
+  for (std::size_t k = 0; k < p.numbers.size(); ++k)
+    if (best.point[k] < end || best.point[k] > 1 - end) out.at_end.emplace_back(p.numbers[k].key);
   const std::size_t row = 2 * states_a_side;
   for (std::size_t g = 0; g < states_a_side; ++g)
     out.by_gap.push_back(deviation(r, g * row, (g + 1) * row, p.states[g * states_a_side].gap));

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <string>
 #include <vector>
 
 #include "sim/magnetics/potential.h"
@@ -21,6 +22,8 @@ struct CircuitFit {
   Specimen specimen;  ///< as given, with the numbers of the circuit in `magnet` and `coil.leakage`
   std::vector<CircuitDeviation> by_gap;  ///< from closed to open
   CircuitDeviation all;
+  std::vector<std::string>
+      at_end;  ///< keys whose number stands at an end of its range: another law would be nearer
 };
 
 /// Least squares over 12 flux linkages up to `largest_psi` (Wb) and 12 gaps, 0 .. travel, denser towards 0, with no

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
 
@@ -28,6 +29,7 @@ TEST_CASE("the circuit nearest to a circuit is that circuit, with and without a 
   CHECK(fit.specimen.magnet.residual_gap == s.magnet.residual_gap);
   CHECK(fit.specimen.lumped);
   CHECK(fit.by_gap.size() == 12);
+  CHECK(fit.at_end.empty());
   const CircuitFit again = identify_circuit(start, field, 1.0, team);
   CHECK(again.specimen.magnet.pole_area == fit.specimen.magnet.pole_area);
 }
@@ -68,6 +70,16 @@ TEST_CASE("the circuit of a field is nearer to it than the one the specimen had,
   CAPTURE(sum, sum_of_former, squares);
   CHECK(sum < 0.6 * sum_of_former);
   CHECK(std::sqrt(squares / 16) < 1.5 * fit.all.pull_rms);
+}
+
+TEST_CASE("a circuit whose fringing is beyond what is sought says so", "[study]") {
+  Specimen s;
+  s.magnet.fringing = 40;
+  s.magnet.shaded_share = 0;
+  Team team(2);
+  const CircuitFit fit = identify_circuit(Specimen{}, SpecimenPotential(s), 1.0, team);
+  CHECK(std::count(fit.at_end.begin(), fit.at_end.end(), "fringing") == 1);
+  CHECK(fit.all.pull_worst > 0.01);
 }
 
 TEST_CASE("a field through which no flux goes has no circuit", "[study]") {
