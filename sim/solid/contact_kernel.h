@@ -20,6 +20,7 @@ struct MovedBox {
 /// touch the face must at least move against it to touch it.
 struct SeenFaces {
   double distance[contact_lanes], gap[contact_lanes], aside[contact_lanes], way[contact_lanes];
+  double inner[contact_lanes];  ///< 1 at the middle of the face, 0 on its border and beyond
   double normal[3][contact_lanes];
   double weights[4][contact_lanes];
 };

@@ -132,6 +132,7 @@ POWBENCH_INLINE void see_lanes(const SeeTask& task, const int* point, const int*
   store(out.normal[0] + first, normal.x);
   store(out.normal[1] + first, normal.y);
   store(out.normal[2] + first, normal.z);
+  store(out.inner + first, w0);
   const V share = quarter * w0;
   for (int k = 0; k < 4; ++k) {
     const auto is_b = sector == zero + static_cast<double>(k);

@@ -193,7 +193,7 @@ void ContactPass::apply(const NodeView& view, double dt, double sign, bool start
   auto lost = lost_.begin();
   std::size_t k = 0;
   while (k < asleep_.size()) {
-    constexpr std::size_t together = 4 * contact_lanes;  // their numbers stay in the first cache
+    constexpr std::size_t together = 16 * contact_lanes;  // their numbers stay in the first cache
     for (awake_.clear(); k < asleep_.size() && awake_.size() < together; ++k)
       if (travel >= asleep_[k]) awake_.push_back(static_cast<int>(k));
     faces_.look(awake_);

@@ -7,8 +7,9 @@ namespace {
 
 constexpr double facing = -0.2;    ///< cosine between a node's and a face's normal; above it they do not meet
 constexpr double opposite = -0.5;  ///< below it a node may stand on a face's border
-constexpr double level = 0.996;    ///< cosine between neighbours that count as one plane
-constexpr double shallow = 0.05;   ///< of the depth limit: so near a flat face, no other can be nearer
+constexpr double shallow = 0.25;   ///< of the depth limit: so near a face, only its neighbours can be nearer
+constexpr double folded = 1.1;    ///< tangent of half the angle between neighbours; beyond it nothing is said
+constexpr double tilting = 0.01;  ///< by which that tangent may grow until the next search
 constexpr double overhang = 1e-3;  ///< of a face's size: so far beyond its border a node still stands on it
 
 Vec3 node_normal(const SolidSurface& s, std::size_t place, const NodeView& view) {
@@ -18,6 +19,18 @@ Vec3 node_normal(const SolidSurface& s, std::size_t place, const NodeView& view)
     sum += unit(facet_normal(corners_now(view, facet), facet.corners()));
   }
   return unit(sum);
+}
+
+/// m, of the triangles from a face's middle to its borders: the smallest height.
+double smallest_height(const std::array<Vec3, 4>& p, std::size_t corners) {
+  Vec3 middle;
+  for (std::size_t k = 0; k < corners; ++k) middle += 1.0 / static_cast<double>(corners) * p[k];
+  double smallest = 1e300;
+  for (std::size_t k = 0; k < corners; ++k) {
+    const Vec3 side = p[(k + 1) % corners] - p[k];
+    smallest = std::min(smallest, norm(cross(side, middle - p[k])) / norm(side));
+  }
+  return smallest;
 }
 
 }  // namespace
@@ -39,13 +52,15 @@ double NearestFaces::search(const NodeView& view, bool every) {
   if (depth_limit_ == 0) depth_limit_ = smallest;
   const std::vector<int>& faces = onto_->faces();
   std::vector<Box> probes(from_->nodes().size()), targets(faces.size());
-  std::vector<char> flat(faces.size());
+  std::vector<double> sure(faces.size());
   for (std::size_t k = 0; k < targets.size(); ++k) {
     const Facet& facet = master.facets[static_cast<std::size_t>(faces[k])];
     const auto p = onto_->corners_now(k);
     for (std::size_t c = 0; c < static_cast<std::size_t>(facet.corners()); ++c) targets[k].include(p[c]);
     targets[k].grow(every ? 1e300 : std::max(depth_limit_, face_margin(facet_normal(p, facet.corners()))));
-    flat[k] = flat_around(facet, normals);
+    const double tangent = tangent_around(facet, normals);
+    if (tangent < folded)
+      sure[k] = smallest_height(p, static_cast<std::size_t>(facet.corners())) / (tangent + tilting);
   }
   for (std::size_t n = 0; n < probes.size(); ++n) probes[n].include(from_->place(n));
   const auto found = every ? std::vector<std::vector<int>>{} : overlapping(probes, targets);
@@ -64,23 +79,30 @@ double NearestFaces::search(const NodeView& view, bool every) {
       const double cosine =
           dot(normal, normals[static_cast<std::size_t>(faces[static_cast<std::size_t>(k)])]);
       if (cosine > facing) continue;
-      candidates_.push_back({k, cosine < opposite, flat[static_cast<std::size_t>(k)] != 0});
+      candidates_.push_back({k, cosine < opposite, sure[static_cast<std::size_t>(k)]});
     }
     if (static_cast<int>(candidates_.size()) == begin_.back()) continue;
     active_.push_back(static_cast<int>(place));
     point_.push_back(4 * static_cast<int>(n));
     begin_.push_back(static_cast<int>(candidates_.size()));
   }
+  first_.assign(begin_.begin(), begin_.end() - 1);
   return smallest;
 }
 
-bool NearestFaces::flat_around(const Facet& facet, const std::vector<Vec3>& normals) const {
+/// Largest tangent of half the angle between a face and its neighbours. At a distance d of the face and e from its
+/// border a neighbour is nearer only where e < d tan(angle / 2), on either side of the face.
+double NearestFaces::tangent_around(const Facet& facet, const std::vector<Vec3>& normals) const {
   const SolidSurface& master = onto_->skin();
   const Vec3& mine = normals[static_cast<std::size_t>(&facet - master.facets.data())];
+  double largest = 0;
   for (std::size_t k = 0; k < static_cast<std::size_t>(facet.corners()); ++k)
-    for (const int f : master.facets_at[static_cast<std::size_t>(master.place_of(facet.nodes[k]))])
-      if (dot(mine, normals[static_cast<std::size_t>(f)]) < level) return false;
-  return true;
+    for (const int f : master.facets_at[static_cast<std::size_t>(master.place_of(facet.nodes[k]))]) {
+      const Vec3& other = normals[static_cast<std::size_t>(f)];
+      const double cosine = dot(mine, other);
+      largest = std::max(largest, cosine > -0.5 ? norm(cross(mine, other)) / (1 + cosine) : 1e300);
+    }
+  return largest;
 }
 
 bool NearestFaces::behind_all(const NodeView& view, const Facet& facet, const Projection& at) const {
@@ -122,6 +144,7 @@ void NearestFaces::see(SeenFaces* out) {
     const std::size_t lane = a % contact_lanes;
     const double deep = at.distance - depth_limit_;
     s.distance[lane] = at.distance;
+    s.inner[lane] = corners * *std::min_element(at.weights.begin(), at.weights.begin() + corners);
     s.gap[lane] = at.gap;
     s.aside[lane] = at.aside;
     s.way[lane] = std::max(at.gap >= 0 ? std::max({deep, at.gap, at.aside - ledge_}) : deep, 0.0);
@@ -130,7 +153,15 @@ void NearestFaces::see(SeenFaces* out) {
   }
 }
 
-/// In rounds, so that a block of nodes looks at a time: in each, every node that asks looks at its next candidate.
+/// No other candidate is nearer: the node stands near a face, and further from its border than a neighbour could rise
+/// above it.
+inline bool NearestFaces::sure(const Candidate& candidate, const SeenFaces& s, std::size_t lane) const {
+  return s.distance[lane] < shallow * depth_limit_ && s.aside[lane] == 0 &&
+         s.inner[lane] * candidate.sure > s.distance[lane];
+}
+
+/// In rounds, so that a block of nodes looks at a time: in each, every node that asks looks at one more candidate,
+/// first at the nearest of last time. Of candidates equally near the first counts, whatever the order was.
 void NearestFaces::look(const std::vector<int>& active) {
   looking_.resize(active.size());
   best_.assign(active.size(), {depth_limit_, depth_limit_, -1, 0});
@@ -138,9 +169,8 @@ void NearestFaces::look(const std::vector<int>& active) {
   for (std::size_t q = 0; q < active.size(); ++q) {
     const auto k = static_cast<std::size_t>(active[q]);
     looking_[q] = point_[k];
-    asking_[q] = {static_cast<int>(q), point_[k], begin_[k], begin_[k + 1]};
+    asking_[q] = {static_cast<int>(q), point_[k], first_[k], begin_[k], begin_[k + 1]};
   }
-  const double near = shallow * depth_limit_;
   const Candidate* const candidates = candidates_.data();
   Best* const bests = best_.data();
   Asking* const asking = asking_.data();
@@ -170,20 +200,25 @@ void NearestFaces::look(const std::vector<int>& active) {
       Best& best = bests[node.number];
       best.away = std::min(best.away, s.way[lane]);
       const double distance = s.distance[lane];
-      if (distance < best.distance) {
+      if (distance < best.distance || (distance == best.distance && node.candidate < best.candidate)) {
         best.distance = distance;
         best.candidate = node.candidate;
         best.seen = static_cast<int>(contact_lanes * seen + a);
-        if (distance < near && s.aside[lane] == 0 && candidates[node.candidate].flat) {
+        if (sure(candidates[node.candidate], s, lane)) {
           best.away = 0;  // what it has not looked at may be nearer than that
           continue;
         }
       }
-      if (++node.candidate < node.end) asking[kept++] = node;
+      const int tried_first = first_[static_cast<std::size_t>(active[static_cast<std::size_t>(node.number)])];
+      if (node.next == tried_first) ++node.next;
+      node.candidate = node.next++;
+      if (node.candidate < node.end) asking[kept++] = node;
     }
     count = kept;
     seen += blocks;
   }
+  for (std::size_t q = 0; q < active.size(); ++q)
+    if (bests[q].candidate >= 0) first_[static_cast<std::size_t>(active[q])] = bests[q].candidate;
 }
 
 /// A node behind the plane of its nearest face, but not above it.

@@ -50,7 +50,9 @@ class NearestFaces {
   struct Candidate {
     int face = 0;         ///< within reach
     bool square = false;  ///< squarely opposite, so that the node may stand on its border
-    bool flat = false;    ///< its neighbours lie in one plane with it
+    /// m: a node over the middle of the face and not further from it has no nearer face, one half way to the border if
+    /// it is not further than half of it; 0: the neighbours are not level with the face.
+    double sure = 0;
   };
 
   struct Best {
@@ -63,10 +65,11 @@ class NearestFaces {
   struct Asking {
     int number = 0;  ///< among those that look
     int point = 0;
-    int candidate = 0, end = 0;  ///< next one, and one past the last
+    int candidate = 0, next = 0, end = 0;  ///< the one looked at now, the next in order, one past the last
   };
 
-  bool flat_around(const Facet&, const std::vector<Vec3>& normals) const;
+  bool sure(const Candidate&, const SeenFaces&, std::size_t lane) const;
+  double tangent_around(const Facet&, const std::vector<Vec3>& normals) const;
   bool behind_all(const NodeView&, const Facet&, const Projection&) const;
   void see(SeenFaces* out);
   Touch nothing(const Best& best) const {
@@ -82,6 +85,7 @@ class NearestFaces {
   std::vector<int> active_;  ///< by place in the nodes of the skin
   std::vector<int> point_;   ///< of each active one: 4 times its number within reach
   std::vector<int> begin_;   ///< of each active one: its first candidate; and the end of the last
+  std::vector<int> first_;  ///< of each active one: the candidate it looks at first, the nearest of last time
   std::vector<Candidate> candidates_;
   // of one look
   std::vector<Best> best_;

@@ -227,6 +227,40 @@ TEST_CASE("contact misses nothing of a grazing body, over the border of a table 
   CHECK(sum.searches < sum.steps / 5);
 }
 
+TEST_CASE("which faces a node has looked at before changes nothing where nodes stand on corners of faces") {
+  // cells of the same size one above the other: every node touches four faces at once, presses in to a quarter of what
+  // counts as near, and creeps over the corners to and fro
+  Outcome sum;
+  for (unsigned seed = 1; seed <= 6; ++seed) {
+    Carried body(3, 0, seed == 6);
+    map_nodes(body.mesh, body.first, [&](const Vec3& p) {
+      const auto even = [](double x, double from, double to) {
+        return 1e-3 * std::round(3 * (x - from) / (to - from));
+      };
+      const double bulge = seed % 2 ? 1e-6 * (p.x * p.x + 2 * p.y * p.y) / 1e-6 : 0;
+      return Vec3{even(p.x, -1.6e-3, 1.5e-3), even(p.y, -1.4e-3, 1.3e-3), p.z + bulge};
+    });
+    body.cells = std::make_unique<CellBatches>(body.mesh, std::vector<SolidMaterial>(2), false);
+    Random random(70 + seed);
+    Vec3 at{};
+    const Outcome o = both_ways(std::move(body), 300, [&](long k) {
+      const double reach = std::pow(10.0, -9 + 4 * random.uniform());
+      at.x = reach * (random.uniform() - 0.5);
+      at.y = k % 3 == 0 ? 0 : reach * (random.uniform() - 0.5);
+      at.z = -1.4e-4 * random.uniform();
+      return at;
+    });
+    sum.steps += o.steps;
+    sum.touching += o.touching;
+    sum.searches += o.searches;
+    sum.differ += o.differ;
+  }
+  report("corner on corner", sum);
+  CHECK(sum.differ == 0);
+  CHECK(sum.touching > 1700);
+  CHECK(sum.searches < sum.steps / 20);
+}
+
 TEST_CASE("an impact with friction and plastic flow is the same with lists and with all pairs, to the bit") {
   int touched = 0;
   const auto impact = [&](bool exhaustive) {
