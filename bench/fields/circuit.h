@@ -31,7 +31,7 @@
 namespace powbench::sim {
 
 struct CircuitOptions {
-  bool stack_ends = true;  ///< edges and leakage at both ends of the stack; false: in the plane, as `field2d`
+  bool stack_ends = true;  ///< edges and leakage at both ends of the stack; false: in the plane, as `plane`
 };
 
 class CircuitPotential final : public MagneticPotential {

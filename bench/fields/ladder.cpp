@@ -64,7 +64,7 @@ double touch_of(const sim::TransientResult& r) {
 
 constexpr double mesh_share = 0.4;  ///< of a table's accuracy, for its mesh: sim::TablePlan::mesh_error
 
-/// What the heads of the winding add in the plane rungs, H; `bench_field3d` prints it by gap.
+/// What the heads of the winding add in the plane rungs, H; `bench_space` prints it by gap.
 constexpr double end_leakage = 0.23;
 
 sim::MagnetDesign plane_design() {
@@ -125,7 +125,7 @@ Row table(double accuracy, const FieldStates& guess) {
 
 /// States solved one by one on a mesh of the plane; the touch time from a table of 24 x 24 of the same mesh.
 Row plane(double accuracy) {
-  Row r{"field2d", percent(accuracy), false, {}, 0, 0, 0};
+  Row r{"plane", percent(accuracy), false, {}, 0, 0, 0};
   double start = thread_cpu_seconds();
   sim::FieldOptions o;
   o.sizes = sim::sizes_for(accuracy);
@@ -143,7 +143,7 @@ Row plane(double accuracy) {
 
 /// The same without a table: the field in every step.
 Row in_loop(double accuracy) {
-  Row r{"field2d loop", percent(accuracy), false, {}, 0, 0, 0};
+  Row r{"plane loop", percent(accuracy), false, {}, 0, 0, 0};
   const double start = thread_cpu_seconds();
   sim::FieldOptions o;
   o.sizes = sim::sizes_for(accuracy);
@@ -154,7 +154,7 @@ Row in_loop(double accuracy) {
 
 /// In three dimensions, all cells scaled; the touch time from a table of 10 x 10 of the same mesh.
 Row space(double scale) {
-  Row r{"field3d", "x " + std::to_string(scale).substr(0, 3), true, {}, 0, 0, 0};
+  Row r{"space", "x " + std::to_string(scale).substr(0, 3), true, {}, 0, 0, 0};
   const auto sizes = sim::space::CoreMeshSizes{}.scaled(scale);
   double start = thread_cpu_seconds();
   r.states = bench::states_of(sim::MagnetDesign{}, sizes);

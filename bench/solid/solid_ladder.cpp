@@ -1,6 +1,6 @@
 // The rungs of mechanics on one impact: a copper contact bridge (24 x 6 x 1.5 mm) falls with 0.6 m/s from 30 um on two
-// sprung pads at its ends. Rigid, reduced to n modes, explicit with cells of h: error in first touch, in the time it
-// stays down and in the peak force, against CPU time; reference is the finest explicit run.
+// sprung pads at its ends. Rigid, reduced to n modes, deformable with cells of h: error in first touch, in the time it
+// stays down and in the peak force, against CPU time; reference is the finest deformable run.
 //   bench_solid_ladder [--json PATH] [--picture SVG]
 
 #include <algorithm>
@@ -88,7 +88,7 @@ Impact explicit_run(int along, int across, int through) {
   body.set_velocity(0, {0, 0, -speed});
   char name[40];
   std::snprintf(name, sizeof name, "h = %.2f mm", 1e3 * length / along);
-  return run(body, "explicit", name);
+  return run(body, "deformable", name);
 }
 
 Impact modal_run(int modes, bool attached) {
@@ -129,7 +129,7 @@ std::string picture(const std::vector<Impact>& all, const Impact& exact) {
     svg += text;
   }
   const std::pair<const char*, const char*> colours[] = {
-      {"rigid", "#15803d"}, {"modal", "#0b6fa4"}, {"explicit", "#c2410c"}};
+      {"rigid", "#15803d"}, {"modal", "#0b6fa4"}, {"deformable", "#c2410c"}};
   for (const auto& [rung, colour] : colours) {
     for (const bool peak : {true, false}) {
       std::string line;
@@ -161,7 +161,7 @@ std::string picture(const std::vector<Impact>& all, const Impact& exact) {
   }
   return svg +
          "<text x=\"560\" y=\"80\" fill=\"#0b6fa4\">modal, n modes</text>\n<text x=\"560\" y=\"98\" "
-         "fill=\"#c2410c\">explicit, cells h</text>\n<text x=\"360\" y=\"425\" text-anchor=\"middle\">CPU "
+         "fill=\"#c2410c\">deformable, cells h</text>\n<text x=\"360\" y=\"425\" text-anchor=\"middle\">CPU "
          "time of 0.4 ms, s</text>\n<text x=\"80\" "
          "y=\"30\">Error "
          "of the peak force (full) and of the time in touch (dashed) against the finest "

@@ -157,7 +157,7 @@ EnergyRow field_row(double step, double seconds, bool ring) {
   if (!ring) design.shape.ring_share = 0;
   char setting[48];
   std::snprintf(setting, sizeof setting, "steps of %.0f us", seconds * 1e6);
-  return row(ring ? "field2d with ring" : "field2d", setting, step, field_limit, [&](const Conditions& c) {
+  return row(ring ? "solved with ring" : "solved", setting, step, field_limit, [&](const Conditions& c) {
     const sim::Specimen s;
     sim::FieldOptions o;
     o.sizes = sim::sizes_for(0.02);

@@ -40,7 +40,7 @@ int main(int argc, char** argv) {
   show(bench::potential_row("table with ring", *bench::coarse_table(true), step, tolerance));
   for (const auto& r : bench::supply_rows(step, tolerance)) show(r);
   for (const double seconds : {100e-6, 50e-6}) show(bench::field_row(60, seconds, true));
-  std::printf("residual: worst of the angles, every %.0f deg (field2d every 60), of the energy supplied\n",
+  std::printf("residual: worst of the angles, every %.0f deg (solved every 60), of the energy supplied\n",
               step);
   for (int k = 1; k + 1 < argc; ++k)
     if (std::strcmp(argv[k], "--json") == 0)

@@ -45,7 +45,7 @@ std::string three_errors_text(const sim::Ladder& ladder, std::span<const sim::Ru
   std::string text = fmt::format(
       "\nthree errors, us: step at the finest setting of the table, model to the rungs above (+?: nothing is "
       "above in fields or in mechanics), input (0.5 % of the voltage, 2 K of the coil; the specimen's own "
-      "numbers: not known)\n{:<17}",
+      "numbers: not known)\n{:<18}",
       "rung");
   for (const auto q : sim::ladder_quantities)
     text += fmt::format(" {:>12} {:>10} {:>10}", fmt::format("{}: step", q), "model", "input");
@@ -55,7 +55,7 @@ std::string three_errors_text(const sim::Ladder& ladder, std::span<const sim::Ru
                                    [&](const auto& row) { return row.run.rung == r; });
     if (last == ladder.rows.rend()) continue;
     const ModelError model = model_error_of(r, rungs, ladder);
-    text += fmt::format("{:<17}", rungs[r].name());
+    text += fmt::format("{:<18}", rungs[r].name());
     for (std::size_t q = 0; q < input.size(); ++q)
       text +=
           fmt::format(" {:>12} {:>10} {:>10}", or_not_known(last->estimate[q]),

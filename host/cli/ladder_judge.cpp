@@ -104,7 +104,7 @@ struct JudgedAngle {
 };
 
 void print_head() {
-  fmt::print("{:>5} {:<16} {:>14} {:>9}", "angle", "rung", "setting", "CPU ms");
+  fmt::print("{:>5} {:<18} {:>14} {:>9}", "angle", "rung", "setting", "CPU ms");
   for (const auto q : sim::ladder_quantities)
     fmt::print(" | {:>11} {:>8} {:>9} {:>6} {:<9}", fmt::format("{} ms", q), "step us", "model us", "input",
                "verdict");
@@ -114,14 +114,14 @@ void print_head() {
 void print_angle(const JudgedAngle& a) {
   const bool any = std::any_of(a.measured.begin(), a.measured.end(), [](double t) { return !std::isnan(t); });
   if (any) {
-    fmt::print("{:>5g} {:<16} {:>14} {:>9}", a.degrees, "measured", "", "");
+    fmt::print("{:>5g} {:<18} {:>14} {:>9}", a.degrees, "measured", "", "");
     for (const double t : a.measured)
       fmt::print(" | {:>11} {:>8} {:>9} {:>6} {:<9}", std::isnan(t) ? "-" : fmt::format("{:.4f}", t * 1e3),
                  "", "", "", "");
     fmt::print("\n");
   }
   for (const sim::SceneStep& s : a.pairs) {
-    fmt::print("{:>5g} {:<16} {:>14} {:>9.2f}", a.degrees, s.name,
+    fmt::print("{:>5g} {:<18} {:>14} {:>9.2f}", a.degrees, s.name,
                fmt::format("{} {:g}", s.setting_name, s.run.tolerance), s.run.cpu * 1e3);
     for (std::size_t q = 0; q < s.run.times.size(); ++q)
       fmt::print(" | {:>11} {:>8} {:>9} {:>6} {:<9}",
@@ -164,7 +164,7 @@ void print_sums(const std::vector<JudgedAngle>& angles) {
     std::array<int, 3> count{};
     for (const JudgedAngle& a : angles)
       for (const sim::Reached r : a.pairs[k].by_time) ++count[static_cast<std::size_t>(r)];
-    fmt::print("{:<16} met {:>2}, not met {:>2}, not known {:>2}\n", angles.front().pairs[k].name, count[0],
+    fmt::print("{:<18} met {:>2}, not met {:>2}, not known {:>2}\n", angles.front().pairs[k].name, count[0],
                count[1], count[2]);
   }
 }

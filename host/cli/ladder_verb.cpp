@@ -87,12 +87,12 @@ std::string setting(const std::vector<sim::Rung>& rungs, const sim::LadderRun& r
 
 void print_rows(const std::vector<sim::LadderRow>& rows, const std::vector<sim::Rung>& rungs,
                 bool with_error) {
-  fmt::print("{:<17} {:>15} {:>10} {:>7}", "rung", "setting", "CPU ms", "rhs");
+  fmt::print("{:<18} {:>15} {:>10} {:>7}", "rung", "setting", "CPU ms", "rhs");
   for (const auto q : sim::ladder_quantities)
     fmt::print(" {:>11}{} {:>8}", fmt::format("{} ms", q), with_error ? "    err us" : "", "est us");
   fmt::print("\n");
   for (const auto& r : rows) {
-    fmt::print("{:<17} {:>15} {:>10} {:>7}", rungs[r.run.rung].name(), setting(rungs, r.run),
+    fmt::print("{:<18} {:>15} {:>10} {:>7}", rungs[r.run.rung].name(), setting(rungs, r.run),
                std::isnan(r.run.cpu) ? "-" : fmt::format("{:.3f}", r.run.cpu * 1e3), r.run.evaluations);
     for (std::size_t q = 0; q < r.estimate.size(); ++q)
       fmt::print(" {:>11}{} {:>8}", time_text(r.run.times[q], 1e3),

@@ -59,8 +59,8 @@ void add_plan_verbs(CLI::App& app) {
       ->capture_default_str();
   simulate->add_option("--fields", sim->fields,
                        sim::names_of(sim::all_fields()) +
-                           "; auto: as far up as the accuracy takes. Of a solenoid: table, field2d, or eddy: "
-                           "field2d with eddy "
+                           "; auto: as far up as the accuracy takes. Of a solenoid: table, solved, or eddy: "
+                           "solved with eddy "
                            "currents");
   simulate->add_option("--mechanics", sim->mechanics,
                        sim::names_of(sim::all_mechanics()) + "; auto likewise");

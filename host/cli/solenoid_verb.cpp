@@ -98,8 +98,7 @@ Simulated run_with(const std::string& fields, const SimArgs& args, const sim::So
   o.sizes = sim::sizes_for(accuracy);
   if (fields == "table") {
     if (s.design.remanence != 0)
-      throw BadInput(
-          {"--fields = table: allowed field2d or eddy with a permanent magnet, remanence_T not 0"});
+      throw BadInput({"--fields = table: allowed solved or eddy with a permanent magnet, remanence_T not 0"});
     sim::TableOptions t;
     t.accuracy = accuracy;
     sim::Team team(2);
@@ -108,7 +107,7 @@ Simulated run_with(const std::string& fields, const SimArgs& args, const sim::So
     const sim::TablePotential table(choice.table);
     return {sim::simulate_solenoid(s, table, c), choice.table.description};
   }
-  if (fields == "field2d") {
+  if (fields == "solved") {
     c.tolerance = 1e-6;  // the field's own differences from gap to gap are no finer
     const sim::LiveSolenoid live(s.design, o);
     return {sim::simulate_solenoid(s, live, c),
@@ -118,7 +117,7 @@ Simulated run_with(const std::string& fields, const SimArgs& args, const sim::So
     return {sim::simulate_solenoid_eddies(s, o, c),
             fmt::format("finite elements in the loop, eddy currents at {:.3g} MS/m", s.conductivity * 1e-6),
             true};
-  throw BadInput({"--fields = " + fields + ", allowed table, field2d, eddy for a solenoid"});
+  throw BadInput({"--fields = " + fields + ", allowed table, solved, eddy for a solenoid"});
 }
 
 std::string ms(const std::optional<double>& seconds) {
@@ -209,7 +208,7 @@ Exit simulate_solenoid(const SimArgs& args) {
   const auto s = read_solenoid(args.plan);
   const auto c = case_of(args);
   std::string fields = args.fields;
-  if (fields.empty() || fields == "auto") fields = s.design.remanence != 0 ? "field2d" : "table";
+  if (fields.empty() || fields == "auto") fields = s.design.remanence != 0 ? "solved" : "table";
   const auto r = told(args.plan, [&] { return run_with(fields, args, s, c); });
   if (!args.output.empty()) {
     const bool csv = args.output.ends_with(".csv");

@@ -19,8 +19,8 @@ struct FieldCache {
 
 /// circuit  the specimen's lumped circuit
 /// table    plane finite elements of its shape, with the ring, in a table
-/// field2d  the same elements solved at every step
-/// field3d  the table, plus what the ends of stack, winding and ring add: the difference of two tables in three
+/// solved   the same elements solved at every step
+/// ends     the table, plus what the ends of stack, winding and ring add: the difference of two tables in three
 ///          dimensions, with ends and without, on the same cells
 /// Throws BadInput for an unknown name and a shape that cannot be or is not known; StoreError for a damaged table.
 sim::FieldRung obtain_field(std::string_view name, const sim::Specimen&, const FieldCache&);

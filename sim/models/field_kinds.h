@@ -8,7 +8,7 @@ namespace powbench::sim {
 
 Fields circuit_fields();
 Fields table_fields();
-Fields live_fields();
+Fields solved_fields();
 Fields end_fields();
 
 /// Why a specimen has no finite elements at all; empty: it has.

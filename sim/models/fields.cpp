@@ -8,7 +8,7 @@
 namespace powbench::sim {
 
 std::span<const Fields> all_fields() {
-  static const std::array kinds{circuit_fields(), table_fields(), live_fields(), end_fields()};
+  static const std::array kinds{circuit_fields(), table_fields(), solved_fields(), end_fields()};
   return kinds;
 }
 

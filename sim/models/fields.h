@@ -61,8 +61,8 @@ FieldRung circuit_field();
 FieldRung pure_field(std::string name, std::string meaning, std::shared_ptr<const MagneticPotential>);
 /// Plane finite elements solved anew at every look of the integrator, each from the solution before: no table between
 /// field and motion.
-FieldRung live_field(const MagnetDesign&, const FieldOptions&);
-FieldRung live_field(const std::shared_ptr<const DrawnMagnet>&, const NewtonOptions&);
+FieldRung solved_field(const MagnetDesign&, const FieldOptions&);
+FieldRung solved_field(const std::shared_ptr<const DrawnMagnet>&, const NewtonOptions&);
 
 /// The magnet of a specimen: its shape, steel law, turns and residual gap.
 MagnetDesign magnet_design(const Specimen&);

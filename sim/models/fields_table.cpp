@@ -11,14 +11,13 @@ FieldRung table_rung(const Specimen& s, FieldTables& tables) {
 std::string unknown_to_ends(const Specimen& s) {
   if (s.in_space) return has_three_dimensions(s);
   if (s.drawn)
-    return "allowed table, field2d: the drawing of specimen '" + s.name +
-           "' is no magnet in three dimensions";
+    return "allowed table, solved: the drawing of specimen '" + s.name + "' is no magnet in three dimensions";
   return no_elements(s);
 }
 
 FieldRung end_rung(const Specimen& s, FieldTables& tables) {
   const auto table = tables.with_ends(s);
-  return pure_field("field3d", table->table().description, table);
+  return pure_field("ends", table->table().description, table);
 }
 
 }  // namespace
@@ -33,7 +32,7 @@ Fields table_fields() {
 }
 
 Fields end_fields() {
-  return {.name = "field3d", .costly = false, .unknown = unknown_to_ends, .rung = end_rung};
+  return {.name = "ends", .costly = false, .unknown = unknown_to_ends, .rung = end_rung};
 }
 
 }  // namespace powbench::sim

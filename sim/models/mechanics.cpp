@@ -11,7 +11,7 @@ namespace powbench::sim {
 
 std::span<const Mechanics> all_mechanics() {
   static const std::array kinds{plant_mechanics(), rigid_mechanics(), modal_mechanics(),
-                                explicit_mechanics()};
+                                deformable_mechanics()};
   return kinds;
 }
 

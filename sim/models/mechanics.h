@@ -31,12 +31,12 @@ std::vector<std::string> automatic_mechanics(const Case&, bool costly);
 /// The cheapest that solves the same equations with these fields, and knows the case.
 std::string_view cheapest_equal(std::string_view name, const FieldRung&, const Case&);
 
-/// How far `explicit` goes: its times after the bounces are not reliable, and every ms costs a second.
-inline constexpr double explicit_duration = 0.03;  // s
+/// How far `deformable` goes: its times after the bounces are not reliable, and every ms costs a second.
+inline constexpr double deformable_duration = 0.03;  // s
 
 /// The pair as a rung. Settings: `plant` and `rigid` take tolerances, `modal` the share of its critical step,
-/// `explicit` the edge of its cells in mm. Throws std::invalid_argument for an unknown name, and for mechanics that do
-/// not take these fields.
+/// `deformable` the edge of its cells in mm. Throws std::invalid_argument for an unknown name, and for mechanics that
+/// do not take these fields.
 Rung scene_rung(const FieldRung&, std::string_view mechanics);
 
 /// The pairs of the circuit with `plant` and `rigid`: the same equations, they differ by their integrators alone.

@@ -9,7 +9,7 @@ namespace powbench::sim {
 Mechanics plant_mechanics();
 Mechanics rigid_mechanics();
 Mechanics modal_mechanics();
-Mechanics explicit_mechanics();
+Mechanics deformable_mechanics();
 
 /// What parts with a mesh do not model: supplies, remanence, a static core apart from the base. `mechanics`: whose name
 /// the sentence has.

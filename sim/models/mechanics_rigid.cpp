@@ -12,7 +12,7 @@ using Run = std::function<Trajectory(const Case&, double duration, double tolera
 
 /// A rigid closing whose energies are looked at: the first and one in forty after it run once more with the ledger,
 /// which throws std::runtime_error where it does not balance within a hundred tolerances. That run is not used
-/// otherwise, so an audit changes no bit. (The plant carries its ledger in every run, `modal` and `explicit` too.)
+/// otherwise, so an audit changes no bit. (The plant carries its ledger in every run, `modal` and `deformable` too.)
 struct Audited {
   Run run, with_ledger;
   std::shared_ptr<std::atomic<std::uint64_t>> calls = std::make_shared<std::atomic<std::uint64_t>>(0);

@@ -73,8 +73,8 @@ TEST_CASE("wishes that cannot be granted are refused with what is allowed", "[sy
     CHECK_THAT(r.err, Contains(says));
     return r.status;
   };
-  CHECK(status({"--mechanics", "elastic"}, "plant, rigid, modal, explicit") == 2);
-  CHECK(status({"--fields", "field4d"}, "circuit, table, field2d, field3d") == 2);
+  CHECK(status({"--mechanics", "elastic"}, "plant, rigid, modal, deformable") == 2);
+  CHECK(status({"--fields", "field4d"}, "circuit, table, solved, ends") == 2);
   CHECK(status({"--accuracy", "many"}, "--accuracy = many") == 2);
   const std::string wrong =
       folder.write("w.plan.toml", std::string(one_angle_plan) + "[wanted]\nfields = \"tabel\"\n");

@@ -6,8 +6,8 @@
 #include "sim/magnetics/plane/core_mesh.h"
 #include "sim/magnetics/plane/gap_field.h"
 
-/// The rung `field2d`: a core in its air, solved by finite elements in the plane of its laminations. The depth is the
-/// stack; the field at the ends of the stack is not in it.
+/// The field of the rungs `table` and `solved`: a core in its air, by finite elements in the plane of its laminations.
+/// The depth is the stack; the field at the ends of the stack is not in it.
 
 namespace powbench::sim {
 

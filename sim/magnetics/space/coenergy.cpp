@@ -25,8 +25,8 @@ Coenergy::Coenergy(const Problem& problem) : problem_(problem) {
   for (const auto& m : problem.media) laws_.emplace_back(m);
   for (const int r : problem.mesh.region)
     if (r < 0 || r >= static_cast<int>(laws_.size()))
-      throw std::invalid_argument("field3d: region " + std::to_string(r) + " of the mesh, allowed 0 .. " +
-                                  std::to_string(laws_.size() - 1));
+      throw std::invalid_argument("field in space: region " + std::to_string(r) +
+                                  " of the mesh, allowed 0 .. " + std::to_string(laws_.size() - 1));
   number();
   build_pattern();
   assemble_linear();

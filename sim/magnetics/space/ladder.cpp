@@ -102,8 +102,8 @@ class Sweep {
     if (!p.solution.converged) {
       char text[120];
       std::snprintf(text, sizeof text,
-                    "field3d: no convergence at psi = %g Wb, ring flux = %g Wb, gap = %g mm", psi, ring,
-                    gap_ * 1e3);
+                    "field in space: no convergence at psi = %g Wb, ring flux = %g Wb, gap = %g mm", psi,
+                    ring, gap_ * 1e3);
       throw std::runtime_error(text);
     }
     return p;

@@ -7,9 +7,9 @@
 #include "sim/magnetics/space/core_mesh.h"
 #include "sim/magnetics/space/newton.h"
 
-/// The rung `field3d`: the core with stack ends, coil heads and ring heads, by finite elements in three dimensions.
-/// What the plane rung calls `end_leakage` is part of the field here; MagnetDesign::end_leakage and `ring_leakage` are
-/// read only where the mesh has no ends.
+/// The field of the rung `ends`: the core with stack ends, coil heads and ring heads, by finite elements in three
+/// dimensions. What the plane rung calls `end_leakage` is part of the field here; MagnetDesign::end_leakage and
+/// `ring_leakage` are read only where the mesh has no ends.
 
 namespace powbench::sim::space {
 

@@ -65,7 +65,7 @@ struct Newton::Impl {
 State Newton::Impl::newton_direction(const State& s, const Step& p) {
   function.hessian(s, hessian);
   if (!factor.factor(hessian.uu))
-    throw std::logic_error("field3d: the matrix of a convex energy lost its sign");
+    throw std::logic_error("field in space: the matrix of a convex energy lost its sign");
   std::vector<std::size_t> free;  // windings whose current is unknown
   for (std::size_t k = 0; k < drive.size(); ++k)
     if (drive[k].flux) free.push_back(k);
@@ -144,7 +144,7 @@ Solution Newton::solve(const std::vector<Drive>& drive, const State& start, cons
   s.current.resize(drive.size(), 0);
   for (std::size_t k = 0; k < drive.size(); ++k) {
     if (!std::isfinite(drive[k].value))
-      throw std::invalid_argument("field3d: the drive of a winding is not a finite number");
+      throw std::invalid_argument("field in space: the drive of a winding is not a finite number");
     if (!drive[k].flux) s.current[k] = drive[k].value;
   }
   Step p = impl_->evaluate(s);
@@ -176,7 +176,7 @@ std::vector<std::vector<double>> Newton::tangents(const State& s, std::vector<do
   if (!factored) {
     impl_->function.hessian(s, h);
     if (!impl_->factor.factor(h.uu))
-      throw std::logic_error("field3d: the matrix of a convex energy lost its sign");
+      throw std::logic_error("field in space: the matrix of a convex energy lost its sign");
   }
   const std::size_t m = h.ui.size();
   std::vector<std::vector<double>> out;

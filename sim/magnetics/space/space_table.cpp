@@ -17,7 +17,8 @@ double saturation(const SpaceMagnet& d, space::MagnetField& field, space::Magnet
   space::State near;
   const auto stiff = [&](double psi) {
     const auto p = field.at_flux(psi, 0, near, true);
-    if (!p.solution.converged) throw std::runtime_error("field3d: no convergence on the way to saturation");
+    if (!p.solution.converged)
+      throw std::runtime_error("field in space: no convergence on the way to saturation");
     near = p.solution.state;
     return p.response.current_psi >= wanted;
   };

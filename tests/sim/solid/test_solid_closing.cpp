@@ -112,7 +112,7 @@ TEST_CASE("as a rung, a closing of the bodies sees ambient and polarity once", "
   c.conditions.closing_angle = radians(90);
   c.conditions.ambient = 313.15;
   c.conditions.polarity = -1;
-  const auto rung = scene_rung(circuit_field(), "explicit");
+  const auto rung = scene_rung(circuit_field(), "deformable");
   const double bodies = *rung.run(c, 20e-3, 10, 0).truth.touch,
                lumped = *simulate(c.specimen, c.conditions, 0.03, 0).truth.touch;
   Case cold = c;

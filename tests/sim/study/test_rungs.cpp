@@ -94,20 +94,20 @@ TEST_CASE("a rung refuses what it does not model", "[rungs]") {
   floating.specimen.base.core_mass = 0.2;
   released.conditions.hold_time = 0.01;
   const auto says = [](const char* text) { return Catch::Matchers::StartsWith(text); };
-  for (const char* mechanics : {"modal", "explicit"}) {
+  for (const char* mechanics : {"modal", "deformable"}) {
     CAPTURE(mechanics);
     CHECK_THAT(words(mechanics, weak_mains()), says("supply, switch: "));
     CHECK_THAT(words(mechanics, relay), says("supply, switch: "));
     CHECK_THAT(words(mechanics, remanent), says("magnet.coercive_field_A_per_m: allowed 0"));
     CHECK_THAT(words(mechanics, floating), says("base.core_mass_g"));
   }
-  CHECK_THAT(words("explicit", released), says("hold_time: allowed from 30"));
+  CHECK_THAT(words("deformable", released), says("hold_time: allowed from 30"));
   CHECK(words("modal", released) == "ran");
   for (const char* mechanics : {"plant", "rigid"})
     for (const Case& c : {weak_mains(), relay, remanent, released}) CHECK(words(mechanics, c) == "ran");
 }
 
-TEST_CASE("the explicit rung takes coil temperature and polarity as the others do", "[rungs]") {
+TEST_CASE("the deformable rung takes coil temperature and polarity as the others do", "[rungs]") {
   Case c;
   c.conditions.closing_angle = radians(40.0);
   Case turned = c;  // half a turn later and the other way round: the same closing
@@ -115,7 +115,7 @@ TEST_CASE("the explicit rung takes coil temperature and polarity as the others d
   turned.conditions.polarity = -1;
   Case hot = c;
   hot.conditions.ambient = zero_celsius + 60;
-  const Rung rung = scene_rung(circuit_field(), "explicit");
+  const Rung rung = scene_rung(circuit_field(), "deformable");
   const auto current = [&](const Case& q) { return rung.run(q, 4e-3, 6, 1e-3).samples.back().coil_current; };
   CHECK(current(turned) == Approx(current(c)).epsilon(1e-12));
   const Rung rigid = scene_rung(circuit_field(), "rigid");
@@ -127,10 +127,10 @@ TEST_CASE("the explicit rung takes coil temperature and polarity as the others d
   CHECK(current(hot) / current(c) - 1 == Approx(change).epsilon(0.05));
 }
 
-TEST_CASE("the explicit rung's openings last from a release to the next touch", "[.slow][rungs]") {
+TEST_CASE("the deformable rung's openings last from a release to the next touch", "[.slow][rungs]") {
   Case c;
   c.conditions.closing_angle = radians(40.0);
-  const Trajectory t = scene_rung(circuit_field(), "explicit").run(c, 30e-3, 6, 1e-3);
+  const Trajectory t = scene_rung(circuit_field(), "deformable").run(c, 30e-3, 6, 1e-3);
   REQUIRE(t.truth.touch);
   REQUIRE_FALSE(t.truth.openings.empty());
   double closed_since = *t.truth.touch;

@@ -183,7 +183,8 @@ TEST_CASE("bad wishes are refused", "[scene]") {
                   std::invalid_argument);
   CHECK_THROWS_AS(choose_scene({}, at(0), {0.1, unwanted, unwanted}, 0.08, {}, no_clock),
                   std::invalid_argument);
-  CHECK_THROWS_WITH(scene_rung(circuit_field(), "elastic"), Catch::Contains("plant, rigid, modal, explicit"));
+  CHECK_THROWS_WITH(scene_rung(circuit_field(), "elastic"),
+                    Catch::Contains("plant, rigid, modal, deformable"));
   const auto table = pure_field("table", "a table", std::make_shared<SpecimenPotential>(Specimen{}));
   CHECK_THROWS_WITH(scene_rung(table, "plant"), Catch::Contains("take rigid"));
 }
@@ -212,7 +213,7 @@ TEST_CASE("plane finite elements solved at every step are the table they would f
   Team team(2);
   const auto table =
       pure_field("table", "table", std::make_shared<TablePotential>(build_table(design, options, team)));
-  const auto live = live_field(design, plan_table(design, options).field);
+  const auto live = solved_field(design, plan_table(design, options).field);
   const std::vector<Rung> rungs{scene_rung(table, "rigid"), scene_rung(live, "rigid")};
   const auto a = run_rung(rungs, 0, c, 0.014, 1e-4, no_clock);
   const auto b = run_rung(rungs, 1, c, 0.014, 1e-4, no_clock);

@@ -2,8 +2,8 @@
 #include <cmath>
 #include <vector>
 
-#include "bench/field3d/edge_space3.h"
-#include "bench/field3d/team13.h"
+#include "bench/space/edge_space.h"
+#include "bench/space/team13.h"
 #include "sim/magnetics/space/newton.h"
 
 namespace sim = powbench::sim;
@@ -18,7 +18,7 @@ double psi_above(const sim::space::Problem& p, double current) {
 }
 
 /// Curls at 125 points, one row a function: how many rows are independent.
-int rank_of_curls(const bench::EdgeSpace3& space, const sim::Vec3& size) {
+int rank_of_curls(const bench::EdgeSpace& space, const sim::Vec3& size) {
   std::vector<std::vector<double>> rows(space.functions().size());
   std::vector<sim::Vec3> curls;
   for (int q = 0; q < 125; ++q) {
@@ -54,7 +54,7 @@ TEST_CASE("Scalar and vector potential enclose the flux linkage of a coil in air
     p.y = {-0.6, -0.2, -0.1, -0.075, -0.05, 0, 0.05, 0.075, 0.1, 0.2, 0.6};
     p.z = {0, 0.05, 0.2, 0.6};
     p.steel = [](const sim::Vec3&) { return false; };
-    bench::EdgeField3 below(p);
+    bench::EdgeField below(p);
     const auto low = below.solve(1000);
     CHECK(low.converged);
     CHECK(low.iterations <= 2);  // linear
@@ -69,7 +69,7 @@ TEST_CASE("Scalar and vector potential enclose the flux linkage of a coil in air
 TEST_CASE("Only the gradients of corner functions are left among the edge functions of a brick") {
   const std::vector<double> x{0, 0.7}, y{-1, 1}, z{0, 0.4};
   for (const int order : {1, 2}) {
-    const bench::EdgeSpace3 space(order, x, y, z);
+    const bench::EdgeSpace space(order, x, y, z);
     // fields div B = 0 of the full space: its functions less the gradients of all nodal functions but the constant
     const int nodes = (order + 1) * (order + 1) * (order + 1), full = 3 * order * (order + 1) * (order + 1);
     CHECK(static_cast<int>(space.functions().size()) == full - (nodes - 8));
@@ -82,7 +82,7 @@ TEST_CASE("Scalar and vector potential enclose the flux linkage of TEAM 13 and c
   CHECK(high[1] < high[0]);
   double before = 1;
   for (const int order : {1, 2}) {
-    bench::EdgeField3 below(bench::team13_edges(8, order));
+    bench::EdgeField below(bench::team13_edges(8, order));
     const auto low = below.solve(1000);
     CHECK(low.converged);
     CHECK(low.iterations <= 25);

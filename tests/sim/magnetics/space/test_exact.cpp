@@ -2,8 +2,8 @@
 #include <cmath>
 #include <numbers>
 
-#include "bench/field3d/exact3.h"
-#include "bench/field3d/probe3.h"
+#include "bench/space/exact.h"
+#include "bench/space/probe.h"
 #include "sim/magnetics/space/newton.h"
 
 namespace sim = powbench::sim;
@@ -31,7 +31,7 @@ double ball_solution(const std::vector<double>& radius, std::vector<sim::space::
   const auto s = newton.solve({});
   REQUIRE(s.converged);
   if (iterations) *iterations = s.iterations;
-  return bench::Probe3(w, s.state).at(where).b[2];
+  return bench::Probe(w, s.state).at(where).b[2];
 }
 
 }  // namespace

@@ -1,8 +1,8 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
-#include "bench/field3d/team13.h"
-#include "bench/field3d/team20.h"
+#include "bench/space/team13.h"
+#include "bench/space/team20.h"
 #include "sim/magnetics/space/force.h"
 #include "sim/magnetics/space/ladder.h"
 

@@ -8,10 +8,10 @@
 
 namespace powbench::bench {
 
-class Probe3 {
+class Probe {
  public:
   /// Keeps references to the function and to its problem.
-  Probe3(const sim::space::Coenergy&, const sim::space::State&);
+  Probe(const sim::space::Coenergy&, const sim::space::State&);
 
   struct Sample {
     int cell = -1;  ///< -1: the point lies outside the mesh

@@ -1,4 +1,4 @@
-#include "bench/field3d/probe3.h"
+#include "bench/space/probe.h"
 
 #include <algorithm>
 #include <cmath>
@@ -8,7 +8,7 @@ namespace powbench::bench {
 using namespace sim;
 using namespace sim::space;
 
-Probe3::Probe3(const space::Coenergy& function, const space::State& state)
+Probe::Probe(const space::Coenergy& function, const space::State& state)
     : function_(function), state_(state), potential_(function.nodal(state)) {
   const auto& mesh = function.problem().mesh;
   for (const auto& m : function.problem().media) laws_.emplace_back(m);
@@ -28,7 +28,7 @@ Probe3::Probe3(const space::Coenergy& function, const space::State& state)
 }
 
 /// Newton on the map from the reference cell; true if the point lies in the cell.
-bool Probe3::locate(int c, const Vec3& point, Vec3& xi) const {
+bool Probe::locate(int c, const Vec3& point, Vec3& xi) const {
   const auto& mesh = function_.problem().mesh;
   const int per = mesh.per_cell();
   const bool hex = mesh.cell == Cell::hex8 || mesh.cell == Cell::hex20 || mesh.cell == Cell::hex27;
@@ -64,7 +64,7 @@ bool Probe3::locate(int c, const Vec3& point, Vec3& xi) const {
   return std::min({xi[0], xi[1], xi[2]}) >= -slack && xi[0] + xi[1] + xi[2] <= 1 + slack;
 }
 
-Probe3::Sample Probe3::at(const Vec3& point) const {
+Probe::Sample Probe::at(const Vec3& point) const {
   const auto& problem = function_.problem();
   const auto& mesh = problem.mesh;
   const int per = mesh.per_cell();

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "bench/field3d/table3.h"
+#include "bench/space/table.h"
 
 /// TEAM 13 beside what was measured, and from both sides.
 

@@ -26,7 +26,7 @@ PlantSample between(const std::vector<SolidClosingSample>& list, double t, std::
   return s;
 }
 
-/// The explicit rung's result in the words of the others.
+/// The deformable rung's result in the words of the others.
 Trajectory trajectory(const SolidClosingResult& r, const Case& c, double duration, double sample_dt) {
   Trajectory t;
   if (r.first_touch >= 0) t.truth.touch = t.truth.touch_a = t.truth.touch_b = r.first_touch;
@@ -46,22 +46,22 @@ Trajectory trajectory(const SolidClosingResult& r, const Case& c, double duratio
   return t;
 }
 
-Trajectory run_explicit(const FieldRung& fields, const Case& c, double duration, double cell_mm,
-                        double sample_dt) {
-  refuse_unknown(explicit_mechanics(), c);
+Trajectory run_deformable(const FieldRung& fields, const Case& c, double duration, double cell_mm,
+                          double sample_dt) {
+  refuse_unknown(deformable_mechanics(), c);
   SolidClosingOptions o;
   o.cell = cell_mm * 1e-3;
-  o.end = std::min(duration, explicit_duration);
+  o.end = std::min(duration, deformable_duration);
   o.pressed_gap = fields.pressed_gap;
   const CountingPotential potential(fields.potential(c));
   return potential.told(
       trajectory(solid_closing(c.specimen, c.conditions, potential, o), c, duration, sample_dt));
 }
 
-Rung explicit_rung(const FieldRung& fields) {
-  Rung r{fields.name, "explicit", fields.meaning + ", deforming parts of finite elements",
+Rung deformable_rung(const FieldRung& fields) {
+  Rung r{fields.name, "deformable", fields.meaning + ", deforming parts of finite elements",
          [fields](const Case& c, double duration, double cell_mm, double sample_dt) {
-           return run_explicit(fields, c, duration, cell_mm, sample_dt);
+           return run_deformable(fields, c, duration, cell_mm, sample_dt);
          }};
   r.setting = "cell mm";
   r.settings = {6, 4, 3};
@@ -69,23 +69,23 @@ Rung explicit_rung(const FieldRung& fields) {
   return r;
 }
 
-std::string unknown_to_explicit(const Case& c) {
-  if (std::string beyond = beyond_deforming_parts("explicit", c); !beyond.empty()) return beyond;
-  if (c.conditions.hold_time < explicit_duration)
-    return "hold_time: allowed from " + std::to_string(explicit_duration * 1e3) +
-           " ms on, the rung explicit does not switch off; take plant or rigid";
+std::string unknown_to_deformable(const Case& c) {
+  if (std::string beyond = beyond_deforming_parts("deformable", c); !beyond.empty()) return beyond;
+  if (c.conditions.hold_time < deformable_duration)
+    return "hold_time: allowed from " + std::to_string(deformable_duration * 1e3) +
+           " ms on, the rung deformable does not switch off; take plant or rigid";
   return "";
 }
 
 }  // namespace
 
-Mechanics explicit_mechanics() {
-  return {.name = "explicit",
+Mechanics deformable_mechanics() {
+  return {.name = "deformable",
           .detail = 2,
           .any_fields = true,
           .costly = true,
-          .unknown = unknown_to_explicit,
-          .rung = explicit_rung};
+          .unknown = unknown_to_deformable,
+          .rung = deformable_rung};
 }
 
 }  // namespace powbench::sim

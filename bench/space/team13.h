@@ -1,6 +1,6 @@
 #pragma once
 
-#include "bench/field3d/edge3.h"
+#include "bench/space/edge_field.h"
 #include "sim/magnetics/space/coenergy.h"
 
 /// TEAM workshop problem 13: thin saturated plates with gaps of 0.5 mm round a coil.
@@ -30,6 +30,6 @@ inline constexpr Team13Air team13_air[] = {{10, 0.05930}, {20, 0.04000},  {30, 0
 
 /// Average |B_z| over the centre plate's section at height z, m.
 double team13_plate_average(const sim::space::Coenergy&, const sim::space::State&, double z);
-double team13_plate_average(const EdgeField3&, const EdgeSolution&, double z);
+double team13_plate_average(const EdgeField&, const EdgeSolution&, double z);
 
 }  // namespace powbench::bench

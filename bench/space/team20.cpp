@@ -1,4 +1,4 @@
-#include "bench/field3d/team20.h"
+#include "bench/space/team20.h"
 
 #include <algorithm>
 #include <cmath>

@@ -11,11 +11,11 @@ namespace {
 /// The field as a potential that remembers its last solution. Not for two threads. Past the largest gap of its mesh, m,
 /// the energy goes on linearly in the gap: steps that are tried look there.
 template <class Field>
-class LivePotential final : public MagneticPotential {
+class SolvedPotential final : public MagneticPotential {
  public:
   template <class Design, class Options>
-  LivePotential(const Design& design, const Options& options,
-                double largest_gap = std::numeric_limits<double>::infinity())
+  SolvedPotential(const Design& design, const Options& options,
+                  double largest_gap = std::numeric_limits<double>::infinity())
       : field_(design, options), largest_gap_(largest_gap) {}
 
   bool has_ring() const override { return field_.has_ring(); }
@@ -52,37 +52,37 @@ class LivePotential final : public MagneticPotential {
   double largest_gap_;
 };
 
-FieldRung live_rung(const Specimen& s, FieldTables& tables) {
-  if (s.drawn) return live_field(s.drawn, {});
+FieldRung solved_rung(const Specimen& s, FieldTables& tables) {
+  if (s.drawn) return solved_field(s.drawn, {});
   const MagnetDesign design = magnet_design(s);
-  return live_field(design, plan_table(design, tables.options(s)).field);
+  return solved_field(design, plan_table(design, tables.options(s)).field);
 }
 
 }  // namespace
 
-FieldRung live_field(const MagnetDesign& design, const FieldOptions& options) {
-  return {"field2d", "plane finite elements solved at every step",
+FieldRung solved_field(const MagnetDesign& design, const FieldOptions& options) {
+  return {"solved", "plane finite elements solved at every step",
           [design, options](const Case&) {
-            return std::make_shared<LivePotential<MagnetField>>(design, options);
+            return std::make_shared<SolvedPotential<MagnetField>>(design, options);
           },
           false, true};
 }
 
-FieldRung live_field(const std::shared_ptr<const DrawnMagnet>& drawing, const NewtonOptions& options) {
-  return {"field2d", "finite elements of the drawing solved at every step",
+FieldRung solved_field(const std::shared_ptr<const DrawnMagnet>& drawing, const NewtonOptions& options) {
+  return {"solved", "finite elements of the drawing solved at every step",
           [drawing, options](const Case&) {
             constexpr double spare = 0.99;
             const double largest = spare * usable_gaps(*drawing).second - drawing->residual_gap;
-            return std::make_shared<LivePotential<DrawnField>>(drawing, options, largest);
+            return std::make_shared<SolvedPotential<DrawnField>>(drawing, options, largest);
           },
           false, true};
 }
 
-Fields live_fields() {
-  return {.name = "field2d",
+Fields solved_fields() {
+  return {.name = "solved",
           .costly = true,
           .unknown = [](const Specimen& s) { return s.in_space ? has_three_dimensions(s) : no_elements(s); },
-          .rung = live_rung};
+          .rung = solved_rung};
 }
 
 }  // namespace powbench::sim

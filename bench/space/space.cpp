@@ -1,5 +1,5 @@
 // Three-dimensional fields beside exact, measured and self-converged references: one row a quantity.
-//   field3d [--json PATH] [--picture PATH.svg] [--fine]      --fine: finer meshes and the table too (minutes)
+//   space [--json PATH] [--picture PATH.svg] [--fine]      --fine: finer meshes and the table too (minutes)
 
 #include <algorithm>
 #include <cmath>
@@ -11,12 +11,12 @@
 #include <string>
 #include <vector>
 
-#include "bench/field3d/exact3.h"
-#include "bench/field3d/picture3.h"
-#include "bench/field3d/probe3.h"
-#include "bench/field3d/table3.h"
-#include "bench/field3d/team13_rows.h"
-#include "bench/field3d/team20.h"
+#include "bench/space/exact.h"
+#include "bench/space/picture.h"
+#include "bench/space/probe.h"
+#include "bench/space/table.h"
+#include "bench/space/team13_rows.h"
+#include "bench/space/team20.h"
 #include "core/cpu_time.h"
 #include "sim/magnetics/space/force.h"
 #include "sim/magnetics/space/ladder.h"
@@ -47,7 +47,7 @@ void balls(Table& table) {
     const sim::space::Coenergy w(p);
     sim::space::Newton newton(w);
     const auto s = newton.solve({});
-    const double b = bench::Probe3(w, s.state).at({0.2, 0.15, 0.3}).b[2];
+    const double b = bench::Probe(w, s.state).at({0.2, 0.15, 0.3}).b[2];
     table.add(
         {name, "T", b, exact, w.unknowns(), s.iterations, powbench::process_cpu_seconds() - start, "exact"});
   };
@@ -79,7 +79,7 @@ void solenoids(Table& table) {
     table.add({name + ", inductance", "H", s.flux[0], bench::solenoid_inductance(10e-3, length, 1000),
                w.unknowns(), s.iterations, cost, "exact"});
     const double centre = mu0 * 1000 / length * (length / 2) / std::hypot(10e-3, length / 2);
-    table.add({name + ", B at the centre", "T", bench::Probe3(w, s.state).at({1e-6, 1e-6, 1e-6}).b[2], centre,
+    table.add({name + ", B at the centre", "T", bench::Probe(w, s.state).at({1e-6, 1e-6, 1e-6}).b[2], centre,
                w.unknowns(), s.iterations, cost, "exact"});
   }
 }
@@ -198,7 +198,7 @@ bool write(const std::string& path, const std::string& text) {
   std::ofstream out(path);
   out << text;
   if (out) return true;
-  std::fprintf(stderr, "field3d: cannot write %s\n", path.c_str());
+  std::fprintf(stderr, "space: cannot write %s\n", path.c_str());
   return false;
 }
 
@@ -241,7 +241,7 @@ int main(int argc, char** argv) {
   const auto bounds = bench::team13_bounds(above, fine);
   const auto corrections = ends(2.8);
   if (fine) three_dimensional_table();
-  const nlohmann::ordered_json all{{"benchmark", "field3d"},
+  const nlohmann::ordered_json all{{"benchmark", "space"},
                                    {"rows", table.rows()},
                                    {"team13_bounds", bounds},
                                    {"end_corrections", corrections}};

@@ -1,10 +1,10 @@
-#include "bench/field3d/team13_rows.h"
+#include "bench/space/team13_rows.h"
 
 #include <cmath>
 #include <cstdio>
 
-#include "bench/field3d/probe3.h"
-#include "bench/field3d/team13.h"
+#include "bench/space/probe.h"
+#include "bench/space/team13.h"
 #include "core/cpu_time.h"
 #include "sim/magnetics/space/newton.h"
 
@@ -52,7 +52,7 @@ Team13Bound team13_above(double size, double gap) {
 
 Team13Bound team13_below(double size, int order, double gap) {
   const double start = process_cpu_seconds();
-  EdgeField3 field(team13_edges(size, order, gap));
+  EdgeField field(team13_edges(size, order, gap));
   const auto s = field.solve(1000);
   Team13Bound out{"below", gap, order, field.unknowns(), s.iterations, process_cpu_seconds() - start, s.psi};
   for (const auto& row : team13_plate) out.plate.push_back(team13_plate_average(field, s, row.z_mm * 1e-3));
@@ -71,7 +71,7 @@ Team13Bound team13_rows(Table& table, double size) {
   const double start = process_cpu_seconds();
   const auto strong = field.solve(3000);
   const double cost = process_cpu_seconds() - start;
-  const Probe3 probe(field.space(), strong.state);
+  const Probe probe(field.space(), strong.state);
   for (const auto& row : team13_air) {
     const auto b = probe.at({row.x_mm * 1e-3, 20e-3, 55e-3}).b;
     table.add({"TEAM 13, 3000 A, air x " + std::to_string(static_cast<int>(row.x_mm)) + " mm", "T",

@@ -1,4 +1,4 @@
-#include "bench/field3d/exact3.h"
+#include "bench/space/exact.h"
 
 #include <algorithm>
 #include <cmath>

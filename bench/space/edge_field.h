@@ -36,10 +36,10 @@ struct EdgeSolution {
   bool converged = false;
 };
 
-class EdgeField3 {
+class EdgeField {
  public:
-  explicit EdgeField3(EdgeProblem);
-  ~EdgeField3();
+  explicit EdgeField(EdgeProblem);
+  ~EdgeField();
 
   int unknowns() const;
 

@@ -73,7 +73,7 @@ class WithoutRingEnds final : public sim::MagneticPotential {
   sim::TablePotential base_, plus_, minus_;
 };
 
-constexpr const char* names[] = {"circuit", "field2d", "table of field2d with ends"};
+constexpr const char* names[] = {"circuit", "plane", "table of the plane with ends"};
 constexpr std::size_t rungs = std::size(names);
 
 struct Worst {
@@ -127,9 +127,10 @@ Json ring_states(const sim::MagnetDesign& design, const sim::space::CoreMeshSize
   sim::space::MagnetField whole(design, sizes);
   const auto& s = design.shape;
   const double iron = s.centre_width * s.stack * s.stack_factor;
-  constexpr const char* kinds[] = {"field2d, leakages in series", "ends of the open ring", "ends and ring"};
+  constexpr const char* kinds[] = {"plane, leakages in series", "ends of the open ring", "ends and ring"};
   std::printf(
-      "\nDeviations from field3d (%d unknowns) at equal currents, per cent; ring: of its share of the "
+      "\nDeviations from the field in space (%d unknowns) at equal currents, per cent; ring: of its share of "
+      "the "
       "flux.\n",
       whole.unknowns());
   std::printf("%6s %5s %5s | %8s %8s %9s | %23s | %23s | %23s\n", "", "", "ring /", "", "", "", kinds[0],
@@ -169,8 +170,8 @@ Json ring_states(const sim::MagnetDesign& design, const sim::space::CoreMeshSize
       }
   }
   const double state_cost = seconds() / static_cast<double>(rows.size());
-  std::printf("\n%-28s %8s %8s %8s %8s %8s %8s\n", "deviation from field3d, %", "psi rms", "worst",
-              "ring rms", "worst", "pull rms", "worst");
+  std::printf("\n%-28s %8s %8s %8s %8s %8s %8s\n", "deviation from space, %", "psi rms", "worst", "ring rms",
+              "worst", "pull rms", "worst");
   Json summary = Json::array();
   for (int r = 0; r < 3; ++r) {
     Json line{{"rung", kinds[r]}};
@@ -233,10 +234,11 @@ int main(int argc, char** argv) {
   sim::MagnetField plane(leaky, sim::plan_table(leaky, options).field);
   sim::space::MagnetField whole(design, sizes);
   std::printf(
-      "The reference contactor, ring without current. Deviations from field3d (%d unknowns), per cent.\n",
+      "The reference contactor, ring without current. Deviations from the field in space (%d unknowns), per "
+      "cent.\n",
       whole.unknowns());
-  std::printf("%7s %6s | %10s %10s | %8s %8s | %8s %8s | %8s %8s\n", "", "", "field3d", "field3d", "circuit",
-              "circuit", "field2d", "field2d", "2d+ends", "2d+ends");
+  std::printf("%7s %6s | %10s %10s | %8s %8s | %8s %8s | %8s %8s\n", "", "", "space", "space", "circuit",
+              "circuit", "plane", "plane", "ends", "ends");
   std::printf("%7s %6s | %10s %10s | %8s %8s | %8s %8s | %8s %8s\n", "gap mm", "i A", "psi Wb", "pull N",
               "psi", "pull", "psi", "pull", "psi", "pull");
   Json rows = Json::array();
@@ -248,7 +250,7 @@ int main(int argc, char** argv) {
     for (const double current : {0.03, 0.3, 0.7, 1.2, 2.0}) {
       start = powbench::process_cpu_seconds();
       const auto p3 = whole.at_current(current);
-      stop("field3d");
+      stop("space");
       const auto p2 = plane.at_current(current, 0);
       stop(names[1]);
       const State found[rungs] = {at_current(circuit, current, gap),
@@ -267,8 +269,8 @@ int main(int argc, char** argv) {
     }
   }
   Json summary = Json::array();
-  std::printf("\n%-28s %10s %10s %10s %10s\n", "deviation from field3d, %", "psi rms", "psi worst",
-              "pull rms", "pull worst");
+  std::printf("\n%-28s %10s %10s %10s %10s\n", "deviation from space, %", "psi rms", "psi worst", "pull rms",
+              "pull worst");
   for (std::size_t r = 0; r < rungs; ++r) {
     const auto& w = worst[r];
     const double psi_rms = std::sqrt(w.psi_sum / w.count), pull_rms = std::sqrt(w.pull_sum / w.count);
@@ -280,10 +282,10 @@ int main(int argc, char** argv) {
                        {"pull_worst_percent", w.pull}});
   }
   std::printf(
-      "\nCPU: a state of field3d %.0f times one of field2d; the table with ends (%s) as long as %.0f states "
+      "\nCPU: a state in space %.0f times one in the plane; the table with ends (%s) as long as %.0f states "
       "of "
-      "field3d\n",
-      cost["field3d"] / cost[names[1]], table.table().description.c_str(),
-      cost["table"] / (cost["field3d"] / static_cast<double>(rows.size())));
+      "in space\n",
+      cost["space"] / cost[names[1]], table.table().description.c_str(),
+      cost["table"] / (cost["space"] / static_cast<double>(rows.size())));
   return write(json_path, {{"benchmark", "field_range"}, {"rows", rows}, {"summary", summary}}) ? 0 : 2;
 }

@@ -1,4 +1,4 @@
-#include "bench/field3d/edge_space3.h"
+#include "bench/space/edge_space.h"
 
 #include <algorithm>
 #include <utility>
@@ -12,18 +12,18 @@ std::size_t at(int i) {
 
 /// Each gradient of a function with a third L holds exactly one function that has the second P in the first of the
 /// directions where it has one; without those the gradients are gone and curl A spans the same.
-bool only_for_gradients(const EdgeSpace3::Function& f) {
+bool only_for_gradients(const EdgeSpace::Function& f) {
   if (f.factor[at(f.component)] == 0) return false;
   for (int r = 0; r < f.component; ++r)
     if (f.factor[at(r)] == 2) return false;
   return true;
 }
 
-std::vector<EdgeSpace3::Function> functions_of(int order) {
-  std::vector<EdgeSpace3::Function> out;
+std::vector<EdgeSpace::Function> functions_of(int order) {
+  std::vector<EdgeSpace::Function> out;
   for (int d = 0; d < 3; ++d)
     for (int k = 0; k < order * (order + 1) * (order + 1); ++k) {
-      EdgeSpace3::Function f{d, {}};
+      EdgeSpace::Function f{d, {}};
       int rest = k;
       for (int r = 0; r < 3; ++r) {
         const int choices = r == d ? order : order + 1;
@@ -45,14 +45,14 @@ struct Factors {
 
 }  // namespace
 
-bool EdgeSpace3::Function::lowest() const {
+bool EdgeSpace::Function::lowest() const {
   for (int r = 0; r < 3; ++r)
     if (factor[at(r)] >= (r == component ? 1 : 2)) return false;
   return true;
 }
 
-EdgeSpace3::EdgeSpace3(int order, const std::vector<double>& x, const std::vector<double>& y,
-                       const std::vector<double>& z)
+EdgeSpace::EdgeSpace(int order, const std::vector<double>& x, const std::vector<double>& y,
+                     const std::vector<double>& z)
     : functions_(functions_of(order)) {
   const std::vector<double>* line[3] = {&x, &y, &z};
   int last[3];  // places of the lattice of half bricks: 0 .. last
@@ -83,7 +83,7 @@ EdgeSpace3::EdgeSpace3(int order, const std::vector<double>& x, const std::vecto
       }
 }
 
-void EdgeSpace3::curls(const sim::Vec3& size, const sim::Vec3& t, std::vector<sim::Vec3>& out) const {
+void EdgeSpace::curls(const sim::Vec3& size, const sim::Vec3& t, std::vector<sim::Vec3>& out) const {
   const Factors along[3] = {{size[0], t[0]}, {size[1], t[1]}, {size[2], t[2]}};
   out.assign(functions_.size(), {});
   for (std::size_t n = 0; n < functions_.size(); ++n) {
@@ -95,8 +95,8 @@ void EdgeSpace3::curls(const sim::Vec3& size, const sim::Vec3& t, std::vector<si
   }
 }
 
-sim::Vec3 EdgeSpace3::field(const Brick& b, const std::vector<sim::Vec3>& curls,
-                            const std::vector<double>& a) const {
+sim::Vec3 EdgeSpace::field(const Brick& b, const std::vector<sim::Vec3>& curls,
+                           const std::vector<double>& a) const {
   sim::Vec3 out{};
   for (std::size_t n = 0; n < curls.size(); ++n)
     if (b.unknown[n] >= 0)
@@ -104,7 +104,7 @@ sim::Vec3 EdgeSpace3::field(const Brick& b, const std::vector<sim::Vec3>& curls,
   return out;
 }
 
-sim::space::SymmetricMatrix EdgeSpace3::pattern(std::vector<int>& slot) const {
+sim::space::SymmetricMatrix EdgeSpace::pattern(std::vector<int>& slot) const {
   std::vector<std::vector<int>> columns(at(count_));
   const auto tidy = [](std::vector<int>& c) {
     std::sort(c.begin(), c.end());

@@ -1,6 +1,6 @@
 // TEAM 13, an E-core with currents in coil and shading ring, a C-core and a drawn relay, by GetDP on meshes of gmsh:
 // vector potential on edges of order 2, from below; one row a mesh.
-//   field3d_peer [--case team13 | ring | closed_leg | relay] [--json PATH]      without --case: all of them
+//   space_peer [--case team13 | ring | closed_leg | relay] [--json PATH]      without --case: all of them
 
 #include <cmath>
 #include <cstdio>
@@ -14,9 +14,9 @@
 #include <utility>
 #include <vector>
 
-#include "bench/field3d/team13.h"
 #include "bench/fields/json_out.h"
 #include "bench/fields/peer_run.h"
+#include "bench/space/team13.h"
 #include "core/cpu_time.h"
 #include "sim/magnetics/plane/core_outline.h"
 #include "sim/magnetics/space/import.h"
@@ -86,7 +86,7 @@ std::string prepared(const std::string& name, const std::string& problem) {
   const std::string folder = (std::filesystem::temp_directory_path() / ("powbench-" + name)).string();
   std::filesystem::create_directories(folder);
   for (const std::string& file : {name + ".geo", problem + ".pro", std::string("vector_potential.pro")})
-    std::filesystem::copy_file(std::string(POWBENCH_SOURCE_DIR) + "/bench/field3d/peers/" + file,
+    std::filesystem::copy_file(std::string(POWBENCH_SOURCE_DIR) + "/bench/space/peers/" + file,
                                folder + "/" + file, std::filesystem::copy_options::overwrite_existing);
   return folder;
 }
@@ -191,7 +191,7 @@ nlohmann::ordered_json core_rows(const CoreCase& c, bool installed) {
     sim::space::MagnetField field(d, sim::space::CoreMeshSizes{}.scaled(scale));
     field.set_gap(gap);
     const auto p = field.at_current(c.current, c.ring_current);
-    add("field3d, from above", field.unknowns(), powbench::process_cpu_seconds() - start, p.psi, p.ring);
+    add("powbench, from above", field.unknowns(), powbench::process_cpu_seconds() - start, p.psi, p.ring);
   }
   if (!installed) return list;
   const std::string folder = prepared(c.geometry, "core");

@@ -15,7 +15,7 @@
 
 namespace powbench::bench {
 
-class EdgeSpace3 {
+class EdgeSpace {
  public:
   /// A function of a brick: the component it gives to A, and by direction the number of its factor P or L.
   struct Function {
@@ -33,8 +33,8 @@ class EdgeSpace3 {
 
   /// A x n = 0 at x.back(), y.front(), y.back(), z.back(); the face x.front() is tied to itself turned by 180 degrees
   /// about z, for which y must be symmetric about 0. z.front() is free.
-  EdgeSpace3(int order, const std::vector<double>& x, const std::vector<double>& y,
-             const std::vector<double>& z);
+  EdgeSpace(int order, const std::vector<double>& x, const std::vector<double>& y,
+            const std::vector<double>& z);
 
   int count() const { return count_; }
   const std::vector<Function>& functions() const { return functions_; }

@@ -1,11 +1,11 @@
-#include "bench/field3d/picture3.h"
+#include "bench/space/picture.h"
 
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <functional>
 
-#include "bench/field3d/probe3.h"
+#include "bench/space/probe.h"
 
 namespace powbench::bench {
 namespace {
@@ -46,7 +46,7 @@ struct Panel {
   std::function<sim::Vec3(double, double)> point;  ///< of the plane's coordinates
 };
 
-void paint(std::string& svg, const Panel& panel, const bench::Probe3& probe) {
+void paint(std::string& svg, const Panel& panel, const bench::Probe& probe) {
   const double height = panel.high - panel.low;
   const int columns = static_cast<int>(panel.width / cell), rows = static_cast<int>(height / cell);
   const double pixel = cell * 1e3 * scale;
@@ -94,7 +94,7 @@ void legend(std::string& svg, double x, double y) {
 std::string core_picture(const sim::space::MagnetField& field, const sim::space::FieldPoint& point,
                          const sim::MagnetDesign& design, double gap) {
   const auto& s = design.shape;
-  const bench::Probe3 probe(field.function(), point.solution.state);
+  const bench::Probe probe(field.function(), point.solution.state);
   const double bottom = -s.fixed_window - s.yoke, strip = gap + design.residual_gap;
   const double top = strip + s.moving_window + s.yoke, air = 6e-3;
   const double x1 = s.centre_width / 2, x2 = x1 + s.window_width, x3 = x2 + s.outer_width;

@@ -1,4 +1,4 @@
-#include "bench/field3d/edge3.h"
+#include "bench/space/edge_field.h"
 
 #include <algorithm>
 #include <array>
@@ -6,7 +6,7 @@
 #include <numbers>
 #include <utility>
 
-#include "bench/field3d/edge_space3.h"
+#include "bench/space/edge_space.h"
 #include "sim/magnetics/space/cholesky.h"
 
 namespace powbench::bench {
@@ -41,15 +41,15 @@ std::vector<GaussPoint> gauss_points() {
   return out;
 }
 
-double volume(const EdgeSpace3::Brick& b) {
+double volume(const EdgeSpace::Brick& b) {
   return b.size[0] * b.size[1] * b.size[2];
 }
 
 }  // namespace
 
-struct EdgeField3::Impl {
+struct EdgeField::Impl {
   EdgeProblem p;
-  EdgeSpace3 space;
+  EdgeSpace space;
   std::vector<GaussPoint> points = gauss_points();
   std::vector<int> slot;
   sim::space::SymmetricMatrix linear, hessian;  ///< of air and gauge; with the steel
@@ -69,11 +69,11 @@ struct EdgeField3::Impl {
     hessian = linear;
   }
 
-  static sim::Vec3 place(const EdgeSpace3::Brick& b, const sim::Vec3& t) {
+  static sim::Vec3 place(const EdgeSpace::Brick& b, const sim::Vec3& t) {
     return {b.low[0] + t[0] * b.size[0], b.low[1] + t[1] * b.size[1], b.low[2] + t[2] * b.size[2]};
   }
 
-  void add_source(const EdgeSpace3::Brick& b) {
+  void add_source(const EdgeSpace::Brick& b) {
     std::vector<sim::Vec3> curls;
     for (const auto& q : points) {
       const sim::Vec3 t = p.source(place(b, q.t));
@@ -144,7 +144,7 @@ struct EdgeField3::Impl {
     if (p.order == 1) return a;
     EdgeProblem lower = p;
     lower.order = 1;
-    EdgeField3 field(std::move(lower));
+    EdgeField field(std::move(lower));
     const auto first = field.solve(current).a;
     for (std::size_t k = 0; k < space.bricks().size(); ++k) {
       const auto& to = space.bricks()[k];
@@ -190,14 +190,14 @@ struct EdgeField3::Impl {
   }
 };
 
-EdgeField3::EdgeField3(EdgeProblem p) : impl_(std::make_unique<Impl>(std::move(p))) {}
-EdgeField3::~EdgeField3() = default;
+EdgeField::EdgeField(EdgeProblem p) : impl_(std::make_unique<Impl>(std::move(p))) {}
+EdgeField::~EdgeField() = default;
 
-int EdgeField3::unknowns() const {
+int EdgeField::unknowns() const {
   return impl_->space.count();
 }
 
-EdgeSolution EdgeField3::solve(double current) {
+EdgeSolution EdgeField::solve(double current) {
   Impl& m = *impl_;
   sim::space::Cholesky factor(m.hessian);
   EdgeSolution out;
@@ -224,10 +224,9 @@ EdgeSolution EdgeField3::solve(double current) {
   return out;
 }
 
-double EdgeField3::average(const EdgeSolution& s, double x0, double x1, double y0, double y1,
-                           double z) const {
+double EdgeField::average(const EdgeSolution& s, double x0, double x1, double y0, double y1, double z) const {
   constexpr double round_off = 1e-9;
-  const EdgeSpace3& space = impl_->space;
+  const EdgeSpace& space = impl_->space;
   std::vector<sim::Vec3> curls;
   double flux = 0;
   for (const auto& b : space.bricks()) {

@@ -1,10 +1,10 @@
-#include "bench/field3d/team13.h"
+#include "bench/space/team13.h"
 
 #include <algorithm>
 #include <cmath>
 #include <map>
 
-#include "bench/field3d/probe3.h"
+#include "bench/space/probe.h"
 #include "sim/magnetics/space/grid.h"
 #include "sim/magnetics/space/winding.h"
 
@@ -74,7 +74,7 @@ sim::space::Problem team13(double size, double gap) {
 }
 
 double team13_plate_average(const sim::space::Coenergy& function, const sim::space::State& state, double z) {
-  const bench::Probe3 probe(function, state);
+  const bench::Probe probe(function, state);
   constexpr int nx = 8, ny = 100;
   double sum = 0;
   for (int i = 0; i < nx; ++i)
@@ -95,7 +95,7 @@ EdgeProblem team13_edges(double size, int order, double gap) {
           order};
 }
 
-double team13_plate_average(const EdgeField3& field, const EdgeSolution& s, double z) {
+double team13_plate_average(const EdgeField& field, const EdgeSolution& s, double z) {
   return std::fabs(field.average(s, 0, 1.6 * mm, -25 * mm, 25 * mm, z));
 }
 
