@@ -6,7 +6,7 @@
 
 #include "bench/fault_bench.h"
 
-/// The twenty faults, injected into a running bench at any phase of the mains and in any state of a shot.
+/// The faults, injected into a running bench at any phase of the mains and in any state of a shot.
 
 namespace powbench::bench {
 

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <string_view>
 
-/// The record's channels, once. Enumeration, wire names, units, storage and reports derive from this table.
+/// The record's channels, once. Enumeration, wire names, units and storage derive from this table.
 /// Columns: name | IIO channel id | SI unit on the host | factor from the IIO unit (kPa, m, mA, mV) to SI | meaning
 /// For the two force channels the factor gives pascal; force is pressure times the film area (attribute `film_area`,
 /// m2). The order is the scan order on the wire. Shared with firmware: no heap, no exceptions.

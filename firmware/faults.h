@@ -6,7 +6,7 @@
 #include <string_view>
 
 /// The twenty-two faults of the bench, in one table: detection, reaction, time limit, and the message to the user.
-/// Enumeration, texts, latching and docs/reference/faults.md derive from this table.
+/// Enumeration, texts and latching derive from this table; docs/reference/faults.md is compared with it by a test.
 /// Columns: number | name | reaction | limit in us from the cause | when it is watched | what clears it |
 ///          detection | reason (what happened and what to do)
 #define POWBENCH_FAULTS(X)                                                                                   \
@@ -78,11 +78,12 @@ enum class Fault : std::uint8_t {
 #undef POWBENCH_X
 };
 
-/// What the core does about it. All but the last four also end the shot and latch.
+/// What the core does about it, for the page and the tests: FireControl::trip opens gate and relay for every fault that
+/// latches, what differs is in FireControl::examine and schedule.
 enum class Reaction : std::uint8_t {
   gate_off,       ///< coil off
   open_relay,     ///< coil off and the safety relay, which cuts the coil's supply, open
-  withhold,       ///< no edge while it lasts; an energised coil stays: its edge is past
+  withhold,       ///< no edge while it lasts, latched after 1 s; an energised coil stays: its edge is past
   refuse,         ///< the command has no effect
   next_crossing,  ///< never a late edge: the shot waits for the next crossing
   mark_record,    ///< before the edge like gate_off; after it the record is marked and the shot goes on

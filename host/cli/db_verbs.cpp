@@ -269,26 +269,29 @@ void add_common(CLI::App* app, DbArgs& args) {
 }  // namespace
 
 void add_db_verbs(CLI::App& app) {
-  CLI::App* db = app.add_subcommand("db", "Whole stores: check, bring up to date, put together, take apart");
+  CLI::App* db =
+      app.add_subcommand("db", "Check, migrate, merge and split stores; exchange with a central database");
   db->require_subcommand(1);
   auto checked = std::make_shared<DbArgs>();
-  add_common(verb(*db, "check", "Read all of a store: structure, seals, samples; name what is damaged",
-                  checked, check),
+  add_common(verb(*db, "check", "Verify structure, seals and samples of a store and list any damage", checked,
+                  check),
              *checked);
   auto migrated = std::make_shared<DbArgs>();
-  CLI::App* up = verb(*db, "migrate", "Bring an older store up to date and pack its records without loss",
-                      migrated, migrate);
+  CLI::App* up =
+      verb(*db, "migrate", "Update an older store to the current schema; compress records without loss",
+           migrated, migrate);
   add_common(up, *migrated);
-  up->add_flag("--compact", migrated->compact, "give freed pages back; needs room for a copy");
+  up->add_flag("--compact", migrated->compact, "return freed pages to the system; needs space for a copy");
   auto merged = std::make_shared<DbArgs>();
   CLI::App* together =
-      verb(*db, "merge", "Add stores to another; order and repetition do not matter", merged, merge);
+      verb(*db, "merge", "Merge stores into one, in any order; a store may be given twice", merged, merge);
   together->add_option("sources", merged->sources, "stores to read; they stay as they are")->required();
   together->add_option("-o,--output", merged->output, "store to add them to; made if missing")->required();
   together->add_flag("--json", merged->json, "JSON to stdout");
   together->footer(
-      "The same campaign is one, the same shot too. Where two stores differ in a shot, its extraction, a "
-      "block of a sweep\nor a point of a study, this is said and nothing is merged. `powbench db check` "
+      "Equal campaigns and equal shots are stored once. If two stores differ in a shot, its extraction, a "
+      "block of a sweep\nor a point of a study, the difference is printed and nothing is merged. `powbench "
+      "db check` "
       "prints a hash of the content that "
       "does not "
       "depend on the order.");
@@ -303,14 +306,15 @@ void add_db_verbs(CLI::App& app) {
   up_to->add_option("database", pushed->address, "postgresql://USER@HOST:PORT/DATABASE")->required();
   add_common(up_to, *pushed);
   up_to->footer(
-      "What the database has is not sent again; one that was stopped goes on with the same command. Where "
-      "store\n"
-      "and database differ in a shot, its extraction or a block of a sweep, this is said and nothing is "
+      "Content that the database has is not sent again. An interrupted push continues with the same command. "
+      "If store\n"
+      "and database differ in a shot, its extraction or a block of a sweep, this is printed and nothing is "
       "pushed.\n"
       "The password comes from PGPASSWORD, ~/.pgpass or a service file (?service=NAME), never from the "
       "address.");
   auto pulled = std::make_shared<DbArgs>();
-  CLI::App* down = verb(*db, "pull", "Fetch campaigns from such a database into a store", pulled, pull);
+  CLI::App* down =
+      verb(*db, "pull", "Fetch campaigns from a shared PostgreSQL database into a store", pulled, pull);
   down->add_option("database", pulled->address, "postgresql://USER@HOST:PORT/DATABASE")->required();
   add_common(down, *pulled);
   down->add_option("--customer", pulled->customer, "only campaigns whose test record names this customer");
@@ -319,9 +323,9 @@ void add_db_verbs(CLI::App& app) {
   down->add_option("--since", pulled->since,
                    "only campaigns begun on this day or later: year-month-day (UTC), such as 2030-12-31");
   down->footer(
-      "Without one of these, all campaigns and all sweeps. A store that is there already gets what it lacks, "
+      "Without these options all campaigns and sweeps are fetched. An existing store gets what it lacks, "
       "as by\n"
-      "`db merge`. Where no campaign is as asked, the message says what there is, the exit code is 2, and no "
+      "`db merge`. If no campaign matches, a message lists what exists, the exit code is 2, and no "
       "file is\n"
       "written.");
 }

@@ -31,7 +31,7 @@ int main(int argc, char** argv) {
       "powbench: point-on-wave test bench for AC contactors.\n"
       "Fires closings at commanded angles of the mains, extracts touch and bounce from the records, "
       "simulates the same\n"
-      "conditions and lays both side by side.\n\n"
+      "conditions and compares both.\n\n"
       "Start with:  powbench demo                      everything once, without hardware\n"
       "             powbench plan template plan        a commented plan to edit\n"
       "             powbench run PLAN --rig sim: --db lab.db   acquire;  then sim, compare, report"};

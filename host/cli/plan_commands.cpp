@@ -14,7 +14,7 @@ void add_plan_verbs(CLI::App& app) {
   CLI::App* plan = app.add_subcommand("plan", "Check a plan, show its shots, print a template");
   plan->require_subcommand(1);
   auto check = std::make_shared<PlanArgs>();
-  verb(*plan, "check", "Read the plan and its specimen; name every mistake", check, check_plan)
+  verb(*plan, "check", "Check a plan and its specimen and list every mistake", check, check_plan)
       ->add_option("plan", check->file, "plan file (TOML)")
       ->required();
   auto show = std::make_shared<PlanArgs>();
@@ -34,7 +34,7 @@ void add_plan_verbs(CLI::App& app) {
   acquire->add_option("--db", run->database, "store to write; made if missing")->capture_default_str();
   acquire->add_flag(
       "--resume", run->resume,
-      "go on with the newest campaign of this plan: fire what is missing, begin if there is none");
+      "continue the newest campaign of this plan with its missing shots; start one if there is none");
   acquire->add_flag("--dry-run", run->dry_run, "check everything, fire nothing");
   acquire->add_option("--seed", run->seed, "seed instead of the plan's");
   acquire->add_option("--max-failures", run->max_failures, "shots without a record in a row before stopping")
@@ -51,32 +51,33 @@ void add_plan_verbs(CLI::App& app) {
       ->required();
   simulate->add_option(
       "--sensors", sim->rig_file,
-      "rig file (TOML) whose sensors to simulate through; of a solenoid: its supply, switch and "
-      "suppression. Without: direct current, freewheel diode of 0.7 V");
+      "rig file (TOML) with the sensors to simulate. For a solenoid: its supply, switch and suppression; "
+      "if left out, direct current and a freewheel diode of 0.7 V");
   simulate->add_option("--db", sim->database, "store to write; made if missing")->capture_default_str();
   simulate->add_option("-j,--threads", sim->threads, "threads; 0 = all cores")
       ->check(CLI::Range(0, 1024))
       ->capture_default_str();
   simulate->add_option("--fields", sim->fields,
                        sim::names_of(sim::all_fields()) +
-                           "; auto: as far up as the accuracy takes. Of a solenoid: table, solved, or eddy: "
-                           "solved with eddy "
-                           "currents");
+                           "; auto: as high as the accuracy needs. For a solenoid: table, solved or eddy "
+                           "(solved with eddy currents)");
   simulate->add_option("--mechanics", sim->mechanics,
-                       sim::names_of(sim::all_mechanics()) + "; auto likewise");
+                       sim::names_of(sim::all_mechanics()) + ", or auto, as for --fields");
   simulate->add_option("--accuracy", sim->accuracy,
-                       "wanted error of the touch time, such as 1%; [wanted] of the plan says more");
+                       "allowed error of the touch time, such as 1%; see also [wanted] in the plan");
   simulate->add_option("--cache", sim->cache, "folder for field tables; made if missing")
       ->capture_default_str();
   simulate->add_option("--volts", sim->volts, "solenoid: supply, V; 24 if left out");
-  simulate->add_option("--hertz", sim->hertz, "solenoid: of a rectified supply; 50 if left out");
+  simulate->add_option("--hertz", sim->hertz,
+                       "solenoid: mains frequency of a rectified supply, Hz; 50 if left out");
   simulate->add_option("--coil", sim->coil_degC, "solenoid: coil temperature, degC; 20 if left out");
-  simulate->add_option("--hold", sim->hold_ms, "solenoid: switch off after so many ms; never if left out");
+  simulate->add_option("--hold", sim->hold_ms,
+                       "solenoid: time until switch-off, ms; not switched off if left out");
   simulate->add_option("--duration", sim->duration_ms, "solenoid: ms to simulate; 100 if left out");
   simulate->add_option("-o,--output", sim->output,
                        "solenoid: .csv or .svg of voltage, current, position, force");
   simulate->add_flag("--nominal", sim->nominal,
-                     "under the conditions the plan asks for; without it those the measured closings had");
+                     "use the conditions of the plan instead of those measured in its closings");
   add_shard_options(simulate, sim->shards, "closing of the plan");
   simulate->add_flag("--json", sim->json, "summary as JSON to stdout");
   add_progress(simulate, sim->progress);

@@ -16,7 +16,7 @@ void add_bridge_verb(CLI::App& app) {
       ->capture_default_str();
   serve->add_flag(
       "--open-to-network", bridge->to_network,
-      "serve on an address that others reach: they see and stop the rig, and fire it with the secret in "
+      "serve on an address reachable by others: anyone may read and stop the rig, firing needs the secret in "
       "POWBENCH_RIG_SECRET");
 }
 
@@ -24,12 +24,12 @@ void add_bridge_verb(CLI::App& app) {
 
 void add_rig_verbs(CLI::App& app) {
   auto rigs_json = std::make_shared<bool>(false);
-  CLI::App* rigs = app.add_subcommand("rigs", "List the kinds of rig that can be named");
+  CLI::App* rigs = app.add_subcommand("rigs", "List the kinds of rig and how to name each");
   rigs->add_flag("--json", *rigs_json, "JSON to stdout");
   rigs->callback([rigs_json] { chosen() = [rigs_json] { return list_rigs(*rigs_json); }; });
 
   auto info = std::make_shared<InfoArgs>();
-  CLI::App* show = verb(app, "info", "Ask a rig what it is and what it can do", info, show_rig);
+  CLI::App* show = verb(app, "info", "Print the identity and the capabilities of a rig", info, show_rig);
   show->add_option("rig", info->uri, "rig, such as ip:127.0.0.7 or sim:")->required();
   show->add_flag("--json", info->json, "JSON to stdout");
 
@@ -38,17 +38,18 @@ void add_rig_verbs(CLI::App& app) {
   stop->add_option("rig", stopped->uri, "rig, such as ip:127.0.0.7, usb: or serial:PORT,BAUD")->required();
   stop->add_flag("--json", stopped->json, "JSON to stdout");
   stop->footer(
-      "Ends with 0 only when the rig has confirmed that its coil is off. It needs neither lease nor secret.");
+      "Exit code 0 only if the rig has confirmed that its coil is off. Neither lease nor secret is needed.");
 
   auto args = std::make_shared<CalibrateArgs>();
-  CLI::App* walk = verb(app, "calibrate", "Walk through the calibration of a rig's inputs and store it there",
-                        args, calibrate);
+  CLI::App* walk =
+      verb(app, "calibrate", "Calibrate the inputs of a rig step by step and store the result in it", args,
+           calibrate);
   walk->add_option("rig", args->rig, "rig, such as ip:127.0.0.7, serial:/dev/ttyACM0 or, to rehearse, sim:")
       ->required();
   walk->add_option("--id", args->id, "name of the certificate, up to 32 characters")->required();
-  walk->add_option("--expires", args->expires, "last day on which it counts, as 2030-12-31")->required();
+  walk->add_option("--expires", args->expires, "last day of validity, such as 2030-12-31")->required();
   walk->add_option("--date", args->date, "day of the calibration; today if left out");
-  walk->add_option("--by", args->by, "who calibrates")->capture_default_str();
+  walk->add_option("--by", args->by, "name of the operator")->capture_default_str();
   walk->add_option("-o,--output", args->output, "certificate to write (TOML)")->capture_default_str();
   walk->add_flag("--overwrite", args->overwrite, "replace a certificate that is there already");
 
@@ -57,15 +58,15 @@ void add_rig_verbs(CLI::App& app) {
       verb(app, "rig", "Serve the simulated rig to any IIO client until interrupted", serve, serve_rig);
   rig->add_option("file", serve->rig_file, "rig file (TOML); built-in defaults if left out");
   rig->add_option("--specimen", serve->specimen_file, "specimen file (TOML) of the contactor on the rig");
-  rig->add_option("--boot-seed", serve->boot_seed, "makes the rig's boot_id the same at every start");
+  rig->add_option("--boot-seed", serve->boot_seed, "seed that gives the same boot_id at every start");
   rig->add_flag("--emulated", serve->emulated,
-                "firmware on an emulated Cortex-M4F, as `qemu:` rigs have it, instead of in this program");
+                "run the firmware on an emulated Cortex-M4F, like a `qemu:` rig, instead of in this program");
   rig->add_option(
       "--listen", serve->address,
       "loopback address instead of the rig file's (127.0.0.7 without one); the port is always 30431");
   rig->add_flag(
       "--open-to-network", serve->to_network,
-      "serve on an address that others reach: they see and stop the rig, and fire it with the secret in "
+      "serve on an address reachable by others: anyone may read and stop the rig, firing needs the secret in "
       "POWBENCH_RIG_SECRET");
   add_bridge_verb(app);
 }
@@ -80,7 +81,8 @@ void add_live_verb(CLI::App& app) {
   served->add_option("--listen", live->listen, "address and port; others than loopback need --token-file")
       ->capture_default_str();
   served->add_option("--token-file", live->token_file, "lines 'fire TOKEN' or 'read TOKEN'");
-  served->footer("Open the address that it prints. STOP needs no token, on any page, and Esc is its key.");
+  served->footer(
+      "Open the printed address in a browser. STOP is on every page, needs no token and has the key Esc.");
 }
 
 }  // namespace powbench::host

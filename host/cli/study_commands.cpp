@@ -19,11 +19,11 @@ A B-H sheet has one header line and one row a line, the commutation curve from z
   42, 0.21
   88, 0.66
 H in A/m, kA/m, A/cm or Oe; B in T, mT, G or kG; J (T) in the place of B is the polarisation B - mu0 H.
-Other columns are passed over, the order of rows does not matter.
+Other columns are ignored, and the order of the rows does not matter.
 Noise is smoothed and its size printed. Numbers that no steel has in these units are refused with the units
 that would fit.
 
-Use it:  [magnet] steel = "sheet.csv"     in the specimen file: every rung, circuit and fields, takes it
+Use it:  [magnet] steel = "sheet.csv"     in the specimen file, for every rung, circuit and fields
          powbench field SPECIMEN --steel sheet.csv
 )";
 
@@ -51,63 +51,67 @@ void add_shard_options(CLI::App* v, ShardArgs& args, const char* of, const char*
   args.threads = v->get_option_no_throw("--threads") != nullptr;
   if (args.store == "--points-db")
     v->add_option("--points-db", args.database,
-                  fmt::format("store of points, made if missing: each {} that is in it is read, not "
-                              "computed; the others are added",
+                  fmt::format("store of computed points, made if missing: each {} found in it is reused, "
+                              "the others are computed and added",
                               of));
-  v->add_option("--shard", args.shard,
-                fmt::format("I/N: only part I of N, each {0} in turn, into the store of {1}, and no result; "
-                            "`powbench db merge` puts the "
-                            "parts together, and the same command without --shard then prints the result",
-                            of, store));
+  v->add_option(
+      "--shard", args.shard,
+      fmt::format("I/N: compute only part I of N (each {0} in turn) into the store of {1}, without a result; "
+                  "`powbench db merge` puts the "
+                  "parts together, then the same command without --shard prints the result",
+                  of, store));
   v->add_option("--slurm", args.slurm,
-                "compute nothing: print a script that submits so many shards to Slurm and puts them together")
+                "print a script that submits this number of shards to Slurm and merges them; compute nothing")
       ->check(CLI::Range(1, 1'000'000));
   v->parse_complete_callback([v, &args] { args.words = words_of(*v, args.store); });
 }
 
 void add_study_verbs(CLI::App& app) {
   auto tables = std::make_shared<TablesArgs>();
-  CLI::App* show = verb(app, "tables", "The published tables against this simulator, errors recomputed",
-                        tables, show_tables);
+  CLI::App* show =
+      verb(app, "tables", "Compare the published tables with this simulator, with the errors recomputed",
+           tables, show_tables);
   show->add_option("--specimen", tables->specimen_file,
                    "specimen file (TOML); scenes/published.specimen.toml if left out");
-  show->add_option("--fit", tables->fit_file, "fit file of `powbench fit`: its held-out predictions");
+  show->add_option("--fit", tables->fit_file,
+                   "fit file of `powbench fit`, whose held-out predictions are used");
   show->add_flag("--pressure", tables->pressure,
-                 "the statements on contact pressure beside two simulated trains");
+                 "compare the published statements on contact pressure with two simulated bounce trains");
   show->add_flag("--json", tables->json, "JSON to stdout");
   auto field_args = std::make_shared<FieldArgs>();
-  CLI::App* field = verb(app, "field", "The magnet's potential by finite elements: table and pictures",
-                         field_args, show_field);
+  CLI::App* field =
+      verb(app, "field", "Compute the field table of a magnet by finite elements, with pictures", field_args,
+           show_field);
   field->add_option(
       "specimen", field_args->specimen_file,
-      "specimen file (TOML); the reference contactor if left out. Its [shape] is an E-core, with legs = 2 "
-      "a U-core, with closed_leg = 1 too a C-core; or a solenoid, kind = \"solenoid\". Or a drawing "
-      "(x.magnet.toml): any magnet on a mesh of gmsh");
+      "specimen file (TOML) with the [shape] of an E-core, U-core (legs = 2) or C-core (legs = 2, "
+      "closed_leg = 1) or of a solenoid (kind = \"solenoid\"), or a drawing (x.magnet.toml) of any "
+      "magnet on a mesh of gmsh; the reference contactor if left out");
   field->add_option("-o,--output", field_args->folder, "folder for table and pictures; made if missing")
       ->capture_default_str();
   field->add_option("--accuracy", field_args->accuracy, "relative error of current and pull")
       ->capture_default_str();
   field->add_option("--steel", field_args->steel,
                     "built-in steel or B-H sheet (CSV) in place of the specimen's");
-  field->add_flag("--ring", field_args->ring, "the shading ring as a third variable");
+  field->add_flag("--ring", field_args->ring, "add the flux of the shading ring as a third variable");
   field->add_option(
       "--mesh", field_args->mesh_file,
       "plane mesh of gmsh (MSH 2.2 or 4.1) in place of the specimen's shape: one state at --current");
-  field->add_option("--mesh-unit", field_args->mesh_unit, "of the mesh's coordinates: mm, m or in")
+  field->add_option("--mesh-unit", field_args->mesh_unit, "unit of the mesh coordinates: mm, m or in")
       ->capture_default_str();
-  field->add_option("--current", field_args->current, "A in the coil, with --mesh or of a solenoid")
+  field->add_option("--current", field_args->current, "coil current, A, with --mesh or for a solenoid")
       ->default_str("0.3");
   field->add_flag("--symmetric", field_args->symmetric, "the mesh is one half of the device");
-  field->add_flag(
-      "--ends", field_args->ends,
-      "with the ends of stack and coil, and with --ring of the ring, from three dimensions: minutes with it");
+  field->add_flag("--ends", field_args->ends,
+                  "include the end effects of stack and coil, with --ring also of the ring (minutes), in "
+                  "three dimensions");
   field->add_option(
       "--out", field_args->tables,
       "table of flux linkage and force over current and position; FILE.csv, FILE.mat (Simscape and "
       "Modelica) or FILE.txt (Modelica); may be repeated");
   field
       ->add_option("--largest-current", field_args->largest_current,
-                   "A, end of the tables of --out; 0: of the open core at the largest flux computed")
+                   "largest current of the tables of --out, A; 0: that of the open core at the largest flux")
       ->check(CLI::Range(0.0, 1e4))
       ->capture_default_str();
   field->add_option("-j,--threads", field_args->threads, "threads; 0 = all cores")
@@ -117,7 +121,8 @@ void add_study_verbs(CLI::App& app) {
   field->add_flag("--json", field_args->json, "JSON to stdout");
   auto steel_args = std::make_shared<SteelArgs>();
   CLI::App* steel =
-      verb(app, "steel", "A steel's B-H curve: checked, smoothed, with a picture; alone: the list",
+      verb(app, "steel",
+           "Check, smooth and plot the B-H curve of a steel; without a steel, list the built-in ones",
            steel_args, show_steel);
   steel->footer(steel_footer);
   steel->add_option("steel", steel_args->steel,
@@ -129,7 +134,7 @@ void add_study_verbs(CLI::App& app) {
       verb(app, "demo", "The whole path on the simulated rig: run, simulate, compare, report", args, demo);
   all->add_option("-o,--output", args->folder, "folder for store and report; made if missing")
       ->capture_default_str();
-  all->add_option("--rig", args->rig, "another rig than the simulated one")->capture_default_str();
+  all->add_option("--rig", args->rig, "rig to use instead of the simulated one")->capture_default_str();
   add_progress(all, args->progress);
 }
 
@@ -142,7 +147,7 @@ void add_fit_verb(CLI::App& app) {
   v->add_option("--campaign", fit->campaign, "campaign id; the newest if left out");
   v->add_option("--specimen", fit->specimen_file, "specimen file (TOML) with the numbers that are not free");
   v->add_option("--free", fit->free,
-                "free number and its bounds, NAME=LOW:HIGH in the unit of the specimen file");
+                "free parameter and its bounds, NAME=LOW:HIGH in the unit of the specimen file");
   v->add_option(
       "--start", fit->start,
       "specimen file that the fit to all closings may begin from; never used where angles are held out");
@@ -153,10 +158,11 @@ void add_fit_verb(CLI::App& app) {
       ->check(CLI::Range(0.01, 100.0));
   v->add_option(
        "--prior", fit->prior,
-       "standard deviation of each free number about the middle of its bounds, as a share of them; 0: none")
+       "prior standard deviation of each free parameter, as a share of the width of its bounds; 0: no prior")
       ->check(CLI::Range(0.0, 100.0))
       ->capture_default_str();
-  v->add_option("--hold-out", fit->hold_out, "closing angles in degrees that are predicted, never used")
+  v->add_option("--hold-out", fit->hold_out,
+                "closing angles, degrees, that are predicted and not used by the fit")
       ->delimiter(',');
   v->add_flag("--leave-one-out", fit->leave_one_out,
               "predict every angle from the others, one posterior each");
@@ -169,11 +175,11 @@ void add_fit_verb(CLI::App& app) {
       ->capture_default_str();
   v->add_option(
        "--finish", fit->finish,
-       "specimens tried in a last search of the fit to all closings, from those found, on the sum of "
-       "absolute deviations")
+       "specimens tried in a last search of the fit to all closings, started from the best ones, that "
+       "minimises the sum of absolute deviations")
       ->check(CLI::Range(0, 100'000'000))
       ->capture_default_str();
-  v->add_option("--ensemble", fit->ensemble, "fits to shifted data beside each global search")
+  v->add_option("--ensemble", fit->ensemble, "fits to shifted data in addition to each global search")
       ->check(CLI::Range(0, 1000))
       ->capture_default_str();
   v->add_option("--seed", fit->seed, "seed of the search")->capture_default_str();
@@ -181,7 +187,7 @@ void add_fit_verb(CLI::App& app) {
       ->check(CLI::Range(0, 1024))
       ->capture_default_str();
   v->add_option("--state", fit->state_file,
-                "file that keeps the search, to go on from after an interruption");
+                "file with the state of the search, from which an interrupted fit continues");
   v->add_option("-o,--output", fit->output, "specimen file to write");
   v->add_option("--name", fit->name, "name of the specimen written");
   v->add_option("--svg", fit->picture, "picture to write: measured, fitted, held out");
@@ -205,32 +211,32 @@ void add_sweep_verb(CLI::App& app) {
   v->add_option("--sampling", args->sampling, "grid, latin or monte-carlo")
       ->check(CLI::IsMember({"grid", "latin", "monte-carlo"}))
       ->capture_default_str();
-  v->add_option("--points", args->points, "closings of latin and monte-carlo")->capture_default_str();
+  v->add_option("--points", args->points, "number of closings for latin and monte-carlo")
+      ->capture_default_str();
   v->add_option("--seed", args->seed, "seed of the points")->capture_default_str();
-  v->add_option("--angle", args->angle_deg, "closing angle in degrees where it does not vary")
-      ->capture_default_str();
-  v->add_option("--volts", args->supply_volts, "supply, V rms, where it does not vary")
-      ->capture_default_str();
-  v->add_option("--ambient", args->ambient_degC, "coil temperature, degC, where it does not vary")
+  v->add_option("--angle", args->angle_deg, "closing angle in degrees, if not varied")->capture_default_str();
+  v->add_option("--volts", args->supply_volts, "supply, V rms, if not varied")->capture_default_str();
+  v->add_option("--ambient", args->ambient_degC, "coil temperature, degC, if not varied")
       ->capture_default_str();
   v->add_option(
        "--metric", args->metric,
        "touch, bounce, settled, seat, openings, open_time, touch_velocity, seat_velocity, first_peak or "
        "impulse: for --sensitivity and --best-angle")
       ->capture_default_str();
-  v->add_flag("--forces", args->forces, "first_peak and impulse too");
+  v->add_flag("--forces", args->forces, "compute first_peak and impulse, too");
   v->add_flag("--sensitivity", args->sensitivity,
-              "how the metric moves with mains, temperature, angle, friction, mass and gap");
+              "sensitivity of the metric to mains, temperature, angle, friction, mass and gap");
   v->add_flag("--best-angle", args->best_angle,
-              "the closing angle with the smallest metric over a device with tolerances (--vary)");
+              "find the closing angle with the smallest metric over the tolerances of the device (--vary)");
   v->add_option("--svg", args->picture, "picture to write");
   v->add_option("--angles", args->angles, "closing angles over half a period for --sensitivity, --best-angle")
       ->check(CLI::Range(1, 3600))
       ->capture_default_str();
-  v->add_option("--draws", args->draws, "devices drawn for --best-angle")
+  v->add_option("--draws", args->draws, "sampled devices for --best-angle")
       ->check(CLI::Range(2, 100'000))
       ->capture_default_str();
-  v->add_option("--db", args->database, "store to write; made if missing; an interrupted sweep goes on")
+  v->add_option("--db", args->database,
+                "store to write, made if missing; an interrupted sweep continues from it")
       ->capture_default_str();
   v->add_option("-j,--threads", args->threads, "threads; 0 = all cores")
       ->check(CLI::Range(0, 1024))
@@ -241,7 +247,8 @@ void add_sweep_verb(CLI::App& app) {
 }
 
 void add_specimen_verbs(CLI::App& app) {
-  CLI::App* specimen = app.add_subcommand("specimen", "What the numbers of a specimen file make together");
+  CLI::App* specimen =
+      app.add_subcommand("specimen", "Derived quantities, circuit and conversion of a specimen file");
   specimen->require_subcommand(1);
   auto args = std::make_shared<SpecimenArgs>();
   CLI::App* v = verb(*specimen, "describe",
@@ -251,13 +258,13 @@ void add_specimen_verbs(CLI::App& app) {
                      args, describe_specimen);
   v->add_option("file", args->file,
                 "specimen file (TOML), also of a solenoid; the reference contactor if left out");
-  v->add_option("--volts", args->volts, "rated voltage, V rms, 230 if left out; of a solenoid V, 24")
+  v->add_option("--volts", args->volts, "rated voltage, V rms; if left out 230, for a solenoid 24 (V dc)")
       ->check(CLI::Range(1.0, 1e4));
   v->add_option("--hertz", args->hertz, "rated frequency, Hz; 50 if left out")->check(CLI::Range(1.0, 1e3));
   v->add_flag("--json", args->json, "JSON to stdout");
   auto circuit = std::make_shared<CircuitArgs>();
   v = verb(*specimen, "circuit",
-           "Print the lumped circuit nearest to the magnet's field, with what is left between both: a drawn "
+           "Print the lumped circuit nearest to the magnet's field, with the residual at each gap: a drawn "
            "magnet "
            "then also runs on the simulated rig and as a mock-up unit",
            circuit, identify_specimen_circuit);
@@ -269,12 +276,12 @@ void add_specimen_verbs(CLI::App& app) {
   v->add_option("--hertz", circuit->hertz, "rated frequency, Hz")
       ->check(CLI::Range(1.0, 1e3))
       ->capture_default_str();
-  v->add_option("--accuracy", circuit->accuracy, "of the field's table")->capture_default_str();
+  v->add_option("--accuracy", circuit->accuracy, "accuracy of the field table")->capture_default_str();
   v->add_option("--cache", circuit->cache, "folder for field tables; made if missing")->capture_default_str();
   v->add_flag("--json", circuit->json, "JSON to stdout");
   auto former = std::make_shared<SpecimenArgs>();
   verb(*specimen, "convert",
-       "Print a file from before restitutions were rebounds of a drop test as one of now, with the same "
+       "Convert a file with the former definition of restitution to that of a drop test, with the same "
        "closings",
        former, convert_specimen)
       ->add_option("file", former->file, "specimen file (TOML) to convert")
@@ -283,9 +290,9 @@ void add_specimen_verbs(CLI::App& app) {
 
 void add_ladder_verb(CLI::App& app) {
   auto args = std::make_shared<LadderArgs>();
-  CLI::App* v =
-      verb(app, "ladder", "One closing on every rung: cost against error; or the rung for an accuracy", args,
-           show_ladder);
+  CLI::App* v = verb(app, "ladder",
+                     "One closing on every rung: compare error and cost, or find the rung for an accuracy",
+                     args, show_ladder);
   v->add_option(
       "scene", args->scene,
       "specimen file or plan (NAME.plan.toml, its first shot); the reference contactor if left out");
@@ -294,12 +301,12 @@ void add_ladder_verb(CLI::App& app) {
   v->add_option("--ambient", args->ambient_degC, "coil temperature, degC");
   v->add_option(
       "--judge", args->judge,
-      "such as 1%: what each pair is worth: its times, errors of step, model and input, cost, and whether "
+      "share, such as 1%: print for each pair its times, step, model and input errors, cost, and whether "
       "touch, seat and settled are known to that share of the touch time");
   v->add_option(
       "--fit", args->fit_file,
-      "with --judge: file of `powbench fit --leave-one-out`; what it missed at an angle it held out is the "
-      "error of the fields of the identified specimen there");
+      "with --judge: file of `powbench fit --leave-one-out`; its prediction error at a held-out angle is "
+      "used as the field error of the identified specimen there");
   v->add_option("--db", args->database,
                 "with --fit: store with the closings; the published tables if left out");
   v->add_option("--campaign", args->campaign, "with --fit: number of the campaign; the newest if left out");

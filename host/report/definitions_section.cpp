@@ -75,9 +75,11 @@ Markup definitions_section(const ReportInput& input) {
   out.element("h2", "Definitions and method");
   out.open("dl");
   term(out, "Closing angle",
-       "Phase of the coil voltage at switch-on; 0\xC2\xB0 is its rising zero crossing, sine reference. All "
-       "times count "
-       "from the step of the coil voltage.");
+       "Phase of the coil voltage at switch-on; 0\xC2\xB0 is its rising zero crossing, sine reference.");
+  term(out, "Time zero",
+       "The gate edge, the rig's command to the coil switch; of an imported record its trigger. All times "
+       "count from it. "
+       "The step of the coil voltage follows by the delay of the switch.");
   for (const auto& q : quantity_table)
     term(out, q.symbol, fmt::format("{} ({})", q.meaning, readable_unit(q.unit).name));
   term(out, "Contact closed",

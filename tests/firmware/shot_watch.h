@@ -99,12 +99,13 @@ inline void command(bench::FaultBench& b, ShotWatch& watch, int number) {
   watch.look(b);
 }
 
-inline constexpr int cause_count = 14;
+inline constexpr int cause_count = 16;
 inline bool& cause(bench::FaultBench::Causes& c, int number) {
   const std::array<bool*, cause_count> all{
-      &c.coil_open,    &c.coil_shorted,    &c.comparator,       &c.switch_stuck,     &c.contact_stuck,
-      &c.laser_out,    &c.force_clipped,   &c.emergency_stop,   &c.brown_out,        &c.host_silent,
-      &c.clock_failed, &c.main_loop_hangs, &c.background_hangs, &c.estimator_starves};
+      &c.coil_open,        &c.coil_shorted,      &c.comparator,    &c.switch_stuck,
+      &c.contact_stuck,    &c.laser_out,         &c.force_clipped, &c.emergency_stop,
+      &c.brown_out,        &c.host_silent,       &c.clock_failed,  &c.main_loop_hangs,
+      &c.background_hangs, &c.estimator_starves, &c.relay_stuck,   &c.relay_dead};
   return *all[static_cast<std::size_t>(number)];
 }
 

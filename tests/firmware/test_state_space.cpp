@@ -52,6 +52,7 @@ struct Explorer {
     add(bench.controller.recorder().complete() ? 1 : 0, 1);
     add(watch.fire_open() ? 1 : 0, 1);
     add(w.conducts ? 1 : 0, 1);
+    add(w.relay_in ? 1 : 0, 1);
     add(bench.contact_closed() ? 1 : 0, 1);
     add(f.touch_delay_us() > 0 ? 1 : 0, 1);
     add(f.closing_angle() > 0 ? 1 : 0, 1);
