@@ -174,7 +174,9 @@ class Chooser {
   Reached judge_time(SceneStep& s, std::size_t q) const {
     const double allowed = wanted_[q] * whole_of(s.run);
     const auto known = [](double x) { return std::isnan(x) ? 0.0 : x; };
-    double sum = known(s.step_error[q]) + known(s.fields.next[q]) + known(s.mechanics.next[q]);
+    // a difference to another rung contains the error of this one's step
+    const bool compared = !std::isnan(s.fields.next[q]) || !std::isnan(s.mechanics.next[q]);
+    double sum = compared ? known(s.fields.next[q]) + known(s.mechanics.next[q]) : known(s.step_error[q]);
     s.share = std::max(s.share, sum / allowed);
     const bool too_large = sum > allowed;
     const std::size_t before = s.unknown.size();
@@ -184,7 +186,7 @@ class Chooser {
     } else if (std::isnan(s.run.times[q])) {
       s.unknown.push_back(time + ": does not happen");
     } else {
-      if (std::isnan(s.step_error[q])) s.unknown.push_back(time + ": error of the step");
+      if (std::isnan(s.step_error[q]) && !compared) s.unknown.push_back(time + ": error of the step");
       const auto judge_axis = [&](const AxisError& error, const char* axis, std::string_view rung) {
         if (!std::isnan(error.next[q])) return;
         const double last = error.below[q];

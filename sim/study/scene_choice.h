@@ -8,8 +8,9 @@
 
 /// Which fields and which mechanics a scene needs. Three errors, three words: the step error, judged by a finer run
 /// of the same rung; the model error, that of the fields and that of the mechanics, judged by the next rung of each;
-/// the input error, by which the stated uncertainties of the inputs move the times. Step and model error are held
-/// against what is wanted; where they are too large, the choice climbs along the axis that contributes most. The
+/// the input error, by which the stated uncertainties of the inputs move the times. The model error, which contains
+/// that of the step, is held against what is wanted; where nothing is compared, the step error is. Where it is too
+/// large, the choice climbs along the axis that contributes most. The
 /// highest rung of an axis has no next one: what it leaves out is not known, and an unknown is never zero.
 /// (docs/decisions/0023-three-errors.md)
 
@@ -61,7 +62,7 @@ struct SceneStep {
   LadderTimes step_error{};  ///< s, of the step
   AxisError fields, mechanics;
   LadderTimes model_error{};  ///< s, of fields and mechanics together; NaN: not known
-  double share = 0;           ///< largest sum of the known errors over what is wanted
+  double share = 0;           ///< largest of the known total errors over what is wanted
   std::array<Reached, 3> by_time{Reached::not_known, Reached::not_known,
                                  Reached::not_known};  ///< where wanted
   Reached reached = Reached::not_known;                ///< of all that are wanted

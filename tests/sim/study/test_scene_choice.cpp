@@ -71,6 +71,31 @@ TEST_CASE("a scene climbs along the axis that is furthest off, and stops where i
         "field0+mechanics0");
 }
 
+TEST_CASE("the distance to a finer rung contains the error of the step, which is not added again",
+          "[scene]") {
+  // all rungs have one truth; the first one's two steps are off by 1 and 0.1 ms
+  SceneAxes axes = known_axes(2, 2);
+  axes.rung = [axes](std::size_t f, std::size_t m) {
+    Rung r = axes.rung(f, m);
+    const double per_tolerance = f + m == 0 ? 10 : 0;
+    r.run = [per_tolerance](const Case&, double, double tolerance, double) {
+      Trajectory t;
+      t.truth.touch = 0.010 + per_tolerance * tolerance;
+      return t;
+    };
+    r.settings = {1e-4, 1e-5};
+    return r;
+  };
+  const auto all = look_at_all(axes, at(0), {0.2, unwanted, unwanted}, 0.08, no_clock);
+  REQUIRE(all.front().step_error[0] == Approx(estimator_factor * 0.9e-3));
+  CHECK(all.front().model_error[0] ==
+        Approx(2e-3).epsilon(0.01));              // 1 ms to the next fields, 1 ms to the next mechanics
+  CHECK(all.front().by_time[0] == Reached::met);  // 20 % of 11 ms
+  // without anything to compare with, the step is what is known
+  const auto alone = look_at_all(known_axes(1, 1), at(0), {1e-9, unwanted, unwanted}, 0.08, no_clock);
+  CHECK(alone.front().share == Approx(alone.front().step_error[0] / (1e-9 * alone.front().run.times[0])));
+}
+
 TEST_CASE("a run that its guards stop is not computable, and stops nothing else", "[scene]") {
   // mechanics1 stops at every step, or at its coarsest alone
   for (const double stops_from : {0.0, 5e-5}) {
