@@ -17,7 +17,8 @@ struct FaultBench {
   using Causes = FaultWorld::Causes;
   static constexpr std::int64_t block_samples = World::block_samples, rate = World::rate,
                                 cycle = World::cycle;
-  static constexpr std::int64_t watchdog_limit = 5000;  ///< samples without feeding until the reset
+  static constexpr std::int64_t watchdog_limit =
+      10'600;  ///< samples without feeding until the reset: the board's 100 ms, its oscillator slow
 
   struct Snapshot {
     World world;

@@ -17,6 +17,7 @@ struct ComparisonRow {
   std::string quantity;        ///< symbol of the quantity table, e.g. t_ct1
   std::string unit;            ///< SI unit of all values below
   int repeats = 0;             ///< number of measured values behind the mean
+  int closings = 0;      ///< number of closings that were measured; those without a value are no repeats
   Measured measured;     ///< mean over repeats; u combines scatter (type A) and event uncertainty (type B)
   double scatter = 0.0;  ///< standard deviation over repeats; NaN for fewer than two
   /// what is left of it when each closing is held against the simulation at its own angle, voltage and frequency;
@@ -36,6 +37,7 @@ struct ComparisonRow {
   bool u_simulated_unknown = false;  ///< the inputs' share was asked for and cannot be told
   double published_measurement = std::numeric_limits<double>::quiet_NaN();
   double published_simulation = std::numeric_limits<double>::quiet_NaN();
+  bool seen_in_one = false;  ///< by measurement or simulation alone, though both have the channel
   Outcome outcome = Outcome::not_judged;  ///< against the plan's limits on the quantity
   Outcome against_simulation =
       Outcome::not_judged;  ///< against the plan's largest difference from the simulation

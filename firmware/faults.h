@@ -33,7 +33,7 @@
     "the owner was silent for 250 ms while the coil was on: check the cable, then write 1 to abort")         \
   X(9, brown_out, gate_off, 120, always, cause_gone, "the supply monitor's warning flag",                    \
     "the board's supply sags: check its power supply, then write 1 to abort")                                \
-  X(10, watchdog_reset, gate_off, 60'000, boot, acknowledge,                                                 \
+  X(10, watchdog_reset, gate_off, 110'000, boot, acknowledge,                                                \
     "watchdog fed only when interrupts, main loop and communication have all moved on",                      \
     "the watchdog has reset the board: please report it with last_reset, then write 1 to abort")             \
   X(11, crash_reset, gate_off, 10, boot, acknowledge,                                                        \

@@ -13,7 +13,7 @@ namespace powbench::firmware {
 /// Notch repair: a sample further than `notch_threshold`, and than four times the median of such distances, from the
 /// line through the last good samples opens a notch. (Ripple of a converter is no notch: it is there all the time.)
 /// While it is open the line stands in for the samples. It closes at the second sample back within half of its depth;
-/// while a notch is remembered (30 ms) a distance of 0.03 opens the next one, for notches come six a cycle and those
+/// while a notch is remembered (11 ms) a distance of 0.03 opens the next one, for notches come six a cycle and those
 /// near a zero crossing are shallow. The notch, with one sample on either side, is then replaced by the parabola
 /// through the good samples around it. A step that lasts longer than `longest_notch` is no notch: the raw samples are
 /// put back.

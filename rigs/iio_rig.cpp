@@ -78,6 +78,7 @@ class IioRig final : public Rig {
   bool abort() override;
   bool reconnect() override;
   std::optional<Shot> recover(milliseconds limit) override;
+  void stop_when(std::function<bool()> asked) override { stop_asked_ = std::move(asked); }
 
  private:
   void connect(milliseconds limit);
@@ -86,6 +87,7 @@ class IioRig final : public Rig {
   void arm(OpenShot&, Clock::time_point deadline);
   Record finish(OpenShot&, Clock::time_point deadline);
   [[noreturn]] void give_up();
+  bool stopped() const { return stop_asked_ && stop_asked_(); }
   std::optional<Record> kept(const OpenShot&);
   std::string claim(Clock::time_point until);
   void set_conditions(const Conditions&);
@@ -105,6 +107,7 @@ class IioRig final : public Rig {
   std::string token_ = make_token(), name_ = make_name();
   Clock::time_point renewed_{};
   std::optional<OpenShot> open_;  ///< its outcome is not known yet
+  std::function<bool()> stop_asked_;
 };
 
 void IioRig::connect(milliseconds limit) {
@@ -134,7 +137,7 @@ std::string IioRig::claim(Clock::time_point until) {
       if (r.error != EBUSY) throw;
     }
     const std::string owner = link_->read(Device::control, "lease");
-    if (Clock::now() >= until) return "the bench belongs to " + owner;
+    if (Clock::now() >= until || stopped()) return "the bench belongs to " + owner;
     std::this_thread::sleep_for(pause);
   }
 }
@@ -181,8 +184,9 @@ void IioRig::refuse_other_set_points(const SealedShot& s, const Conditions& c) c
 
 /// Everything up to, and without, energising the coil.
 void IioRig::arm(OpenShot& shot, Clock::time_point deadline) {
-  if (const std::string whose = claim(std::min(deadline, Clock::now() + lease_patience)); !whose.empty())
-    throw Failed{Outcome::error, whose};
+  const std::string whose = claim(std::min(deadline, Clock::now() + lease_patience));
+  if (stopped()) throw Failed{Outcome::aborted, std::string(stopped_words)};
+  if (!whose.empty()) throw Failed{Outcome::error, whose};
   if (read_state() == "armed")
     link_->write(Device::control, "arm", owned("0"));  // by us, before the link broke
   set_conditions(shot.conditions);
@@ -225,6 +229,10 @@ Record IioRig::finish(OpenShot& shot, Clock::time_point deadline) {
       // behind the deadline a record that is there is still read, but nothing is fired
       if (Clock::now() > deadline && read_state() == "armed") give_up();
       if (const std::string whose = claim(Clock::now()); !whose.empty()) throw Failed{Outcome::error, whose};
+      if (stopped()) {
+        abort();
+        throw Failed{Outcome::aborted, std::string(stopped_words)};
+      }
       const bool again = shot.may_have_fired;
       shot.may_have_fired = true;
       try {

@@ -1,6 +1,7 @@
 #include "rigs/registry.h"
 
 #include "rigs/bridge/bridge.h"
+#include "rigs/bridge/served_port.h"
 #include "rigs/iio_rig.h"
 #include "rigs/iiod_server.h"
 #include "rigs/serial_rig.h"
@@ -24,6 +25,7 @@ class HostedSimRig final : public Rig {
     return shot;
   }
   bool abort() override { return client_->abort(); }
+  void stop_when(std::function<bool()> asked) override { client_->stop_when(std::move(asked)); }
   /// Never to an address that the server has given up: another rig may have it by now.
   bool reconnect() override { return server_.failure().empty() && client_->reconnect(); }
 
@@ -51,6 +53,13 @@ Endpoint endpoint(const std::string& uri, const SimRigConfig& sim, const sim::Sp
     return {"ip:" + bridge->address(), bridge};
   }
   return {uri, nullptr};
+}
+
+Endpoint endpoint_to_stop(const std::string& uri) {
+  if (!uri.starts_with("serial:")) return {uri, nullptr};
+  if (const std::string there = served_at(serial_options(uri).port); !there.empty())
+    return {"ip:" + there, nullptr};
+  return endpoint(uri, {}, {});
 }
 
 std::unique_ptr<Rig> open(const std::string& uri, const SimRigConfig& sim, const sim::Specimen& specimen) {

@@ -38,6 +38,9 @@ struct Endpoint {
 };
 /// Throws as open() does.
 Endpoint endpoint(const std::string& uri, const SimRigConfig& sim, const sim::Specimen& specimen);
+/// The same for whoever only looks on or stops: a serial port that another program holds is reached through its bridge.
+/// Throws RigError.
+Endpoint endpoint_to_stop(const std::string& uri);
 
 /// Opens the rig that `uri` names. `sim` is what a `sim:` or `qemu:` rig is made of. Throws RigError with one sentence.
 std::unique_ptr<Rig> open(const std::string& uri, const SimRigConfig& sim, const sim::Specimen& specimen);

@@ -6,6 +6,7 @@
 #include <optional>
 #include <stdexcept>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -54,6 +55,9 @@ struct Shot {
   bool latched = false;    ///< it stays in fault, and refuses every shot, until somebody acknowledges that
 };
 
+/// The reason of a shot that a stop kept from being fired.
+inline constexpr std::string_view stopped_words = "stopped by the operator";
+
 class Rig {
  public:
   virtual ~Rig() = default;
@@ -62,6 +66,10 @@ class Rig {
   /// that was fired before that is fetched, not fired again. Returns within `limit` and a few seconds (the time-outs
   /// of one request and one connection); never throws for what a rig may do.
   virtual Shot fire(const Conditions&, std::chrono::milliseconds limit) = 0;
+  /// `asked` is looked at while another owner is waited for, before a shot is armed and before it is fired: once it is
+  /// true, nothing more is fired, and fire() gives ABORTED. Whoever makes it true before he stops the rig by another line
+  /// knows that no shot follows. Empty: never.
+  virtual void stop_when(std::function<bool()> asked) = 0;
   /// Coil off, whatever the state. False when the rig does not answer.
   virtual bool abort() = 0;
   /// Throws the connection away and makes a new one; false when that fails or another rig answers.

@@ -35,6 +35,7 @@ class SerialRig final : public Rig {
   }
 
   bool abort() override { return client_->abort(); }
+  void stop_when(std::function<bool()> asked) override { client_->stop_when(std::move(asked)); }
 
   bool reconnect() override {
     try {

@@ -358,6 +358,10 @@ CoreEvents core_events(const Record& record, const ExtractOptions& o) {
   e.impact_velocity =
       flight_velocity(own.signal, {e.seat.value, std::hypot(e.seat.u, own.late)},
                       held_for(s, e.seat.value - flight * window, e.seat.value), flight * window, noise);
+  if (e.impact_velocity.value <= 0) {  // it lands nowhere while it goes back
+    e.seat = e.settled = e.impact_velocity = {};
+    return e;
+  }
   later_landings(e, own.signal, seat, first.size, noise, own.late, t_end, o);
   // another landing within the resolution would not have been told apart
   e.settled.u = std::hypot(e.settled.u, core_resolution(o) / std::sqrt(3.0));

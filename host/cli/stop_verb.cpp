@@ -8,6 +8,7 @@
 
 #include "host/cli/verbs.h"
 #include "host/config/bad_input.h"
+#include "rigs/registry.h"
 #include "rigs/rig_watch.h"
 
 /// powbench stop: the coil of any rig off, from any terminal.
@@ -30,10 +31,14 @@ Exit stop_rig(const InfoArgs& args) {
                      args.uri)});
   std::optional<rigs::RigStatus> off;
   std::string why;
+  rigs::Endpoint place;
   std::unique_ptr<rigs::RigWatch> line;
   while (!off && std::chrono::steady_clock::now() - begun < stop_time) {
     try {
-      if (!line) line = std::make_unique<rigs::RigWatch>(args.uri, connect_time);
+      if (!line) {
+        place = rigs::endpoint_to_stop(args.uri);
+        line = std::make_unique<rigs::RigWatch>(place.uri, connect_time);
+      }
       line->stop();
       if (const rigs::RigStatus seen = line->status(); rigs::coil_off(seen.state))
         off = seen;

@@ -69,6 +69,16 @@ double unexplained_scatter(const Quantity& q, const AngleGroup& group) {
   return repeats_of(left).scatter;
 }
 
+/// The channel of a first touch or seat is there on both sides, and the event on one of them alone.
+bool seen_in_one(const ComparisonRow& row, const AngleGroup& group) {
+  const auto by = [&](const std::vector<Events>& all) {
+    return !all.empty() && std::all_of(all.begin(), all.end(), [&](const Events& e) {
+      return row.quantity == "t_ct1" ? timing_train(e).present : row.quantity == "t_xt1" && e.core.present;
+    });
+  };
+  return row.measured.known() != std::isfinite(row.simulated) && by(group.measured) && by(group.simulated);
+}
+
 ComparisonRow row_of(const Quantity& q, const AngleGroup& group, std::span<const PublishedRow> published,
                      const std::vector<Limit>& limits, Decision rule, double most_from_simulation) {
   const auto measured = values_of(q, group.measured);
@@ -78,6 +88,7 @@ ComparisonRow row_of(const Quantity& q, const AngleGroup& group, std::span<const
   row.quantity = q.symbol;
   row.unit = q.unit;
   row.repeats = r.n;
+  row.closings = static_cast<int>(group.measured.size());
   row.measured = {r.mean, r.u};
   row.scatter = r.scatter;
   row.dof = r.dof;
@@ -86,6 +97,7 @@ ComparisonRow row_of(const Quantity& q, const AngleGroup& group, std::span<const
   row.highest = r.highest;
   row.two_modes = r.two_modes;
   row.simulated = repeats_of(values_of(q, group.simulated)).mean;
+  row.seen_in_one = seen_in_one(row, group);
   row.unexplained = unexplained_scatter(q, group);
   if (const auto u = group.u_simulated.find(row.quantity); u != group.u_simulated.end())
     row.u_simulated = u->second, row.u_simulated_unknown = !std::isfinite(u->second);

@@ -82,7 +82,7 @@ void write(const Record& r, const About& about, const std::string& path) {
       dataset(file, "time", hdf5().h5t_ieee_f64le, hdf5().h5t_native_double, values.data(), n);
   must(scales().H5DSset_scale(time, "time"));
   attribute(time, "units", "s");
-  attribute(time, "long_name", "time after switch-on");
+  attribute(time, "long_name", "time after the gate edge, the zero of the record");
   const auto add = [&](const std::string& name, hid_t type, hid_t memory, const void* data, auto&& describe) {
     const Handle d = dataset(file, name, type, memory, data, n);
     must(scales().H5DSattach_scale(d, time, 0));

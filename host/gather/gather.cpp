@@ -37,6 +37,12 @@ Waveform waveform(const dsp::Signal& s, Channel channel) {
   return w;
 }
 
+/// Counted from the step of the coil voltage, as the times beside them.
+std::vector<Waveform> after_switch_on(std::vector<Waveform> waves, const std::optional<Events>& events) {
+  for (Waveform& w : waves) w.t0 -= events ? switch_delay(*events).value : 0;
+  return waves;
+}
+
 std::vector<Waveform> waveforms(const Record& record, const dsp::ExtractOptions& options) {
   const dsp::Prepared p = dsp::prepare(record, options);
   std::vector<Waveform> list;
@@ -172,10 +178,11 @@ std::vector<CurveRow> gather_curves(const Store& store, const CampaignInfo& c) {
       ReportShot shot;
       shot.conditions = s.conditions;
       shot.events = events;
-      shot.waveforms = std::move(waves);
+      shot.waveforms = after_switch_on(std::move(waves), events);
       input.shots.push_back(std::move(shot));
     } else {
-      input.simulated.push_back({radians(s.angle_deg), *events, std::move(waves), {}});
+      input.simulated.push_back(
+          {radians(s.angle_deg), *events, after_switch_on(std::move(waves), events), {}});
     }
   }
   std::vector<CurveRow> rows;
@@ -259,7 +266,8 @@ ReportInput gather_shot(const Store& store, std::int64_t id) {
       const auto events = store.load_events(s.id);
       if (!events) continue;
       group_at(groups, radians(s.angle_deg)).simulated.push_back(*events);
-      input.simulated.push_back({radians(s.angle_deg), *events, {}, spread_of(store.prediction(s.id))});
+      input.simulated.push_back(
+          {radians(s.angle_deg), *events, {}, after_switch_on(spread_of(store.prediction(s.id)), events)});
       beside = std::async([record = record_of(s), &options] { return waveforms(record, options.extract); });
       break;
     }
@@ -273,10 +281,11 @@ ReportInput gather_shot(const Store& store, std::int64_t id) {
                          .reason = wanted.reason,
                          .events = events,
                          .phase_u = phase_deviation(store, wanted),
-                         .waveforms = waveforms(record, options.extract),
-                         .raw = raw_films(record),
+                         .waveforms = after_switch_on(waveforms(record, options.extract), events),
+                         .raw = after_switch_on(raw_films(record), events),
                          .record_hash = wanted.record_hash});
-  if (beside.valid()) input.simulated.front().waveforms = beside.get();
+  if (beside.valid())
+    input.simulated.front().waveforms = after_switch_on(beside.get(), input.simulated.front().events);
   input.comparison = compare(std::move(groups), {}, {}, Decision::simple);
   return input;
 }
@@ -364,8 +373,9 @@ ReportInput gather_report(const Store& store, const CampaignInfo& c, const std::
       group.u_simulated = prediction.u;
       if (!events) continue;
       const bool nominal = prediction.empty();
-      input.simulated.push_back({radians(s.angle_deg), *events, std::move(waves), spread_of(prediction),
-                                 nominal, !nominal && outdated(s, planned, group.measured, options),
+      input.simulated.push_back({radians(s.angle_deg), *events, after_switch_on(std::move(waves), events),
+                                 after_switch_on(spread_of(prediction), events), nominal,
+                                 !nominal && outdated(s, planned, group.measured, options),
                                  simulation_basis(s)});
       continue;
     }
@@ -377,8 +387,8 @@ ReportInput gather_report(const Store& store, const CampaignInfo& c, const std::
                            .events = events,
                            .moved = moved[s.number],
                            .phase_u = phase_deviation(store, s),
-                           .waveforms = std::move(waves),
-                           .raw = std::move(raw),
+                           .waveforms = after_switch_on(std::move(waves), events),
+                           .raw = after_switch_on(std::move(raw), events),
                            .record_hash = s.record_hash});
   }
   input.vibration = vibration.finish();

@@ -64,7 +64,7 @@ Markup time_panel(const Strip& s, double y) {
     plot.line(line, stroke);
   }
   plot.frame();
-  plot.x_labels(xt, "time after switch-on / ms");
+  plot.x_labels(xt, "time in the record / ms");
   plot.y_labels(yt, s.film + " / N");
   plot.legend(legend(), 12);
   return plot.finish();

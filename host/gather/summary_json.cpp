@@ -20,17 +20,24 @@ Json best_json(const ReportInput& input) {
           {"confidence", json_of<Json>(b.confidence)},
           {"next_deg", json_of<Json>(stored_degrees(b.runner_up))},
           {"gain_s", json_of<Json>(b.gain.value)},
-          {"gain_U_s", json_of<Json>(2 * b.gain.u)}};
+          {"gain_U_s", json_of<Json>(b.gain_coverage * b.gain.u)}};
 }
 
 Json agreement_json(const ReportInput& input) {
   const auto rows = ranked(input.comparison);
   if (rows.empty()) return nullptr;
   std::size_t differ = 0;
+  Json one = Json::array();
+  for (const ComparisonRow& r : input.comparison.rows)
+    if (r.seen_in_one)
+      one.push_back({{"quantity", r.quantity},
+                     {"closing_angle_deg", json_of<Json>(stored_degrees(r.closing_angle))},
+                     {"seen_in", r.measured.known() ? "measurement" : "simulation"}});
   for (const ComparisonRow* r : rows) differ += r->difference_over_U() > 1 ? 1U : 0U;
   const ComparisonRow& worst = *rows.front();
   return {{"compared", rows.size()},
           {"differ", differ},
+          {"seen_in_one", one},
           {"largest",
            {{"quantity", worst.quantity},
             {"unit", worst.unit},

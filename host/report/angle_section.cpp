@@ -112,7 +112,8 @@ Markup curve_table(const std::vector<CurveRow>& rows) {
   out.element("p",
               "Where the curves, averaged over 0.1 ms, differ most until 2 ms after the last landing; shot "
               "with the median "
-              "difference. Share: of the measured value there, large near a zero. Rms: of the difference, "
+              "difference, of the closings that are drawn. Each curve less its mean over the 2 ms before. "
+              "Share: of the measured value there, large near a zero. Rms: of the difference, "
               "over the span "
               "of the measured curve. Late: how much later the simulated curve comes.",
               {{"class", "fine"}});
@@ -149,7 +150,8 @@ Markup angle_section(const ReportInput& input, const AngleView& view, const Rang
               ? "Blue: measured. Vertical lines: mean instants. "
               : "Blue: measured. Orange, and the column simulated: one simulation for the angle, " +
                     (view.simulated->basis.empty() ? "under the same conditions" : view.simulated->basis) +
-                    ", through the same sensors, filters and extraction; its band: what the uncertainties of "
+                    ", through simulated sensors and the same extraction; its band: what the uncertainties "
+                    "of "
                     "its inputs move it by "
                     "(k = 2). Vertical lines: mean instants, measured solid, simulated dashed. ") +
           "Pale blue: pole closed in the first measured shot. Dotted grey: shape of the mains.");

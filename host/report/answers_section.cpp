@@ -59,7 +59,9 @@ void best_answer(Markup& out, const ReportInput& input) {
   if (b.angles == 0 && bounced)
     return answer(out, "Best closing angle", "not known",
                   "Bounce was measured, but the closing angle of none of these closings is known.");
-  if (b.angles == 0) return answer(out, "Best closing angle", "not observed", "No bounce time was measured.");
+  if (b.angles == 0)
+    return answer(out, "Best closing angle", "not observed",
+                  b.unsettled > 0 ? "At no angle did every closing settle." : "No bounce time was measured.");
   const std::string bounce = with_uncertainty(b.bounce, b.coverage, 1e3, 2) + " ms of contact bounce";
   if (b.angles == 1)
     return answer(out, "Best closing angle", "not known",
@@ -79,9 +81,11 @@ void best_answer(Markup& out, const ReportInput& input) {
       break;
     }
   if (b.two_modes) sure += " The repeats there fall into two groups.";
+  if (b.unsettled > 0)
+    sure += fmt::format(" {} left out: not every closing there settled.", counted(b.unsettled, "angle"));
   answer(out, "Best closing angle", fmt::format("{}: {}", angle_text(b.angle), bounce),
          fmt::format("{} Closing at random among them bounces {} ms longer on average ({} %).", sure,
-                     with_uncertainty(b.gain, 2, 1e3, 2),
+                     with_uncertainty(b.gain, b.gain_coverage, 1e3, 2),
                      fixed(100 * b.gain.value / (b.bounce.value + b.gain.value), 0)));
 }
 
@@ -137,23 +141,45 @@ std::string one_sided(const ReportInput& input) {
   return text;
 }
 
+std::string largest_difference(const ComparisonRow& worst) {
+  const ReadableUnit unit = readable_unit(worst.unit);
+  return fmt::format("Largest difference over U: {} at {}, measured {} {}, simulated {} {}: {} U.",
+                     worst.quantity, angle_text(worst.closing_angle),
+                     with_uncertainty(worst.measured, worst.coverage, unit.per_si, unit.decimals), unit.name,
+                     simulated_text(worst), unit.name, times_text(worst.difference_over_U()));
+}
+
+/// "t_ct1 at 60° is measured and not simulated (and 2 more)"; empty: none.
+std::string seen_in_one(const Comparison& comparison) {
+  std::string first;
+  int more = 0;
+  for (const ComparisonRow& r : comparison.rows) {
+    if (!r.seen_in_one) continue;
+    if (first.empty())
+      first = fmt::format("{} at {} is {}", r.quantity, angle_text(r.closing_angle),
+                          r.measured.known() ? "measured and not simulated" : "simulated and not measured");
+    else
+      ++more;
+  }
+  return more > 0 ? first + fmt::format(" (and {} more)", more) : first;
+}
+
 void agreement_answer(Markup& out, const ReportInput& input, const std::vector<const ComparisonRow*>& rows) {
+  const std::string one = seen_in_one(input.comparison);
+  if (!one.empty())
+    return answer(out, "Measurement and simulation", "differ",
+                  one + ". " + (rows.empty() ? "" : largest_difference(*rows.front())) + one_sided(input) +
+                      simulated_of(input));
   if (rows.empty())
     return answer(out, "Measurement and simulation", "not known",
                   input.simulated.empty() ? "Nothing was simulated." : "No uncertainty is known.");
   const auto agree = static_cast<std::size_t>(
       std::count_if(rows.begin(), rows.end(), [](const auto* r) { return r->difference_over_U() <= 1; }));
-  const ComparisonRow& worst = *rows.front();
-  const ReadableUnit unit = readable_unit(worst.unit);
   answer(out, "Measurement and simulation",
          agree == rows.size()
              ? std::string("agree")
              : fmt::format("differ in {} of {} comparisons", rows.size() - agree, rows.size()),
-         fmt::format("Largest difference over U: {} at {}, measured {} {}, simulated {} {}: {} U.",
-                     worst.quantity, angle_text(worst.closing_angle),
-                     with_uncertainty(worst.measured, worst.coverage, unit.per_si, unit.decimals), unit.name,
-                     simulated_text(worst), unit.name, times_text(worst.difference_over_U())) +
-             one_sided(input) + simulated_of(input));
+         largest_difference(*rows.front()) + one_sided(input) + simulated_of(input));
 }
 
 void ranking(Markup& out, const std::vector<const ComparisonRow*>& rows) {
@@ -161,11 +187,12 @@ void ranking(Markup& out, const std::vector<const ComparisonRow*>& rows) {
   out.element("h3", "Where simulation and measurement differ");
   const ComparisonRow& largest = *rows.front();
   if (largest.difference_over_U() <= 1) {
-    out.element("p",
-                fmt::format("Nowhere: the largest difference is {} U, of {} at {}.",
-                            times_text(largest.difference_over_U()), largest.quantity,
-                            angle_text(largest.closing_angle)),
-                {{"class", "fine"}});
+    out.element(
+        "p",
+        fmt::format("Nowhere among the values that both have: the largest difference is {} U, of {} at {}.",
+                    times_text(largest.difference_over_U()), largest.quantity,
+                    angle_text(largest.closing_angle)),
+        {{"class", "fine"}});
     return;
   }
   out.open("table", {{"class", "ranking"}}).open("thead").open("tr");
@@ -254,7 +281,9 @@ void times(Markup& out, const ReportInput& input) {
     bool counted = false;
     for (const std::string_view quantity : {"t_ct1", "t_ct_bon", "t_xt1"}) {
       const ComparisonRow* row = row_at(input.comparison, quantity, angles[i]);
-      if (!counted) out.element("td", fmt::format("{}", row->repeats));
+      if (!counted)
+        out.element("td", row->repeats < row->closings ? fmt::format("{} of {}", row->repeats, row->closings)
+                                                       : fmt::format("{}", row->repeats));
       counted = true;
       out.element("td", with_uncertainty(row->measured, row->coverage, 1e3, 2), {{"class", "key"}});
       out.element("td", simulated_text(*row), {{"class", "sim"}});
@@ -293,6 +322,23 @@ std::string last_of_course(const ReportInput& input) {
                      last.what.starts_with("stopped") ? "" : "; how that ended is not noted");
 }
 
+/// Why a difference from the simulation is beyond its limit; guarded, U counts too.
+static std::string simulation_reason(const ComparisonRow& row, const ReportInput& input) {
+  const ReadableUnit unit = readable_unit(row.unit);
+  const double off = std::fabs(row.simulated - row.measured.value), whole = std::fabs(row.measured.value);
+  const bool share = whole > 0;
+  const auto text = [&](double x) {
+    return share ? fixed(100 * x / whole, 1) + " %"
+                 : fmt::format("{} {}", fixed(x * unit.per_si, unit.decimals), unit.name);
+  };
+  const bool by_guard = off <= input.most_from_simulation * whole;
+  return fmt::format(
+      "{} at {}: simulation and measurement differ by {}{}, allowed {:g} % of the measured mean",
+      row.quantity, angle_text(row.closing_angle), text(off),
+      by_guard ? ", with U = " + text(row.expanded_difference()) + " more" : "",
+      100 * input.most_from_simulation);
+}
+
 std::string verdict_reason(const ReportInput& input) {
   const Outcome is = verdict(input);
   if (is == Outcome::pass || is == Outcome::not_judged) return {};
@@ -307,11 +353,7 @@ std::string verdict_reason(const ReportInput& input) {
   for (const auto& shot : input.shots)
     if (shot.outcome == is && !shot.reason.empty()) add(fmt::format("shot {}: {}", shot.index, shot.reason));
   for (const auto& row : input.comparison.rows)
-    if (is == Outcome::fail && row.against_simulation == Outcome::fail)
-      add(fmt::format("{} at {}: simulation and measurement differ by {} %, allowed {:g} %", row.quantity,
-                      angle_text(row.closing_angle),
-                      fixed(100 * std::fabs(row.simulated / row.measured.value - 1), 1),
-                      100 * input.most_from_simulation));
+    if (is == Outcome::fail && row.against_simulation == Outcome::fail) add(simulation_reason(row, input));
   if (is == Outcome::aborted && first.empty() && !input.course.empty()) add(last_of_course(input));
   if (first.empty()) return {};
   return first + (more > 0 ? fmt::format(" (and {} more)", more) : "");

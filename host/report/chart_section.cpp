@@ -246,7 +246,7 @@ Markup typical_section(const ReportInput& input) {
   out.open("figure").embed(waveform_figure(input, view, time_window(input), true));
   out.element(
       "figcaption",
-      "Blue: measured. Orange: simulated, through the same sensors, filters and extraction; its band: what "
+      "Blue: measured. Orange: simulated, through simulated sensors and the same extraction; its band: what "
       "the uncertainties of its inputs move it by (k = 2). Vertical lines: mean "
       "instants of the angle, measured solid, simulated dashed. Pale blue: pole closed. Dotted grey: "
       "shape of the mains.");

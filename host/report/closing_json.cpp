@@ -97,10 +97,10 @@ std::string marks_json(const Events& events, bool simulated) {
   };
   const auto& contacts = timing_train(events).contacts;
   for (std::size_t i = 0; i < contacts.size(); ++i) {
-    mark(contacts[i].touch.value, i == 0 ? "touch" : "");
-    mark(contacts[i].release.value, "");
+    mark(after_switch_on(events, contacts[i].touch).value, i == 0 ? "touch" : "");
+    mark(after_switch_on(events, contacts[i].release).value, "");
   }
-  mark(events.core.seat.value, "core seat");
+  mark(after_switch_on(events, events.core.seat).value, "core seat");
   return out;
 }
 

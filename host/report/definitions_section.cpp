@@ -29,9 +29,11 @@ std::string timing_channels(const ReportInput& input) {
   for (const auto& shot : input.shots) {
     if (!shot.events) continue;
     const ContactTrain& train = timing_train(*shot.events);
-    const std::string channel = shot.events->contact_voltage.present ? "contact voltage"
-                                : shot.events->pvdf_a.present        ? "force A"
-                                                                     : "force B";
+    const Events& e = *shot.events;
+    const std::string channel = e.contact_voltage.present ? "contact voltage"
+                                : e.pole.by_force.present ? "both forces, closed while both breaks are"
+                                : e.pvdf_a.present ? "force A of one break alone: the pole may close later"
+                                                   : "force B of one break alone: the pole may close later";
     seen.insert(
         fmt::format("{} (shortest opening resolved: {:.0f} \xC2\xB5s)", channel, train.resolution * 1e6));
   }
@@ -77,9 +79,11 @@ Markup definitions_section(const ReportInput& input) {
   term(out, "Closing angle",
        "Phase of the coil voltage at switch-on; 0\xC2\xB0 is its rising zero crossing, sine reference.");
   term(out, "Time zero",
-       "The gate edge, the rig's command to the coil switch; of an imported record its trigger. All times "
-       "count from it. "
-       "The step of the coil voltage follows by the delay of the switch.");
+       "Switch-on is the step of the coil voltage. Where the record does not tell it from its own time 0 by "
+       "20 "
+       "\xC2\xB5s and three u, or has no coil voltage, times count from there: the gate edge, the rig's "
+       "command to "
+       "the coil switch, or the zero of the file that was imported.");
   for (const auto& q : quantity_table)
     term(out, q.symbol, fmt::format("{} ({})", q.meaning, readable_unit(q.unit).name));
   term(out, "Contact closed",
@@ -107,15 +111,17 @@ Markup definitions_section(const ReportInput& input) {
        "differ beyond. The simulation of an angle runs under the means of what its closings had: angle "
        "reached, "
        "supply voltage, frequency; its \xC2\xB1 is what their uncertainties and that of the coil's "
-       "temperature move it by. "
+       "temperature move a closing of the lumped circuit by, whatever model the value is of. "
        "\xE2\x80\x9Cs to sim.\xE2\x80\x9D: standard deviation of the repeats, each less the simulation "
        "at the angle, voltage and frequency that it reached itself; smaller than s where those explain the "
        "scatter, larger where the simulation depends on them more than the device. "
-       "Errors of the model are not in it. Without a \xC2\xB1 the simulation ran under the conditions asked "
-       "for, and U is "
-       "that of the measurement alone.");
+       "Errors of the model are not in it. Without a \xC2\xB1 the inputs do not move it, or the simulation "
+       "ran under "
+       "the conditions asked for, and U is that of the measurement alone.");
   term(out, "Best closing angle",
-       "The measured angle with the smallest mean bounce time. Confidence: one minus the sum, over the other "
+       "The measured angle with the smallest mean bounce time; angles at which a closing did not settle are "
+       "left "
+       "out. Confidence: one minus the sum, over the other "
        "angles, of the "
        "probability that theirs is smaller (Student's t of the difference). Random closing: each measured "
        "angle equally likely.");

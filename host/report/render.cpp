@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <cmath>
 
 #include "host/report/report.h"
 #include "host/report/sections.h"
@@ -36,6 +37,9 @@ Outcome verdict(const ReportInput& input) {
   }
   // without limits on the quantities, the one on the difference from the simulation may have been judged
   if (worst == Outcome::not_judged && input.limits.empty() && simulation_judged) return Outcome::pass;
+  // a limit that nothing was held against is no limit that was kept
+  if (std::isfinite(input.most_from_simulation) && !simulation_judged)
+    return worse(worst, Outcome::not_judged);
   return worst;
 }
 

@@ -71,15 +71,46 @@ void angle_row(Markup& out, const AngleKept& angle, double tolerance) {
   out.close().close();
 }
 
+/// The limit on the difference from the simulation: how many values it was held against, and what came out.
+void simulation_row(Markup& out, const ReportInput& input) {
+  int judged = 0, comparable = 0;
+  Outcome worst = Outcome::pass;
+  double largest = 0;
+  std::string where;
+  for (const auto& row : input.comparison.rows) {
+    if (!row.measured.known() && !std::isfinite(row.simulated)) continue;
+    ++comparable;
+    if (row.against_simulation != Outcome::pass && row.against_simulation != Outcome::fail) continue;
+    ++judged;
+    worst = worse(worst, row.against_simulation);
+    largest = std::max(largest, std::fabs(row.simulated / row.measured.value - 1));
+    if (row.against_simulation == Outcome::fail)
+      where +=
+          fmt::format("{} {} at {}", where.empty() ? "" : ",", row.quantity, angle_text(row.closing_angle));
+  }
+  if (judged == 0) worst = Outcome::not_judged;
+  out.open("tr").element("th", "sim.", {{"scope", "row"}, {"class", "sym"}});
+  out.element("td",
+              fmt::format("simulated less measured, of the measured mean; judged for {} of {} values", judged,
+                          comparable),
+              {{"class", "left"}});
+  out.element("td", fmt::format("\xE2\x89\xA4 {:g} %", 100 * input.most_from_simulation));
+  out.element("td", judged == 0 ? std::string(no_value) : fixed(100 * largest, 1) + " %");
+  out.open("td").element("span", name(worst), {{"class", badge_class(worst)}});
+  if (!where.empty()) out.text(where);
+  out.close().close();
+}
+
 void limits_table(Markup& out, const ReportInput& input) {
   out.element("h3", "Limits");
   const AngleKept angle = angle_kept(input);
+  const bool simulation = std::isfinite(input.most_from_simulation);
   if (input.limits.empty()) {
     out.element("p",
-                angle.seen.empty() ? "The plan sets none: nothing was judged."
-                                   : "The plan sets none on a quantity: none was judged.",
+                angle.seen.empty() && !simulation ? "The plan sets none: nothing was judged."
+                                                  : "The plan sets none on a quantity.",
                 {{"class", "fine"}});
-    if (angle.seen.empty()) return;
+    if (angle.seen.empty() && !simulation) return;
   } else {
     out.element("p", decision_text(input.decision), {{"class", "fine"}});
   }
@@ -115,6 +146,7 @@ void limits_table(Markup& out, const ReportInput& input) {
     out.close().close();
   }
   if (!angle.seen.empty()) angle_row(out, angle, input.angle_tolerance);
+  if (simulation) simulation_row(out, input);
   out.close().close();
 }
 

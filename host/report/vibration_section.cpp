@@ -129,7 +129,7 @@ Markup map_panel(const SpectrumMap& m, double y, double highest, double height, 
   plot.vertical(impact_ms, {colour::simulated, 1.1, 0.9, "5 3"});
   plot.frame();
   plot.y_labels(nice_ticks(hertz, 4), m.title);
-  if (last) plot.x_labels(nice_ticks(window, 12), "time after switch-on / ms");
+  if (last) plot.x_labels(nice_ticks(window, 12), "time in the record / ms");
   out.embed(plot.finish());
   return out;
 }
@@ -178,8 +178,7 @@ Markup vibration_section(const VibrationView& v) {
   out.element("p",
               "The contact band ends at 1.5 over the shortest contact. Where more than -20 dB of the "
               "vibration lies in it, no "
-              "filter can separate the two, and none is offered: events are taken from contacts and "
-              "vibration fitted together.",
+              "filter can separate the two, and none is offered. The definitions name how events were taken.",
               {{"class", "fine"}});
   return out.close();
 }

@@ -58,8 +58,8 @@ double mark_ms(const ReportInput& input, const AngleView& view, std::string_view
 void draw_closed(Plot& plot, const Events& events, double row, double end_ms, std::string_view color,
                  double opacity) {
   for (const auto& c : timing_train(events).contacts) {
-    const double to = c.release.known() ? c.release.value * 1e3 : end_ms;
-    plot.bar(c.touch.value * 1e3, to, row + 0.12, row + 0.88, color, opacity);
+    const double to = c.release.known() ? after_switch_on(events, c.release).value * 1e3 : end_ms;
+    plot.bar(after_switch_on(events, c.touch).value * 1e3, to, row + 0.12, row + 0.88, color, opacity);
   }
 }
 
@@ -187,7 +187,8 @@ Markup panel_plot(const ReportInput& input, const AngleView& view, const Panel& 
   if (shaded == nullptr && view.simulated != nullptr) shaded = &view.simulated->events;
   if (shaded != nullptr)
     for (const auto& c : timing_train(*shaded).contacts)
-      plot.shade_x(c.touch.value * 1e3, c.release.known() ? c.release.value * 1e3 : window.high,
+      plot.shade_x(after_switch_on(*shaded, c.touch).value * 1e3,
+                   c.release.known() ? after_switch_on(*shaded, c.release).value * 1e3 : window.high,
                    colour::measured, 0.06);
   if (panel.channel == "coil_current") draw_mains(plot, view, window, range);
   plot.vertical(0, {colour::soft, 1});

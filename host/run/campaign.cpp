@@ -144,6 +144,11 @@ RunSummary run_campaign(Store& store, std::int64_t campaign, std::span<const Pla
                         rigs::Rig& rig, const RunOptions& options, Progress& progress) {
   RunSummary summary;
   summary.planned = plan.size();
+  struct Watched {  // a stop also ends a shot that still waits for another owner
+    rigs::Rig& rig;
+    ~Watched() { rig.stop_when({}); }
+  } const watched{rig};
+  rig.stop_when([&options] { return stop_asked(options); });
   summary.limits = tally_of(options.limits);
   for (const StoredShot& left : store.close_begun())
     progress.say(fmt::format("campaign {}, shot {}: {}", left.campaign, left.number + 1, left.reason));

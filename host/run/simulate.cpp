@@ -57,11 +57,28 @@ std::vector<double> coarse(const Record& record, Channel channel) {
 }
 
 /// One simulated closing: its events, and each of `smooth_channels`.
+/// The closing that `make` simulates with the step of the coil voltage at the angle of `c`: behind a switch with a
+/// delay the command has to come earlier.
+template <class Make>
+auto at_the_step(const Make& make, const Conditions& c, const RunOptions& options, Events& events) {
+  constexpr double told = radians(0.5);
+  auto closing = make(c);
+  events = extract_checked(closing.record, options);
+  const double off = wrap_half_turn(events.coil.closing_angle.value - effective_angle(c));
+  if (!(std::abs(off) > told)) return closing;
+  Conditions earlier = c;
+  earlier.closing_angle = wrap_turn(c.closing_angle - off);
+  closing = make(earlier);
+  closing.record.conditions = c;
+  events = extract_checked(closing.record, options);
+  return closing;
+}
+
 struct Twin {
   Twin(const Conditions& c, const sim::Specimen& specimen, const rigs::SimRigConfig& rig,
        const RunOptions& options) {
-    const Record record = rigs::simulate_record(specimen, c, rig).record;
-    events = extract_checked(record, options);
+    const auto make = [&](const Conditions& at) { return rigs::simulate_record(specimen, at, rig); };
+    const Record record = at_the_step(make, c, options, events).record;
     for (const Channel channel : smooth_channels) curves.push_back(coarse(record, channel));
   }
   Events events;
@@ -271,10 +288,10 @@ SimulatedCount simulate_campaign(Store& store, std::int64_t campaign, std::span<
         const auto simulate = [&] {
           SimulatedPoint p;
           if (predicted) p.prediction = input_uncertainty(inputs[i], specimen, rig, options, others);
-          const auto closing = how.make(specimen, shots[i].conditions, rig);
+          const auto make = [&](const Conditions& at) { return how.make(specimen, at, rig); };
+          const auto closing = at_the_step(make, shots[i].conditions, options, p.events);
           p.record = closing.record;
           p.field_states = closing.field_states, p.field_beyond = closing.field_beyond;
-          p.events = extract_checked(p.record, options);
           if (p.field_beyond > 0) p.events.flags |= flag_beyond_fields;
           return bytes_of(p);
         };

@@ -2,6 +2,7 @@
 
 #include <atomic>
 #include <chrono>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string_view>
@@ -16,14 +17,17 @@ namespace powbench::host {
 class StoppableRig final : public rigs::Rig {
  public:
   StoppableRig(std::unique_ptr<rigs::Rig> rig, const std::atomic<bool>& stop, std::atomic<bool>& inside)
-      : rig_(std::move(rig)), stop_(stop), inside_(inside) {}
+      : rig_(std::move(rig)), stop_(stop), inside_(inside) {
+    rig_->stop_when([this] { return stop_ || (asked_ && asked_()); });
+  }
 
   const rigs::RigInfo& info() const override { return rig_->info(); }
   rigs::Shot fire(const Conditions& c, std::chrono::milliseconds limit) override {
     const Inside inside(inside_);
     if (stop_) return stopped();
     rigs::Shot shot = rig_->fire(c, limit);
-    if (stop_ && shot.outcome != Outcome::pass) {  // its own words are of any client that stops
+    if (stop_ && shot.outcome != Outcome::pass &&
+        shot.reason != rigs::stopped_words) {  // its own words are of any client that stops
       shot.outcome = Outcome::aborted;
       // to the rig this stop came by another line
       constexpr std::string_view stranger = ": stopped by a client that is not the owner";
@@ -37,6 +41,7 @@ class StoppableRig final : public rigs::Rig {
     if (stop_) return stopped();
     return rig_->recover(limit);
   }
+  void stop_when(std::function<bool()> asked) override { asked_ = std::move(asked); }
   bool abort() override { return rig_->abort(); }
   bool reconnect() override { return rig_->reconnect(); }
 
@@ -49,12 +54,13 @@ class StoppableRig final : public rigs::Rig {
   static rigs::Shot stopped() {
     rigs::Shot shot;
     shot.outcome = Outcome::aborted;
-    shot.reason = "stopped by the operator";
+    shot.reason = rigs::stopped_words;
     return shot;
   }
 
   std::unique_ptr<rigs::Rig> rig_;
   const std::atomic<bool>& stop_;
+  std::function<bool()> asked_;
   std::atomic<bool>& inside_;
 };
 

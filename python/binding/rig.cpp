@@ -36,10 +36,13 @@ struct FiredShot {
   std::optional<Events> events;
 };
 
-/// The campaign ends before its next shot once `flag` is set.
+/// Of one request: nothing more is fired once `flag` is set or a stop has come since it was made.
 struct StopFlag final : host::RunWatcher {
+  explicit StopFlag(const std::atomic<int>& all) : stops(all) {}
   std::atomic<bool> flag = false;
-  bool stopped() override { return flag; }
+  const std::atomic<int>& stops;
+  const int before = stops;
+  bool stopped() override { return flag || stops != before; }
 };
 
 rigs::Endpoint endpoint_of(const std::string& uri, const std::string& specimen_file) {
@@ -108,6 +111,7 @@ class OpenRig {
 
   /// Coil off, whoever owns the rig; any thread. Returns the rig's state afterwards.
   std::string stop() {
+    ++stops_;
     const py::gil_scoped_release release;
     return stop_now();
   }
@@ -157,12 +161,14 @@ class OpenRig {
     std::condition_variable ended;
     bool done = false;
     std::exception_ptr trouble;
-    StopFlag stop;
+    StopFlag stop(stops_);
     std::thread thread([&] {
       const std::scoped_lock one(rig_mutex_);
       try {
         if (!rig_) throw rigs::RigError(uri_ + ": is closed");
+        rig_->stop_when([&stop] { return stop.stopped(); });
         body(stop);
+        rig_->stop_when({});
       } catch (...) {
         trouble = std::current_exception();
       }
@@ -197,6 +203,7 @@ class OpenRig {
   }
 
   std::string uri_;
+  std::atomic<int> stops_ = 0;
   rigs::Endpoint endpoint_;
   std::unique_ptr<rigs::Rig> rig_;
   std::unique_ptr<rigs::RigWatch> watch_;

@@ -5,6 +5,7 @@
 #include <mutex>
 #include <thread>
 
+#include "rigs/bridge/served_port.h"
 #include "rigs/bridge/session.h"
 #include "rigs/rig.h"
 
@@ -19,6 +20,8 @@ struct Bridge::Impl {
       : hub(io, options), acceptor(io), signals(io), address(options.address) {
     bind(options);
     run_until_found();
+    constexpr std::uint16_t port_of_libiio = 30431;
+    if (options.tcp_port == port_of_libiio) place.emplace(options.port, address);
   }
 
   void bind(const BridgeOptions& options);
@@ -33,6 +36,7 @@ struct Bridge::Impl {
   tcp::acceptor acceptor;
   asio::signal_set signals;
   std::string address;
+  std::optional<ServedPort> place;  ///< where others find the address
   std::string why_lost() const {
     const std::lock_guard lock(mutex);
     return lost;

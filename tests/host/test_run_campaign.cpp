@@ -49,6 +49,7 @@ class WordRig final : public rigs::Rig {
     shot.record = sample_record(static_cast<std::uint64_t>(fired));
     return shot;
   }
+  void stop_when(std::function<bool()>) override {}
   bool abort() override { return true; }
   bool reconnect() override { return ++reconnects >= answers_from; }
   std::optional<rigs::Shot> recover(std::chrono::milliseconds) override {

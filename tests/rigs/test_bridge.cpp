@@ -1,3 +1,6 @@
+#include "rigs/bridge/served_port.h"
+#include "rigs/registry.h"
+#include "rigs/rig_watch.h"
 #include "tests/rigs/bridge_desk.h"
 
 using namespace powbench;
@@ -23,6 +26,28 @@ TEST_CASE("what concerns the connection is answered without the board", "[bridge
   CHECK(count(heard, "PRINT") == 2);  // until it has come twice alike, then never again
   for (const char* word : {"ZPRINT", "TIMEOUT", "EXIT", "BINARY", "HELP", "WRITEBUF"})
     CHECK(count(heard, word) == 0);
+}
+
+TEST_CASE("a board whose port another program holds is stopped through the bridge of that program",
+          "[bridge]") {
+  std::string port;
+  {
+    Desk desk;
+    port = desk.board.port();
+    CHECK(rigs::served_at(port) == desk.bridge.address());
+    const std::string uri = "serial:" + port;
+    CHECK(rigs::endpoint_to_stop(uri).uri == "ip:" + desk.bridge.address());
+    RawClient owner(desk.bridge.address());
+    REQUIRE(owner.own() == "14");
+    REQUIRE(owner.command("iio:device1 arm", "1") == "3");
+    rigs::RigWatch stop(rigs::endpoint_to_stop(uri).uri, std::chrono::seconds(5));
+    stop.stop();
+    CHECK(stop.status().state == "idle");
+    CHECK(owner.command("iio:device1 fire", "1") == "-11");  // no longer armed
+  }
+  CHECK(rigs::served_at(port).empty());
+  CHECK(rigs::served_at("/dev/null").empty());
+  CHECK(rigs::endpoint_to_stop("ip:127.0.0.9").uri == "ip:127.0.0.9");
 }
 
 TEST_CASE("every kind of request keeps client, bridge and board in step", "[bridge]") {

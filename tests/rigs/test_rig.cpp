@@ -1,6 +1,8 @@
 #include "rigs/rig.h"
 
+#include <atomic>
 #include <catch2/catch.hpp>
+#include <future>
 
 #include "core/phase.h"
 #include "rigs/iio_rig.h"
@@ -192,6 +194,35 @@ TEST_CASE("behind its limit a shot is not fired", "[rig]") {
   test::RawClient witness(server.address());
   CHECK(witness.read("iio:device1 operations") == "0");
   CHECK(witness.read("iio:device1 state") == "idle");
+  CHECK(rig->fire(at(30), 60s).outcome == Outcome::pass);
+}
+
+TEST_CASE("a stop ends a shot that still waits for another owner, and nothing is fired after it", "[rig]") {
+  LocalRig server({}, {});
+  test::RawClient other(server.address());
+  REQUIRE(other.write("iio:device1 lease", "k 3600000 anna") == "14");
+  const auto rig = connect_iio("ip:" + server.address());
+  std::atomic<bool> stop = false;
+  rig->stop_when([&] { return stop.load(); });
+  auto shot = std::async([&] { return rig->fire(at(30), 60s); });
+  CHECK(shot.wait_for(100ms) == std::future_status::timeout);  // it waits, for six seconds
+  stop = true;
+  const Shot stopped = shot.get();
+  CHECK(stopped.outcome == Outcome::aborted);
+  CHECK(stopped.reason == stopped_words);
+  REQUIRE(other.write("iio:device1 lease", "k 0") == "3");
+  CHECK(other.read("iio:device1 operations") == "0");
+  CHECK(rig->fire(at(30), 60s).outcome == Outcome::aborted);  // free by now, and still stopped
+  CHECK(other.read("iio:device1 operations") == "0");
+  CHECK(other.read("iio:device1 state") == "idle");
+  // asked for between arming and firing
+  int looked = 0;
+  rig->stop_when([&] { return ++looked > 1; });
+  CHECK(rig->fire(at(30), 60s).outcome == Outcome::aborted);
+  CHECK(looked == 2);
+  CHECK(other.read("iio:device1 operations") == "0");
+  CHECK(other.read("iio:device1 state") == "idle");
+  rig->stop_when({});
   CHECK(rig->fire(at(30), 60s).outcome == Outcome::pass);
 }
 
