@@ -1,17 +1,15 @@
 #include "rigs/iio_rig.h"
 
-#include <unistd.h>
-
 #include <algorithm>
 #include <array>
 #include <cerrno>
 #include <cstdlib>
-#include <random>
 #include <thread>
 
 #include "core/crc32.h"
 #include "rigs/iio_link.h"
 #include "rigs/interlock_list.h"
+#include "rigs/rig_owner.h"
 #include "rigs/rig_watch.h"
 #include "rigs/sealed_shot.h"
 #include "rigs/shot_set_points.h"
@@ -48,22 +46,6 @@ struct Failed {
   bool interlock = false;
   bool latched = false;
 };
-
-/// Who we are to others, and the token only we know. A rig that is open to a network wants its secret in front.
-std::string make_token() {
-  std::random_device entropy;
-  char text[40];
-  std::snprintf(text, sizeof text, "%08x%08x", entropy(), entropy());
-  const char* secret = std::getenv("POWBENCH_RIG_SECRET");
-  return (secret && *secret != '\0' ? std::string(secret) + "." : std::string()) + text;
-}
-
-std::string make_name() {
-  char host[64] = "host";
-  if (gethostname(host, sizeof host - 1) != 0) host[0] = 0;
-  std::string name = "powbench-" + std::to_string(getpid()) + "@" + host;
-  return name.substr(0, firmware::Lease::longest_owner);
-}
 
 class IioRig final : public Rig {
  public:

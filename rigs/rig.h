@@ -67,8 +67,8 @@ class Rig {
   /// of one request and one connection); never throws for what a rig may do.
   virtual Shot fire(const Conditions&, std::chrono::milliseconds limit) = 0;
   /// `asked` is looked at while another owner is waited for, before a shot is armed and before it is fired: once it is
-  /// true, nothing more is fired, and fire() gives ABORTED. Whoever makes it true before he stops the rig by another line
-  /// knows that no shot follows. Empty: never.
+  /// true, nothing more is fired, and fire() gives ABORTED. Whoever makes it true before he stops the rig by another
+  /// line knows that no shot follows. Empty: never.
   virtual void stop_when(std::function<bool()> asked) = 0;
   /// Coil off, whatever the state. False when the rig does not answer.
   virtual bool abort() = 0;

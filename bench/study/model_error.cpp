@@ -1,7 +1,7 @@
-// How often the stated total of a closing, the distance to the next rung with that rung's step error, covers its
-// difference to the best rung that can be afforded: specimens over the catalogue's bounds, angle anywhere, 0.85 .. 1.1 of 230 V, coil at -5 .. 60
-// degC. Fields are the specimen's circuit, for a drawn specimen has no shape; mechanics are compared from rigid parts
-// to bending ones at a quarter of the step that the estimate is made with.
+// How often the stated total of a closing, its distance to the next rung and the step error of that one, covers its
+// difference to the best rung that can be afforded: specimens over the catalogue's bounds, angle anywhere, 0.85 .. 1.1
+// of 230 V, coil at -5 .. 60 degC. Fields are the specimen's circuit, for a drawn specimen has no shape; mechanics are
+// compared from rigid parts to bending ones at a quarter of the step that the estimate is made with.
 //   bench_model_error [--scenes N] [--seed S] [--json PATH]
 
 #include <algorithm>

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "dsp/contacts/contact_train.h"
 #include "dsp/filter/force.h"
@@ -75,24 +76,30 @@ double allowance(const ContactTrain& a, const ContactTrain& b) {
   return check_tolerance + 3 * u;
 }
 
+/// V across the open pole: before switch-on, or, of a pole closed from the start, the largest; NaN: no sense voltage.
+double open_voltage(const Signal& s) {
+  if (s.size() < 2) return std::numeric_limits<double>::quiet_NaN();
+  const auto quiet = std::span(s.value).first(s.index_at(0.0));
+  double open = quiet.empty() ? 0.0 : median(quiet);
+  if (open < least_open_volts) open = *std::max_element(s.value.begin(), s.value.end());
+  return open < least_open_volts ? std::numeric_limits<double>::quiet_NaN() : open;
+}
+
 }  // namespace
+
+double contact_level(const Record& record, const ExtractOptions& o) {
+  return o.open_share * open_voltage(to_signal(record, Channel::contact_a));
+}
 
 ContactTrain contact_voltage_train(const Record& record, const ExtractOptions& o) {
   ContactTrain t;
   Signal s = to_signal(record, Channel::contact_a);
-  const std::size_t before = s.index_at(0.0);
-  if (s.size() < 2) return t;
-  const auto quiet = std::span(s.value).first(before);
-  double open = quiet.empty() ? 0.0 : median(quiet);
-  if (open < least_open_volts) {  // closed from the start, or no sense voltage at all
-    open = *std::max_element(s.value.begin(), s.value.end());
-    if (open < least_open_volts) return t;
-  }
+  const double level = o.open_share * open_voltage(s);
+  if (!std::isfinite(level)) return t;
   t.present = true;
-  t.noise = robust_sigma(quiet);
+  t.noise = robust_sigma(std::span(s.value).first(s.index_at(0.0)));
   t.resolution = std::max(o.min_open_voltage, s.dt);
   const double t_end = closing_end(record, s);
-  const double level = o.open_share * open;
   if (s.value[0] < level) t.contacts.push_back({});  // closed before the record began
   for (const Crossing& c : crossings(s, level, t.noise, t_end)) {
     if (!c.closing) {

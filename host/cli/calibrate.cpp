@@ -124,7 +124,7 @@ rigs::Calibrations rows_of(IioLink& link) {
 
 Walk walk(IioLink& link, const std::string& token, const Ask& ask) {
   Desk desk(link, token, ask);
-  Walk w{.rows = rows_of(link), .switch_delay = 0.0, .report = {}};
+  Walk w{.rows = rows_of(link), .switch_delay = 0.0, .report = {}, .measured = {}};
   for (std::size_t i = 0; i < channel_count; ++i) {
     const ChannelInfo& c = channel_table[i];
     ChannelCalibration& row = w.rows[i];
@@ -142,6 +142,7 @@ Walk walk(IioLink& link, const std::string& token, const Ask& ask) {
                        static_cast<double>(row.sensitivity_femto));
       w.report += fmt::format("\n[{}]\nunit = \"N\"\nsensitivity_pC_per_N = {:.6g}\nscale_pico = {}\n",
                               c.name, 1e-3 * static_cast<double>(row.sensitivity_femto), row.scale_pico);
+      w.measured[i] = true;
       continue;
     }
     const auto low = desk.point(static_cast<Channel>(i), "low");
@@ -152,6 +153,7 @@ Walk walk(IioLink& link, const std::string& token, const Ask& ask) {
     row.scale_pico = std::llround(line.si_per_count / c.si_per_iio_unit * 1e12);
     row.zero_counts = std::llround(line.zero);
     w.report += table(c, *low, *high, was, row);
+    w.measured[i] = true;
   }
   desk.disconnect();
   if (const auto text = desk.ask("switch: time from the gate to the coil's voltage in us (empty: 0)");

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <functional>
 #include <iosfwd>
 #include <optional>
@@ -34,6 +35,7 @@ struct Walk {
   rigs::Calibrations rows;
   double switch_delay = 0.0;  ///< s
   std::string report;         ///< TOML: every channel's points, counts, gain before and after
+  std::array<bool, channel_count> measured{};  ///< channels that were answered; the others are kept
 };
 
 /// Asks for two points of each electrical input and of the laser, for the films' sensitivities and for the switch's

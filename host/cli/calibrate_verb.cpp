@@ -1,6 +1,7 @@
 #include <fmt/chrono.h>
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <chrono>
 #include <filesystem>
 #include <fstream>
@@ -63,6 +64,44 @@ std::string make_token() {
                      entropy());
 }
 
+/// What a walk leaves as it was: the rig holds one certificate for all channels, so its last day is the earliest.
+struct Kept {
+  std::string channels;  ///< "laser, coil_voltage"
+  std::string tables;    ///< TOML, for the certificate
+  std::string from;      ///< "from LAB-1, valid until 2030-12-31"
+  std::string expires;   ///< of the whole, 2030-12-31
+};
+
+Kept kept_of(const Walk& w, const rigs::RigInfo& before, const std::string& expires) {
+  Kept kept{
+      .channels = {},
+      .tables = {},
+      .from = fmt::format("from {}, {}", before.calibration,
+                          before.calibration_expires.empty() ? "validity not stated"
+                                                             : "valid until " + before.calibration_expires),
+      .expires = expires};
+  for (std::size_t i = 0; i < channel_count; ++i) {
+    if (w.measured[i] || w.rows[i].scale_pico == 0) continue;  // or there is no such channel
+    kept.channels += fmt::format("{}{}", kept.channels.empty() ? "" : ", ", channel_table[i].name);
+    kept.tables += fmt::format("\n[{}]\nkept = \"{}\"\n", channel_table[i].name, kept.from);
+  }
+  if (!kept.channels.empty() && !before.calibration_expires.empty())
+    kept.expires = std::min(expires, before.calibration_expires);
+  return kept;
+}
+
+/// Why the walk is not stored; empty: it is.
+std::string refusal_of(const Walk& w, const Kept& kept, const std::string& date) {
+  if (std::none_of(w.measured.begin(), w.measured.end(), [](bool m) { return m; }))
+    return "no channel was calibrated: nothing was stored";
+  if (kept.expires < date)
+    return fmt::format(
+        "{} would be kept from a calibration that was valid until {}: calibrate them too; nothing "
+        "was stored",
+        kept.channels, kept.expires);
+  return {};
+}
+
 }  // namespace
 
 Exit calibrate(const CalibrateArgs& args) {
@@ -80,30 +119,37 @@ Exit calibrate(const CalibrateArgs& args) {
   const rigs::RigInfo info = link.read_info(args.rig);
   const std::string token = make_token();
   const auto control = rigs::IioLink::Device::control;
+  Kept kept;
   try {
     link.write(control, "lease", token + " 600000 calibrate");
     const Walk w = walk(link, token, ask);
-    store(link, token, w, args.id, from, until);
+    kept = kept_of(w, info, args.expires);
+    const std::string refusal = refusal_of(w, kept, date);
+    if (refusal.empty()) store(link, token, w, args.id, from, day(kept.expires, "expires"));
     link.write(control, "abort",
                "1 " + token);  // a quantity at the current's input is a current without a gate
     link.write(control, "lease", token + " 0");
+    if (!refusal.empty()) throw BadInput({refusal});
     write_file(
         args.output,
         fmt::format(
             "# Certificate of a calibration, written by powbench {}.\nid = \"{}\"\ndate = "
-            "\"{}\"\nexpires = \"{}\"\n"
+            "\"{}\"\nexpires = \"{}\"\n{}"
             "by = \"{}\"\nrig = \"{}, {}\"\nkind = \"{}\"\nreplaces = \"{}\"\nrows_crc32 = \"{:08x}\"\n"
             "switch_delay_us = {:.3f}\n",
-            program_version, args.id, date, args.expires, args.by, info.model, info.serial, info.kind,
-            info.calibration, rigs::rows_crc32(w.rows), w.switch_delay * 1e6) +
-            w.report);
+            program_version, args.id, date, kept.expires,
+            kept.expires == args.expires ? "" : fmt::format("expires_of_measured = \"{}\"\n", args.expires),
+            args.by, info.model, info.serial, info.kind, info.calibration, rigs::rows_crc32(w.rows),
+            w.switch_delay * 1e6) +
+            w.report + kept.tables);
   } catch (const rigs::Refusal& refusal) {
     throw rigs::RigError(rigs::sentence(refusal) + ": " + link.read(control, "last_error"));
   } catch (const rigs::LinkBroken& broken) {
     throw rigs::RigError(broken.sentence);
   }
-  fmt::print(stderr, "calibration {} is in force on {}; certificate: {}\n", args.id, info.serial,
-             args.output);
+  fmt::print(stderr, "calibration {} is in force on {}, valid until {}; certificate: {}\n", args.id,
+             info.serial, kept.expires, args.output);
+  if (!kept.channels.empty()) fmt::print(stderr, "kept as they were, {}: {}\n", kept.from, kept.channels);
   return Exit::pass;
 }
 

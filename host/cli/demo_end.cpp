@@ -2,26 +2,47 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 
+#include "core/counted.h"
 #include "core/units.h"
 #include "host/gather/gather.h"
+#include "host/gather/scene.h"
+#include "host/gather/verdict.h"
 #include "host/report/best_angle.h"
 
 namespace powbench::host {
 
 namespace {
 
-std::string verdict_sentence(const Store& store, const CampaignInfo& campaign) {
-  Outcome worst = Outcome::pass;
+/// The verdict of the report, and what it comes from.
+std::string verdict_sentence(const Store& store, const CampaignInfo& campaign, const Comparison& comparison) {
+  const Plan plan = stored_plan(campaign);
   std::size_t all = 0, passed = 0;
   for (const auto& [outcome, n] : store.outcomes(campaign.id, ShotKind::measured)) {
-    worst = worse(worst, outcome);
     all += n;
     if (outcome == Outcome::pass) passed += n;
   }
-  return fmt::format("Verdict {}: {} of {} closings are within the limits of the plan.", name(worst), passed,
-                     all);
+  const std::vector<Limit> limits = plan_limits(plan);
+  std::size_t off = 0, outside = 0;
+  for (const ComparisonRow& r : comparison.rows) {
+    const bool limited =
+        std::any_of(limits.begin(), limits.end(), [&](const Limit& l) { return l.quantity == r.quantity; });
+    off += r.against_simulation == Outcome::fail ? 1U : 0U;
+    outside += limited && r.outcome == Outcome::fail ? 1U : 0U;
+  }
+  std::string why;
+  if (!limits.empty()) why = fmt::format("{} of {} closings are within the limits of the plan", passed, all);
+  if (outside > 0 && passed == all) why += fmt::format(", but {} not", counted(outside, "mean value"));
+  if (off > 0)
+    why += fmt::format("{}{} further from the simulation than the plan allows", why.empty() ? "" : ", but ",
+                       counted(off, "mean value"));
+  if (why.empty())
+    why = std::isfinite(plan.limits_vs_simulation)
+              ? "no mean value was found further from the simulation than the plan allows"
+              : fmt::format("the plan has no limits for its {}", counted(all, "closing"));
+  return fmt::format("Verdict {}: {}.", name(campaign_verdict(store, campaign)), why);
 }
 
 std::string angle_sentence(const BestAngle& best) {
@@ -41,9 +62,10 @@ std::string angle_sentence(const BestAngle& best) {
 }  // namespace
 
 std::string three_sentences(const Store& store, const CampaignInfo& campaign, const std::string& page) {
+  const Comparison comparison = compare_stored(store, campaign);
   return fmt::format("{}\n{}\nOpen {} in a browser: every closing beside its simulation.\n",
-                     verdict_sentence(store, campaign),
-                     angle_sentence(best_angle(compare_stored(store, campaign))), page);
+                     verdict_sentence(store, campaign, comparison), angle_sentence(best_angle(comparison)),
+                     page);
 }
 
 }  // namespace powbench::host

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <filesystem>
 #include <fstream>
+#include <nlohmann/json.hpp>
 
 #include "core/counted.h"
 #include "core/quantities.h"
@@ -16,6 +17,7 @@
 #include "host/export/event_table.h"
 #include "host/export/waveforms.h"
 #include "host/export/write_file.h"
+#include "host/gather/shown.h"
 #include "host/import/calibration.h"
 #include "host/store/json.h"
 #include "host/store/store.h"
@@ -40,7 +42,14 @@ About about(const Store& store, const CampaignInfo& campaign, const StoredShot& 
              {"calibration", record.calibration},
              {"sample_hash", shot.record_hash},
              {"program", fmt::format("powbench {}", program_version)}};
-  if (const auto events = store.load_events(shot.id)) list.emplace_back("events", to_json(*events));
+  const Shown shown(store, shot);
+  if (!shown.events) return list;
+  list.emplace_back("events", to_json(*shown.events));
+  list.emplace_back("quantities", shown.json<nlohmann::ordered_json>().dump());
+  if (shown.simulated)
+    list.emplace_back("uncertainty",
+                      "u of quantities: what the inputs of the simulation leave open, null where "
+                      "not known; u of events: how well the curve can be read");
   return list;
 }
 
@@ -81,11 +90,12 @@ Table campaign_events(const Store& store, std::int64_t campaign,
     kind.emplace_back(name(s.kind)), outcome.emplace_back(name(s.outcome));
     reason.push_back(s.reason), started.push_back(s.started);
     asked.push_back(s.angle_deg);
-    const auto events = store.load_events(s.id);
+    const Shown shown(store, s);
+    const auto& events = shown.events;
     const Measured angle = events ? events->coil.closing_angle : Measured{};
     reached.value.push_back(degrees(angle.value)), reached.u.push_back(degrees(angle.u));
     for (std::size_t q = 0; q < quantities.size(); ++q) {
-      const Measured m = events ? quantity_table[q].of(*events) : Measured{};
+      const Measured m = shown.of(quantity_table[q]);
       quantities[q].value.push_back(m.value), quantities[q].u.push_back(m.u);
     }
     if (events) seen.emplace_back(s.id, *events);
@@ -106,7 +116,11 @@ Sheet about_sheet(const About& list) {
   std::vector<std::string> keys, texts;
   for (const auto& [key, text] : list)
     if (key != "events") keys.push_back(key), texts.push_back(text);
-  keys.emplace_back("u_..."), texts.emplace_back("standard uncertainty of the column of that name, k = 1");
+  keys.emplace_back("u_..."),
+      texts.emplace_back(
+          "standard uncertainty of the column of that name, k = 1; of a simulated shot in the sheet events "
+          "what its "
+          "inputs leave open, empty where not known, in the sheet contacts how well its curve can be read");
   return {"about", {{"key", keys}, {"text", texts}}};
 }
 
@@ -166,7 +180,7 @@ Exit export_shot(const ExportArgs& args) {
   if (to == "csv") return export_csv(args, campaign, shot, record);
   if (to == "arrow")
     throw BadInput({"export --to arrow: writes the events of a campaign; leave the shot out"});
-  const About list = about(store, campaign, shot, record);
+  About list = about(store, campaign, shot, record);
   std::filesystem::path file = args.file;
   if (to == "nc") {
     write_netcdf(record, list, args.file);
@@ -174,6 +188,7 @@ Exit export_shot(const ExportArgs& args) {
     std::vector<Sheet> sheets{{"record", waveform_table(record)}};
     if (const auto events = store.load_events(args.shot))
       sheets.push_back({"contacts", contact_table({{args.shot, *events}})});
+    for (const auto& delay : delays_of(record)) list.push_back(delay);
     sheets.push_back(about_sheet(list));
     write_file(file, to_xlsx(sheets));
   } else {

@@ -214,10 +214,10 @@ std::string no_bounce_reason(const Events& events) {
   return "no settled touch";
 }
 
-void print_events(const Events& events) {
-  fmt::print("  +- is U (k = 2)\n");
+void print_events(const Events& events, std::string_view u_of, const Shown* stored) {
+  fmt::print("  +- is U (k = 2){}\n", u_of);
   for (const Quantity& q : quantity_table) {
-    const Measured m = q.of(events);
+    const Measured m = stored ? stored->of(q) : q.of(events);
     const std::string unit(q.unit);
     const bool time = unit == "s";  // in ms the uncertainty of a time would read zero
     fmt::print("  {:<9} {:>10} {:<3} +- {:<6} {:<3} {}\n", q.symbol, shown(m.value, unit, 2 * m.u),
@@ -306,7 +306,11 @@ Exit show_events(const EventsArgs& args) {
              std::isfinite(shot.angle_deg) ? fmt::format("closing angle {:.2f} deg", shot.angle_deg)
                                            : std::string("closing angle not known"),
              events.method);
-  print_events(events);
+  print_events(events, shot.kind == ShotKind::simulated
+                           ? fmt::format(" of how well its curve can be read; what its inputs leave open: "
+                                         "powbench show {}",
+                                         shot.id)
+                           : "");
   print_bands(record, found);
   return Exit::pass;
 }

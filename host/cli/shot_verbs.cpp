@@ -5,7 +5,6 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
-#include "core/counted.h"
 #include "core/phase.h"
 #include "core/quantities.h"
 #include "host/cli/show.h"
@@ -77,7 +76,14 @@ Exit list_shots(const ResultArgs& args) {
     fmt::print("{}, campaign {}, {}; +- is U (k = 2)\n{:>6} {:<9} {:>7} {:>17} {:>17} {:>17} {:>17}  {}\n",
                name(campaign.origin), campaign.id, campaign.name, "shot", "", "deg", "reached deg",
                "touch ms", "bounce ms", "settled ms", "outcome");
-  for (const auto& [s, digested, reached, touch, bounce, settled] : store.lines(campaign.id)) {
+  auto lines = store.lines(campaign.id);
+  for (auto& [s, digested, reached, touch, bounce, settled] : lines) {
+    // what a simulated time is uncertain by comes from its inputs, not from finding it in a clean record
+    if (s.kind == ShotKind::simulated) {
+      const auto u = store.prediction(s.id).u;
+      touch.u = Shown::u_of(u, "t_ct1"), bounce.u = Shown::u_of(u, "t_ct_bon");
+      settled.u = Shown::u_of(u, "t_ct2");
+    }
     if (args.json) {
       list.push_back({{"shot", s.id},
                       {"campaign", s.campaign},
@@ -93,17 +99,12 @@ Exit list_shots(const ResultArgs& args) {
                       {"reason", s.reason}});
       continue;
     }
-    // what a simulated time is uncertain by comes from its inputs, not from finding it in a clean record
-    const auto u = s.kind == ShotKind::simulated ? store.prediction(s.id).u : std::map<std::string, double>();
-    const auto time = [&](Measured m, const char* quantity) {
-      const auto at = u.find(quantity);
-      if (at == u.end()) return plain(m, 1e3, 3);
-      m.u = at->second;
-      return plain(m, 1e3, 3) + (m.known() && !std::isfinite(m.u) ? " +- ?" : "");
+    const auto time = [simulated = s.kind == ShotKind::simulated](const Measured& m) {
+      return plain(m, 1e3, 3) + (simulated && m.known() && !std::isfinite(m.u) ? " +- ?" : "");
     };
     fmt::print("{:>6} {:<9} {:>7} {:>17} {:>17} {:>17} {:>17}  {}{}{}\n", s.id, name(s.kind), commanded(s),
-               angle_text(reached), time(touch, "t_ct1"), time(bounce, "t_ct_bon"), time(settled, "t_ct2"),
-               name(s.outcome), s.reason.empty() ? "" : ": ", s.reason);
+               angle_text(reached), time(touch), time(bounce), time(settled), name(s.outcome),
+               s.reason.empty() ? "" : ": ", s.reason);
   }
   if (args.json) fmt::print("{}\n", list.dump(2));
   return Exit::pass;
@@ -122,7 +123,8 @@ Exit show_shot(const ShotArgs& args) {
   const Store store(args.database, Store::Mode::read_only);
   const StoredShot s = shot_of(store, args);
   const CampaignInfo campaign = store.campaign(s.campaign);
-  const auto events = store.load_events(s.id);
+  const Shown stored(store, s);
+  const auto& events = stored.events;
   const auto seal = sealed(store, s);
   const Origin origin = s.kind == ShotKind::simulated ? Origin::simulation : campaign.origin;
   if (args.json) {
@@ -142,6 +144,7 @@ Exit show_shot(const ShotArgs& args) {
                 {"reason", s.reason},
                 {"record_sha256", s.record_hash},
                 {"sealed", seal ? Json(seal->text) : Json(nullptr)},
+                {"quantities", stored.json<Json>()},
                 {"events", events ? Json::parse(to_json(*events, 2)) : Json(nullptr)}};
     fmt::print("{}\n", out.dump(2));
     return Exit::pass;
@@ -186,7 +189,13 @@ Exit show_shot(const ShotArgs& args) {
                                 static_cast<double>(seal->tolerance_mdeg) * 1e-3));
   }
   line("record", s.record_hash.empty() ? "none" : "sha256 " + s.record_hash);
-  if (events) print_events(*events);
+  if (events)
+    print_events(*events,
+                 s.kind == ShotKind::simulated
+                     ? " of what its inputs leave open; at each contact, of how well "
+                       "its curve can be read"
+                     : "",
+                 &stored);
   fmt::print(stderr, "powbench events {0} extracts them anew, powbench plot {0} draws the channels\n", s.id);
   return Exit::pass;
 }
@@ -273,11 +282,8 @@ Exit compare_campaigns(const CompareArgs& args) {
   const auto lines = unlike(store, first, second);
   if (!lines.empty()) fmt::print("the two campaigns were not alike in\n");
   for (const std::string& line : lines) fmt::print("  {}\n", line);
-  if (const std::size_t same = same_records(store, first, second); same > 0)
-    fmt::print(
-        "{} of the second campaign hold the records of the first, bit for bit: simulated with one seed, so "
-        "their agreement says nothing\n",
-        counted(same, "shot"));
+  if (const std::string same = same_records_sentence(store, first, second); !same.empty())
+    fmt::print("{}\n", same);
   return exit_of(worse(verdicts[0], verdicts[1]));
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <string>
+#include <string_view>
 
 #include "core/conditions.h"
 #include "core/events.h"
@@ -8,6 +9,7 @@
 #include "dsp/options.h"
 #include "host/cli/verbs.h"
 #include "host/gather/event_filter.h"
+#include "host/gather/shown.h"
 
 namespace powbench::host {
 
@@ -23,8 +25,9 @@ Json seed_of(Origin origin, const Conditions& c) {
 /// Why there is no bounce time; "" where there is one.
 std::string no_bounce_reason(const Events&);
 
-/// Quantities and contact trains as a table for people, to stdout.
-void print_events(const Events&);
+/// Quantities and contact trains as a table for people, to stdout. `u_of`: what U is of, behind "U (k = 2)"; the
+/// quantities as the stored shot shows them, where there is one.
+void print_events(const Events&, std::string_view u_of = "", const Shown* = nullptr);
 
 /// Sets --filter, --phase and --band. Throws BadInput that names the option and what is allowed.
 void set_filter_options(dsp::ExtractOptions&, const EventsArgs&);

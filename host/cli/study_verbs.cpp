@@ -96,13 +96,13 @@ Exit demo(const DemoArgs& args) {
   ReportArgs report;
   report.database = database;
   report.folder = args.folder;
-  write_report(report);
+  const Exit ended = write_report(report);
   const std::string page = (folder / "report.html").string();
   fmt::print("{}\n", page);
   std::fflush(stdout);  // the sentences come last, also where both streams are one
   const Store store(database, Store::Mode::read_only);
   fmt::print(stderr, "{}", three_sentences(store, store.campaign(), page));
-  return acquired;
+  return ended;
 }
 
 }  // namespace powbench::host

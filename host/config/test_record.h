@@ -14,7 +14,7 @@ namespace powbench::host {
 struct Instrument {
   std::string name;         ///< as "charge amplifier CA-7"
   std::string certificate;  ///< of its calibration
-  std::string valid_until;  ///< last day, 2030-12-31; "" = for ever
+  std::string valid_until;  ///< last day, 2030-12-31; "" = not stated
 };
 
 struct TestRecord {

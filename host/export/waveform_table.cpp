@@ -1,3 +1,5 @@
+#include <fmt/format.h>
+
 #include <cmath>
 
 #include "host/export/lost.h"
@@ -13,6 +15,14 @@ std::vector<bool> lost_samples(const Record& record, const ChannelRecord& c) {
       for (auto i = std::max<std::int64_t>(g.first, 0); i < std::min(g.first + g.count, n); ++i)
         lost[static_cast<std::size_t>(i)] = true;
   return lost;
+}
+
+About delays_of(const Record& r) {
+  About list{
+      {"time_s", "on the sampling clock; a value shows its quantity the delay of its channel earlier"}};
+  for (const ChannelRecord& c : r.channels)
+    list.emplace_back("delay_us " + std::string(info(c.channel).name), fmt::format("{:.9g}", c.delay * 1e6));
+  return list;
 }
 
 Table waveform_table(const Record& r) {

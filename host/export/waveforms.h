@@ -15,6 +15,9 @@ namespace powbench::host {
 
 using About = std::vector<std::pair<std::string, std::string>>;  ///< whose record this is: key and text
 
+/// How much earlier the values of each channel show their quantity, in us: a table has one column of time for all.
+About delays_of(const Record&);
+
 /// Columns `time_s`, `pvdf_a_N`, ... of the record.
 Table waveform_table(const Record&);
 

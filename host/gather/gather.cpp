@@ -11,15 +11,16 @@
 #include <span>
 
 #include "core/version.h"
+#include "dsp/contacts/contact_voltage.h"
 #include "dsp/events/prepare.h"
 #include "dsp/signal/signal.h"
+#include "host/gather/provenance.h"
 #include "host/gather/scene.h"
 #include "host/gather/verdict.h"
 #include "host/gather/vibration.h"
 #include "host/report/view.h"
 #include "host/run/simulate.h"
 #include "host/store/json.h"
-#include "rigs/sealed_shot.h"
 
 namespace powbench::host {
 
@@ -59,8 +60,8 @@ std::vector<Waveform> waveforms(const Record& record, const dsp::ExtractOptions&
 }
 
 Provenance provenance(const Store& store, const CampaignInfo& c, const Plan& plan,
-                      const std::vector<StoredShot>& shots, const std::string& database) {
-  Provenance p;
+                      const std::vector<StoredShot>& fired, const std::string& database) {
+  Provenance p = rig_provenance(store, fired);
   p.program = fmt::format("powbench {}", program_version);
   if (c.program_version != program_version)
     p.program += fmt::format(" (acquired with {})", c.program_version);
@@ -75,14 +76,6 @@ Provenance provenance(const Store& store, const CampaignInfo& c, const Plan& pla
                                            : "as listed";
   p.started = c.created;
   p.database = std::filesystem::path(database).filename().string();
-  for (const StoredShot& s : shots) {
-    if (s.kind != ShotKind::measured) continue;
-    p.finished = std::max(p.finished, s.started);
-    if (s.record_hash.empty() || !p.firmware.empty()) continue;
-    const Record r = store.load_record(s.id);
-    p.firmware = r.firmware;
-    p.calibration = r.calibration;
-  }
   return p;
 }
 
@@ -214,19 +207,6 @@ std::set<std::int64_t> shots_to_draw(const std::vector<StoredShot>& shots) {
   return drawn;
 }
 
-/// What the rig knew of the mains' phase when it fired, rad; NaN: nobody has told.
-double phase_deviation(const Store& store, const StoredShot& shot) {
-  constexpr double untold = std::numeric_limits<double>::quiet_NaN();
-  const std::string text = shot.record_hash.empty() ? std::string() : store.sealed_text(shot.id);
-  if (text.empty()) return untold;
-  try {
-    const rigs::SealedShot sealed = rigs::parse_sealed_shot(text);
-    return sealed.complete() ? radians(static_cast<double>(sealed.angle_u_mdeg) * 1e-3) : untold;
-  } catch (const rigs::SealError&) {
-    return untold;  // of an earlier firmware
-  }
-}
-
 TestRecord gather_test_record(const Store& store, const CampaignInfo& c) {
   TestRecord record = stored_plan(c).test;
   for (const Annotation& a : store.annotations(c.id))
@@ -283,7 +263,8 @@ ReportInput gather_shot(const Store& store, std::int64_t id) {
                          .phase_u = phase_deviation(store, wanted),
                          .waveforms = after_switch_on(waveforms(record, options.extract), events),
                          .raw = after_switch_on(raw_films(record), events),
-                         .record_hash = wanted.record_hash});
+                         .record_hash = wanted.record_hash,
+                         .contact_level = dsp::contact_level(record, options.extract)});
   if (beside.valid())
     input.simulated.front().waveforms = after_switch_on(beside.get(), input.simulated.front().events);
   input.comparison = compare(std::move(groups), {}, {}, Decision::simple);
@@ -343,14 +324,16 @@ ReportInput gather_report(const Store& store, const CampaignInfo& c, const std::
     ++input.annotations;
     input.annotated = a.created;
   }
-  input.provenance = provenance(store, c, plan, shots, database);
+  const std::vector<StoredShot> fired = by_firing(shots);
+  input.provenance = provenance(store, c, plan, fired, database);
   input.limits = options.limits;
   if (names_published(specimen)) input.published = published_rows();
   input.extraction_parameters = dsp::to_text(options.extract);
   VibrationFinder vibration(options.extract);
   std::vector<AngleGroup> groups;
   auto moved = moved_by_own(store, c.id);
-  const std::set<std::int64_t> drawn = shots_to_draw(shots);
+  auto earlier = earlier_outcomes(store, c.id);
+  const std::set<std::int64_t> drawn = shots_to_draw(fired);
   constexpr std::size_t most_to_zoom = 10;
   std::set<double> zoomed;  // one closing of an angle
   for (const StoredShot& s : shots) {
@@ -359,13 +342,14 @@ ReportInput gather_report(const Store& store, const CampaignInfo& c, const std::
     if (events) (s.kind == ShotKind::measured ? group.measured : group.simulated).push_back(*events);
     if (events && s.kind == ShotKind::measured) group.moved.push_back(moved[s.number]);
     std::vector<Waveform> waves, raw;
+    double contact_level = unknown;
     if (!s.record_hash.empty() && drawn.contains(s.id)) {
       Record record = store.load_record(s.id);
       record.conditions = s.conditions;
       waves = waveforms(record, options.extract);
       if (events && s.kind == ShotKind::measured && zoomed.size() < most_to_zoom &&
           zoomed.insert(s.angle_deg).second)
-        raw = raw_films(record);
+        raw = raw_films(record), contact_level = dsp::contact_level(record, options.extract);
       if (events && s.kind == ShotKind::measured) vibration.add(static_cast<int>(s.id), record, *events);
     }
     if (s.kind == ShotKind::simulated) {
@@ -389,8 +373,14 @@ ReportInput gather_report(const Store& store, const CampaignInfo& c, const std::
                            .phase_u = phase_deviation(store, s),
                            .waveforms = after_switch_on(std::move(waves), events),
                            .raw = after_switch_on(std::move(raw), events),
-                           .record_hash = s.record_hash});
+                           .record_hash = s.record_hash,
+                           .contact_level = contact_level,
+                           .earlier = earlier[s.number]});
   }
+  std::map<int, std::size_t> place;
+  for (const StoredShot& s : fired) place.emplace(static_cast<int>(s.id), place.size());
+  std::sort(input.shots.begin(), input.shots.end(),
+            [&](const auto& a, const auto& b) { return place.at(a.index) < place.at(b.index); });
   input.vibration = vibration.finish();
   input.comparison =
       compare(std::move(groups), input.published, options.limits, plan.decision, plan.limits_vs_simulation);

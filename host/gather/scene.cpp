@@ -1,5 +1,7 @@
 #include "host/gather/scene.h"
 
+#include <algorithm>
+
 #include "core/version.h"
 #include "host/store/hash.h"
 
@@ -54,8 +56,11 @@ std::string note_calibration(Store& store, std::int64_t campaign, const rigs::Ri
       rig.model + " " + rig.serial + "; " + rig.calibration + "; " + rig.calibration_expires;
   Instrument unused;
   if (!read_instrument(text, unused).empty()) return {};
-  store.annotate(campaign, "instrument", text);
-  if (rig.calibration_expires >= store.campaign(campaign).created.substr(0, 10)) return {};
+  const std::vector<Annotation> there = store.annotations(campaign);
+  if (std::none_of(there.begin(), there.end(),
+                   [&](const Annotation& a) { return a.key == "instrument" && a.text == text; }))
+    store.annotate(campaign, "instrument", text);
+  if (rig.calibration_expires >= utc_today()) return {};
   return "the rig's calibration " + rig.calibration + " was valid until " + rig.calibration_expires +
          "; the report says so on page 1";
 }

@@ -37,8 +37,9 @@ std::unique_ptr<rigs::Rig> open_rig(const std::string& uri, const sim::Specimen&
 /// Campaign row of a scene, not yet stored.
 CampaignInfo campaign_info(const Scene&, const std::string& rig_uri, const std::string& rig_identity);
 
-/// The rig's own calibration becomes an instrument of the campaign's test record, where a certificate is stored in
-/// the rig. Returns a sentence where it had expired on the day the campaign was begun.
+/// The rig's own calibration becomes an instrument of the campaign's test record, once, where a certificate is stored
+/// in the rig. To be called before the first shot and whenever the campaign is gone on with. Returns a sentence where
+/// it has expired.
 std::string note_calibration(Store&, std::int64_t campaign, const rigs::RigInfo&);
 
 RunOptions run_options(const Plan&);

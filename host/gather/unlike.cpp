@@ -5,9 +5,11 @@
 #include <cmath>
 #include <set>
 
+#include "core/counted.h"
 #include "core/phase.h"
 #include "dsp/events/extract.h"
 #include "host/gather/gather.h"
+#include "host/gather/scene.h"
 
 namespace powbench::host {
 namespace {
@@ -73,6 +75,18 @@ std::size_t same_records(const Store& store, const CampaignInfo& first, const Ca
   for (const StoredShot& s : store.shots(second.id, ShotKind::measured))
     count += there.contains(s.record_hash) ? 1U : 0U;
   return count;
+}
+
+std::string same_records_sentence(const Store& store, const CampaignInfo& first, const CampaignInfo& second) {
+  const std::size_t same = same_records(store, first, second);
+  if (same == 0) return {};
+  const auto simulated = [](const CampaignInfo& c) {
+    return c.origin == Origin::simulated_rig || c.origin == Origin::emulated_board;
+  };
+  return fmt::format("{} of the second campaign {}, bit for bit: {}, so their agreement says nothing",
+                     counted(same, "shot"),
+                     same == 1 ? "holds a record of the first" : "hold the records of the first",
+                     simulated(first) && simulated(second) ? "simulated with one seed" : "the same record");
 }
 
 }  // namespace powbench::host

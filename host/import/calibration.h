@@ -31,7 +31,7 @@ struct WaveformChannel {
 
 struct Calibration {
   std::string id;           ///< of the calibration in force; "" = none
-  std::string valid_until;  ///< last day, `2030-12-31`; "" = for ever
+  std::string valid_until;  ///< last day, `2030-12-31`; "" = not stated
   std::string recorded;     ///< day of the record; "" = today
   std::string source;       ///< what made the record; "" = not given
   double switch_on = 0.0;   ///< s, on the time column

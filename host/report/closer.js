@@ -12,11 +12,12 @@
   /** The device as it stood at `t`, ms: travel from the laser, contacts from their voltage. */
   function show(t, line) {
     if (!view) return;
-    const travel = panels.at('travel', t), contact = panels.at('contact', t), shut = contact !== null && contact < 3;
+    const travel = panels.at('travel', t), contact = panels.at('contact', t), level = closings[select.selectedIndex].contact_level_V;
+    const known = contact !== null && level !== null, shut = known && contact < level;
     time.value = String(t);
     view(travel === null ? 0 : travel, shut);
     says.textContent = t.toFixed(2) + ' ms after switch-on: travel ' + (travel === null ? 'not known' : travel.toFixed(2) + ' mm') + ', contacts ' +
-      (contact === null ? 'not known' : shut ? 'closed' : 'open');
+      (!known ? 'not known' : shut ? 'closed' : 'open');
     if (line) panels.mark(t);
   }
   function step() {

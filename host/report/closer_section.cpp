@@ -5,7 +5,7 @@
 #include "host/report/closing_json.h"
 #include "host/report/sections.h"
 
-/// Single closings to zoom into: raw films, what was stripped of them, and the rest of the channels, by a charting
+/// Single closings to zoom into: raw films, what was taken off them, and the rest of the channels, by a charting
 /// library that is part of the page.
 
 namespace powbench::host {
@@ -85,7 +85,7 @@ Markup closer_section(const ReportInput& input) {
     out.element("button", text, {{"type", "button"}, {"data-do", what}});
   out.open("label")
       .empty("input", {{"type", "checkbox"}, {"id", "closer-stripped"}})
-      .text(" raw, and what was stripped off")
+      .text(" raw, and raw minus measured: offset, hum, droop, and all above the display's low-pass")
       .close();
   out.close();
   out.element("div", "", {{"id", "closer-panels"}});

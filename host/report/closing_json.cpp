@@ -142,7 +142,7 @@ std::string closing_json(const ReportShot& shot, const AngleView& view) {
       for (std::size_t i = 0; i < taken.values.size(); ++i)
         taken.values[i] = i < measured->values.size() ? taken.values[i] - measured->values[i] : std::nanf("");
       add("raw", on_grid(*raw, grid, unit.per_si));
-      add("stripped off", on_grid(taken, grid, unit.per_si));
+      add("raw minus measured", on_grid(taken, grid, unit.per_si));
     }
     if (simulated != nullptr) add("simulated", on_grid(*simulated, grid, unit.per_si));
     if (measured != nullptr) add("measured", on_grid(*measured, grid, unit.per_si));
@@ -158,13 +158,15 @@ std::string closing_json(const ReportShot& shot, const AngleView& view) {
     if (const std::string more = marks_json(view.simulated->events, true); !more.empty())
       marks += (marks.empty() ? "" : ",") + more;
   const double from = std::isfinite(touch) ? touch - 1 : -before;
+  const std::string level =
+      std::isfinite(shot.contact_level) ? fmt::format("{:.6g}", shot.contact_level) : "null";
   return fmt::format(
       "{{\"name\":\"shot {} at "
-      "{}\",\"t0\":{:.6g},\"dt\":{:.9g},\"n\":{},\"bounce\":[{:.4f},{:.4f}],\"channels\":[{}],\"marks\":[{}]}"
-      "}",
+      "{}\",\"t0\":{:.6g},\"dt\":{:.9g},\"n\":{},\"bounce\":[{:.4f},{:.4f}],\"contact_level_V\":{},"
+      "\"channels\":[{}],\"marks\":[{}]}}",
       shot.index,
       std::isfinite(view.angle) ? fmt::format("{:.1f} deg", degrees(view.angle)) : "an angle not known",
-      grid.t0, grid.dt, grid.n, from, end - behind + 2, channels, marks);
+      grid.t0, grid.dt, grid.n, from, end - behind + 2, level, channels, marks);
 }
 
 }  // namespace

@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <set>
 
 #include "core/quantities.h"
 #include "host/compare/compare.h"
@@ -90,6 +91,25 @@ Case completeness_case(const ReportInput& input) {
   return c;
 }
 
+/// Instruments without a last day, and calibrations that came into force later and of which no instrument tells.
+std::string without_validity(const ReportInput& input) {
+  std::string list;
+  const auto add = [&](const std::string& what) { list += (list.empty() ? "" : "; ") + what; };
+  std::set<std::string> told;
+  for (const std::string& text : input.test.instruments) {
+    Instrument i;
+    if (!read_instrument(text, i).empty()) continue;
+    told.insert(i.certificate);
+    if (i.valid_until.empty()) add(i.name + ", certificate " + i.certificate);
+  }
+  const auto& used = input.provenance.calibrations;
+  for (const CalibrationUse& c : used)
+    if (used.size() > 1 && !told.contains(c.id))
+      add(fmt::format("calibration {} of {} {}", c.id.empty() ? "none" : c.id,
+                      c.shots.find(' ') == std::string::npos ? "shot" : "shots", c.shots));
+  return list;
+}
+
 Case calibration_case(const ReportInput& input) {
   Case c{"calibrations of the instruments in force", "record", Outcome::pass, ""};
   for (const Instrument& i : expired_then(input)) {
@@ -98,7 +118,11 @@ Case calibration_case(const ReportInput& input) {
                              c.message.empty() ? "expired: " : "; ", i.name, i.certificate, i.valid_until);
   }
   if (c.outcome == Outcome::pass && input.origin == Origin::import && input.test.recorded.empty())
-    c = {c.name, c.group, Outcome::not_judged, "when the records were taken is not known"};
+    return {c.name, c.group, Outcome::not_judged, "when the records were taken is not known"};
+  const std::string unstated = without_validity(input);
+  if (unstated.empty()) return c;
+  c.outcome = Outcome::not_judged;
+  c.message += (c.message.empty() ? "" : "; ") + ("validity not stated: " + unstated);
   return c;
 }
 
@@ -139,7 +163,7 @@ std::string render_junit(const ReportInput& input) {
   property("program", p.program);
   property("rig", p.rig);
   property("firmware", p.firmware);
-  property("calibration", p.calibration);
+  property("calibration", calibrations_text(p));
   property("plan_hash", p.plan_hash);
   property("extraction_hash", p.extraction_hash);
   property("seed", p.seed);

@@ -73,7 +73,7 @@ function closingPanels(root) {
     canvas.restore();
   }
 
-  /// Draws `closing`; `range`: [from, to] in ms, null for the whole; `stripped`: with raw films and what was stripped off.
+  /// Draws `closing`; `range`: [from, to] in ms, null for the whole; `stripped`: with raw films, and these minus the measured ones.
   function draw(closing, range, stripped) {
     const names = (one) => one.channels.map((c) => c.name + ' / ' + c.unit).join();
     const same = shown && graphs.length && names(shown) === names(closing) && graphs[0].size().width === root.firstChild.clientWidth;
@@ -84,12 +84,12 @@ function closingPanels(root) {
     }
     shown = closing;
     withRaw = stripped;
-    colours = { measured: colour('--measured'), simulated: colour('--simulated'), raw: colour('--soft'), 'stripped off': colour('--cited') };
+    colours = { measured: colour('--measured'), simulated: colour('--simulated'), raw: colour('--soft'), 'raw minus measured': colour('--cited') };
     const time = Array.from({ length: shown.n }, (_, i) => shown.t0 + i * shown.dt);
     whole = [time[0], time[time.length - 1]];
     const files = shown.channels.map((channel, index) => {
       const last = index === shown.channels.length - 1;
-      const list = channel.series.filter((s) => stripped || !['raw', 'stripped off'].includes(s.label));
+      const list = channel.series.filter((s) => stripped || !['raw', 'raw minus measured'].includes(s.label));
       const columns = list.map(values);
       const file = time.map((t, i) => {
         const row = [t];

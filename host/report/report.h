@@ -42,8 +42,11 @@ struct ReportShot {
   double phase_u = std::numeric_limits<
       double>::quiet_NaN();  ///< rad: of the mains at the edge, by the rig; NaN = not told
   std::vector<Waveform> waveforms;
-  std::vector<Waveform> raw;  ///< films before anything was stripped; of the closings to zoom into
+  std::vector<Waveform> raw;  ///< films before anything was taken off; of the closings to zoom into
   std::string record_hash;    ///< empty without a record
+  double contact_level =
+      std::numeric_limits<double>::quiet_NaN();  ///< V: the pole counts as open above it; NaN = not known
+  std::vector<Outcome> earlier = {};             ///< of the attempts before this one, which left no record
 };
 
 /// The simulated closing laid beside the measured ones of its angle.
@@ -58,12 +61,19 @@ struct SimulatedClosing {
       {};  ///< the conditions in words: "under the mean conditions of 2 measured closings"; "" = as asked
 };
 
+/// A calibration that was in force for some of the shots.
+struct CalibrationUse {
+  std::string id;
+  std::string shots;     ///< "1 to 9, 12", in the order in which they were fired
+  std::string last_day;  ///< on which one was fired, 2030-12-31
+};
+
 /// Where everything comes from. Empty = unknown, printed as a dash.
 struct Provenance {
-  std::string program;      ///< name and version
-  std::string rig;          ///< model, serial, URI
-  std::string firmware;     ///< version
-  std::string calibration;  ///< id, with its expiry where known
+  std::string program;                       ///< name and version
+  std::string rig;                           ///< model, serial, URI
+  std::string firmware;                      ///< version
+  std::vector<CalibrationUse> calibrations;  ///< in the order in which they came into force
   std::string plan_hash;
   std::string specimen_hash;
   std::string extraction_hash;    ///< of the extraction parameters
@@ -137,8 +147,11 @@ std::string verdict_reason(const ReportInput&);
 /// What the course of the campaign says last, with its time; empty where it says nothing.
 std::string last_of_course(const ReportInput&);
 
-/// Instruments whose calibration had ended on the day of the test; of an import on the day on which it was recorded,
-/// none where that is not known.
+/// Every calibration, "LAB-1"; where there are several, each with its shots: "LAB-1 (shot 1), LAB-2 (shots 2 to 9)".
+std::string calibrations_text(const Provenance&);
+
+/// Instruments whose calibration had ended when the last shot was fired, the rig's own when the last shot under it was
+/// fired; of an import on the day on which it was recorded, none where that is not known.
 std::vector<Instrument> expired_then(const ReportInput&);
 
 /// One self-contained HTML page: no network, inline SVG, made to be printed on A4. Scripts, for the closer look
@@ -151,8 +164,8 @@ std::string render_shot_svg(const ReportInput&);
 std::string render_shot_html(const ReportInput&);
 
 /// JUnit XML: one suite; a case per shot, per limit, for the number of shots done and for the calibrations of the
-/// instruments that the test record names (skipped where one had expired). FAIL and NOT OBSERVED are failures; ERROR,
-/// TIMEOUT, ABORTED are errors; NOT JUDGED is skipped.
+/// instruments that the test record names (skipped where one had expired or its validity is not stated). FAIL and NOT
+/// OBSERVED are failures; ERROR, TIMEOUT, ABORTED are errors; NOT JUDGED is skipped.
 std::string render_junit(const ReportInput&);
 
 }  // namespace powbench::host

@@ -68,6 +68,23 @@ class Remarks {
   std::vector<std::uint32_t> seen_;
 };
 
+/// "2 shots were fired again after an error: 2 (ERROR), 8 (TIMEOUT, ERROR)."; empty: none was.
+std::string fired_again(const ReportInput& input) {
+  constexpr std::size_t most_named = 20;
+  std::string list;
+  std::size_t n = 0;
+  for (const ReportShot& shot : input.shots) {
+    if (shot.earlier.empty() || ++n > most_named) continue;
+    std::string how;
+    for (const Outcome o : shot.earlier) how += fmt::format("{}{}", how.empty() ? "" : ", ", name(o));
+    list += fmt::format("{}{} ({})", list.empty() ? "" : ", ", shot.index, how);
+  }
+  if (n == 0) return {};
+  if (n > most_named) list += fmt::format(" and {} more", n - most_named);
+  return fmt::format("{} fired again after an error: {}.",
+                     n == 1 ? "1 shot was" : fmt::format("{} shots were", n), list);
+}
+
 }  // namespace
 
 Markup shot_section(const ReportInput& input) {
@@ -125,6 +142,7 @@ Markup shot_section(const ReportInput& input) {
     out.element("p",
                 fmt::format("{} more are not listed here; powbench shots lists all, powbench show ID one.",
                             left_out));
+  if (const std::string again = fired_again(input); !again.empty()) out.element("p", again);
   if (const std::string legend = remarks.legend(); !legend.empty())
     out.element("p", legend + ".", {{"class", "fine"}});
   out.element(

@@ -12,6 +12,8 @@
 namespace powbench::host {
 namespace {
 
+constexpr std::size_t day_length = 10;  // of an ISO time
+
 /// How the closings kept to the angle that was asked for.
 struct AngleKept {
   Range seen;  ///< deg: reached less asked; empty where no tolerance was given or no angle is known
@@ -163,7 +165,7 @@ void provenance_list(Markup& out, const ReportInput& input) {
   item("Program", p.program);
   item("Rig", p.rig);
   item("Firmware", p.firmware);
-  item("Calibration", p.calibration);
+  item("Calibration", calibrations_text(p));
   item("Plan", p.plan_hash);
   item("Specimen data", p.specimen_hash);
   item("Extraction", p.extraction_hash);
@@ -187,13 +189,39 @@ Markup limits_section(const ReportInput& input) {
   return out.close();
 }
 
-static std::string day_of_test(const ReportInput& input) {
-  return input.origin == Origin::import ? input.test.recorded : input.provenance.started.substr(0, 10);
+std::string calibrations_text(const Provenance& p) {
+  if (p.calibrations.size() == 1) return p.calibrations[0].id;
+  std::string text;
+  for (const CalibrationUse& c : p.calibrations)
+    text += fmt::format("{}{} ({} {})", text.empty() ? "" : ", ", c.id.empty() ? "none" : c.id,
+                        c.shots.find(' ') == std::string::npos ? "shot" : "shots", c.shots);
+  return text;
+}
+
+/// The last day on which the instrument was used.
+static std::string last_day(const ReportInput& input, const Instrument& i) {
+  if (input.origin == Origin::import) return input.test.recorded;
+  const Provenance& p = input.provenance;
+  for (const CalibrationUse& c : p.calibrations)
+    if (c.id == i.certificate) return c.last_day;
+  return std::max(p.started, p.finished).substr(0, day_length);
 }
 
 std::vector<Instrument> expired_then(const ReportInput& input) {
-  const std::string day = day_of_test(input);
-  return day.empty() ? std::vector<Instrument>() : expired(input.test, day);
+  std::vector<Instrument> list;
+  for (const std::string& text : input.test.instruments) {
+    Instrument i;
+    if (!read_instrument(text, i).empty() || i.valid_until.empty()) continue;
+    if (i.valid_until < last_day(input, i)) list.push_back(i);
+  }
+  return list;
+}
+
+/// "the test began on 2030-12-31" where it had expired before that.
+static std::string when_used(const ReportInput& input, const Instrument& i) {
+  if (input.origin == Origin::import) return "recorded on " + input.test.recorded;
+  const std::string began = input.provenance.started.substr(0, day_length);
+  return i.valid_until < began ? "the test began on " + began : "used until " + last_day(input, i);
 }
 
 /// Empty if no entry was given: an empty form would look like a completed one.
@@ -201,7 +229,6 @@ Markup record_section(const ReportInput& input) {
   Markup out;
   const TestRecord& test = input.test;
   const bool imported = input.origin == Origin::import;
-  const std::string day = day_of_test(input);
   bool told = !test.instruments.empty();
   for (const RecordField& f : record_fields) told = told || !(test.*f.place).empty();
   out.open("section", {{"id", "record"}}).element("h3", "Test record");
@@ -215,10 +242,10 @@ Markup record_section(const ReportInput& input) {
   }
   for (const Instrument& i : expired_then(input))
     out.element("p",
-                fmt::format("Calibration expired: {}, certificate {}, was valid until {}; {} on {}.", i.name,
-                            i.certificate, i.valid_until, imported ? "recorded" : "the test began", day),
+                fmt::format("Calibration expired: {}, certificate {}, was valid until {}; {}.", i.name,
+                            i.certificate, i.valid_until, when_used(input, i)),
                 {{"class", "warn"}});
-  if (imported && day.empty() && !test.instruments.empty())
+  if (imported && test.recorded.empty() && !test.instruments.empty())
     out.element(
         "p",
         "Whether the calibrations were in force cannot be judged: when the records were taken is not known.",

@@ -104,8 +104,11 @@ std::string Bench::Impl::run_job(const Job& now) {
     }
     c.origin = origin_of_kind(found.kind);
     campaign = store.create_campaign(c);
-    if (const std::string late = note_calibration(store, campaign, found); !late.empty()) say(late);
   }
+  const std::size_t noted = store.annotations(campaign).size();
+  const std::string late = note_calibration(store, campaign, found);
+  // of single closings once, not at each
+  if (!late.empty() && (!now.single || store.annotations(campaign).size() > noted)) say(late);
   {
     const std::scoped_lock lock(mutex);
     job_rig = found;

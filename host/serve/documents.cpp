@@ -18,6 +18,7 @@
 #include "host/gather/gather.h"
 #include "host/gather/pair_json.h"
 #include "host/gather/pdf.h"
+#include "host/gather/shown.h"
 #include "host/gather/unlike.h"
 #include "host/plan/expand.h"
 #include "host/report/closing_json.h"
@@ -32,33 +33,6 @@ using Json = nlohmann::ordered_json;
 std::string text(const Json& j) {
   return j.dump(-1, ' ', false, Json::error_handler_t::replace);
 }
-
-/// What a shot shows of a quantity. Of a simulated one u is what its inputs leave open, not how well its curve could
-/// be read.
-class Shown {
- public:
-  Shown(const Store& store, const StoredShot& shot)
-      : events(store.load_events(shot.id)), simulated_(shot.kind == ShotKind::simulated) {
-    if (simulated_) inputs_ = store.prediction(shot.id).u;
-  }
-  Measured of(const Quantity& q) const {
-    Measured m = events ? q.of(*events) : Measured{};
-    if (!simulated_) return m;
-    const auto it = inputs_.find(std::string(q.symbol));
-    m.u = it == inputs_.end() ? unknown : it->second;
-    return m;
-  }
-  Json json() const {
-    Json out = Json::object();
-    for (const Quantity& q : quantity_table) out[std::string(q.symbol)] = json_of<Json>(of(q));
-    return out;
-  }
-  const std::optional<Events> events;
-
- private:
-  bool simulated_;
-  std::map<std::string, double> inputs_;
-};
 
 /// One closing against the simulation of its angle, by the rule of the report; simulated values at the angle, voltage
 /// and frequency that this closing reached, where it was simulated under these.
@@ -178,7 +152,7 @@ std::string shots_document(const Store& store, const CampaignInfo& campaign, std
          {"outcome", name(s.outcome)},
          {"reason", s.reason},
          {"started", s.started},
-         {"quantities", shown.json()}});
+         {"quantities", shown.json<Json>()}});
   }
   return text({{"campaign", campaign.id},
                {"name", campaign.name},
@@ -210,12 +184,14 @@ std::string shots_table(const Store& store, const CampaignInfo& campaign) {
 
 namespace {
 
-/// Where the mains stood when the contacts touched: the angle of switch-on and 2 pi f t later. u from those of both.
-Measured touch_angle(const Events& e, double hertz) {
+/// Where the mains stood when the contacts touched: the angle of the voltage step, and 2 pi f later by the time from
+/// there; t counts from the gate edge. At the frequency found, else at the one asked for. u from those of both.
+Measured touch_angle(const Events& e, double asked_hertz) {
   const Measured a = e.coil.closing_angle, t = find_quantity("t_ct1")->of(e);
-  const double omega = 2 * pi * hertz;
-  if (!std::isfinite(a.value) || !std::isfinite(t.value)) return {};
-  return {wrap_turn(a.value + omega * t.value), std::hypot(a.u, omega * t.u)};
+  const double omega = 2 * pi * (e.coil.mains_hertz.known() ? e.coil.mains_hertz.value : asked_hertz);
+  const double angle = a.value + omega * (t.value - e.coil.switch_on.value);
+  if (!std::isfinite(angle)) return {};
+  return {wrap_turn(angle), std::hypot(a.u, omega * t.u)};
 }
 
 /// The openings that the bounce time holds. `hangs_on`: it ends with openings so short that the channel only just
@@ -347,7 +323,8 @@ std::string pair_document(const Store& store, const CampaignInfo& first, const C
                {"second", who(second)},
                {"rows", rows},
                {"unlike", unlike(store, first, second)},
-               {"same_records", same_records(store, first, second)}});
+               {"same_records", same_records(store, first, second)},
+               {"same_records_sentence", same_records_sentence(store, first, second)}});
 }
 
 std::string junit_document(const Store& store, const CampaignInfo& campaign) {

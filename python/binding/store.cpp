@@ -9,6 +9,7 @@
 #include "core/phase.h"
 #include "core/quantities.h"
 #include "host/gather/gather.h"
+#include "host/gather/shown.h"
 #include "python/binding/binding.h"
 #include "python/binding/waveforms.h"
 
@@ -89,6 +90,7 @@ py::list campaigns(OpenStore& open) {
 struct ShotRow {
   StoredShot s;
   std::optional<Events> events;
+  std::vector<Measured> shown;  ///< by place in the table of quantities
 };
 
 template <class Of>
@@ -113,13 +115,14 @@ py::dict shots(OpenStore& open, std::optional<std::int64_t> campaign,
     const std::int64_t id = store.campaign(campaign).id;
     for (const ShotKind k : kinds)
       for (StoredShot& s : store.shots(id, k)) {
-        ShotRow row{std::move(s), std::nullopt};
-        if (!row.s.record_hash.empty()) row.events = store.load_events(row.s.id);
+        const host::Shown shown(store, s);
+        ShotRow row{std::move(s), std::nullopt, {}};
+        if (!row.s.record_hash.empty()) row.events = shown.events;
+        for (const Quantity& q : quantity_table) row.shown.push_back(row.events ? shown.of(q) : Measured{});
         list.push_back(std::move(row));
       }
     return list;
   });
-  constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
   const auto reached = [](const ShotRow& r) { return r.events ? r.events->coil.closing_angle : Measured{}; };
   py::dict d;
   d["shot"] = column(rows, [](const ShotRow& r) { return py::int_(r.s.id); });
@@ -138,12 +141,10 @@ py::dict shots(OpenStore& open, std::optional<std::int64_t> campaign,
   d["ambient"] = numbers(rows, [](const ShotRow& r) { return r.s.conditions.ambient; });
   d["angle_reached"] = numbers(rows, [&](const ShotRow& r) { return degrees(reached(r).value); });
   d["u_angle_reached"] = numbers(rows, [&](const ShotRow& r) { return degrees(reached(r).u); });
-  for (const Quantity& q : quantity_table) {
-    const std::string symbol(q.symbol);
-    d[symbol.c_str()] =
-        numbers(rows, [&](const ShotRow& r) { return r.events ? q.of(*r.events).value : unknown; });
-    d[("u_" + symbol).c_str()] =
-        numbers(rows, [&](const ShotRow& r) { return r.events ? q.of(*r.events).u : unknown; });
+  for (std::size_t k = 0; k < quantity_table.size(); ++k) {
+    const std::string symbol(quantity_table[k].symbol);
+    d[symbol.c_str()] = numbers(rows, [&](const ShotRow& r) { return r.shown[k].value; });
+    d[("u_" + symbol).c_str()] = numbers(rows, [&](const ShotRow& r) { return r.shown[k].u; });
   }
   return d;
 }

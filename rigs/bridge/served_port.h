@@ -2,8 +2,8 @@
 
 #include <string>
 
-/// A serial port belongs to one program, and the board behind it must be stoppable by all: whoever holds the port leaves
-/// the address at which its bridge serves in a file of the folder for temporary files, `powbench-port-...`.
+/// A serial port belongs to one program, and the board behind it must be stoppable by all: whoever holds the port
+/// leaves the address at which its bridge serves in a file of the folder for temporary files, `powbench-port-...`.
 
 namespace powbench::rigs {
 
@@ -20,7 +20,7 @@ class ServedPort {
   std::string file_;  ///< empty: nothing was left
 };
 
-/// Address of the bridge that holds the port, "127.0.0.2"; empty: nobody holds it, or a program that is no bridge of ours.
+/// Address of the bridge that holds the port, "127.0.0.2"; empty: nobody holds it, or a program without a bridge.
 std::string served_at(const std::string& port);
 
 }  // namespace powbench::rigs

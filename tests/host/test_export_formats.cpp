@@ -100,6 +100,14 @@ TEST_CASE("CSV and COMTRADE read back are the same numbers", "[export]") {
   }
 }
 
+TEST_CASE("the delay of each channel goes beside a table that has one column of time", "[export]") {
+  Record r = gappy(4);
+  r.channels[0].delay = 300e-6;
+  const About delays = delays_of(r);
+  REQUIRE(delays.size() == r.channels.size() + 1);
+  CHECK(delays[1] == std::pair<std::string, std::string>("delay_us pvdf_a", "300"));
+}
+
 TEST_CASE("other people's libraries read the same numbers", "[export][python]") {
   if (output_of("/usr/bin/python3 -c 'import numpy'").first != 0) {
     WARN("python3-numpy is not installed: nothing was read back by another program");

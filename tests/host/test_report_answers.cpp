@@ -106,9 +106,39 @@ TEST_CASE("an instrument whose calibration had expired is skipped in JUnit, neve
   CHECK_THAT(
       render_junit(in),
       Contains("<skipped message=\"expired: laser LK-2, certificate L-9, was valid until 2030-12-30\""));
+  in.test.instruments = {"charge amplifier; K-1", "laser LK-2; L-9; 2030-12-31"};
+  CHECK_THAT(render_junit(in),
+             Contains("<skipped message=\"validity not stated: charge amplifier, certificate K-1\""));
+  in.test.instruments = {"laser LK-2; L-9; 2030-12-30"};
   in.origin = Origin::import;
   CHECK(expired_then(in).empty());
   CHECK_THAT(render_junit(in), Contains("<skipped message=\"when the records were taken is not known\""));
+}
+
+TEST_CASE("each calibration is judged at the last day on which a shot was fired under it", "[report]") {
+  ReportInput in = campaign({60.1, 60.2, 59.9});
+  in.provenance.started = "2030-12-30T10:20:30Z";
+  in.provenance.finished = "2031-01-05T10:20:30Z";
+  in.provenance.calibrations = {{"LAB-1", "11", "2030-12-30"}, {"LAB-2", "12, 13", "2031-01-05"}};
+  in.test.instruments = {"rig; LAB-1; 2030-12-31", "rig; LAB-2; 2031-12-31", "laser; L-9; 2031-12-31"};
+  CHECK_THAT(page(in),
+             Contains("<dd>LAB-1 (shot 11), LAB-2 (shots 12, 13)</dd>") && !Contains("Calibration expired"));
+  CHECK_THAT(render_junit(in), !Contains("was valid until") && !Contains("validity not stated"));
+  in.test.instruments[2] = "laser; L-9; 2031-01-04";
+  CHECK_THAT(page(in),
+             Contains("laser, certificate L-9, was valid until 2031-01-04; used until 2031-01-05."));
+  in.test.instruments = {"rig; LAB-1; 2030-12-31"};  // nobody noted the other
+  CHECK_THAT(render_junit(in),
+             Contains("<skipped message=\"validity not stated: calibration LAB-2 of shots 12, 13\""));
+}
+
+TEST_CASE("shots that were fired again are counted with how they had ended", "[report]") {
+  ReportInput in = campaign({60.1, 60.2, 59.9});
+  CHECK_THAT(page(in), !Contains("fired again"));
+  in.shots[1].earlier = {Outcome::error};
+  CHECK_THAT(page(in), Contains("1 shot was fired again after an error: 12 (ERROR)."));
+  in.shots[2].earlier = {Outcome::timeout, Outcome::error};
+  CHECK_THAT(page(in), Contains("2 shots were fired again after an error: 12 (ERROR), 13 (TIMEOUT, ERROR)."));
 }
 
 TEST_CASE("the k of U is told, and each time in the list of shots has its U", "[report]") {

@@ -18,7 +18,7 @@ TEST_CASE("closer look: what the page's script decodes is the record, to a count
   ReportInput in;
   in.campaign = "zoom";
   in.shots = {some_shot(1), some_shot(2)};
-  for (float& v : in.shots[0].raw[0].values) v += 0.25F;  // stripped off
+  for (float& v : in.shots[0].raw[0].values) v += 0.25F;  // taken off
   in.shots[1].raw.clear();                                // not one of those to zoom into
   compare_into(in);
   const std::string html = render_html(in), begin = "id=\"closings\">";
@@ -60,7 +60,7 @@ TEST_CASE("closer look: what the page's script decodes is the record, to a count
     const double truth = (1 - part) * static_cast<double>(measured.values[j]) +
                          part * static_cast<double>(measured.values[j + 1]);
     worst = std::max(worst, std::fabs(decoded["measured"][i] - truth));
-    worst_off = std::max(worst_off, std::fabs(decoded["stripped off"][i] - 0.25));
+    worst_off = std::max(worst_off, std::fabs(decoded["raw minus measured"][i] - 0.25));
   }
   CHECK(worst < 1e-4);
   CHECK(worst_off < 1e-4);

@@ -102,7 +102,8 @@ TEST_CASE("hostile names stay text", "[report]") {
   ReportInput in;
   in.campaign = in.specimen = evil;
   in.planned = 2;
-  in.provenance = {evil, evil, evil, evil, evil, evil, evil, evil, evil, evil, evil, evil, {{evil, evil}}};
+  in.provenance = {evil, evil, evil, {{evil, evil, evil}}, evil, evil, evil, evil, evil,
+                   evil, evil, evil, {{evil, evil}}};
   for (const RecordField& f : record_fields) in.test.*f.place = evil;
   in.test.instruments = {evil, evil + "; " + evil + "; 2001-01-01"};
   in.annotations = 1;

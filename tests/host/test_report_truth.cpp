@@ -1,5 +1,5 @@
-// What a lab signs: a verdict counts every limit, "agree" what one side alone has seen, times count from the step of the
-// coil voltage, and a mean tells how many closings it is of.
+// What a lab signs: a verdict counts every limit, "agree" what one side alone has seen, times count from the step of
+// the coil voltage, and a mean tells how many closings it is of.
 
 #include <catch2/catch.hpp>
 #include <cmath>

@@ -57,8 +57,7 @@ void at_a_desk(Tab& tab) {
   CHECK(panels.at("bounce").get<double>() < 0.5 * panels.at("whole").get<double>());
   CHECK(panels.at("in").get<double>() < 0.8 * panels.at("bounce").get<double>());
   CHECK(panels.at("out").get<double>() > panels.at("in").get<double>());
-  CHECK_THAT(panels.at("legend").get<std::string>(),
-             Contains("raw") && Contains("stripped off") && Contains("measured"));
+  CHECK_THAT(panels.at("legend").get<std::string>(), Contains("raw minus measured") && Contains("simulated"));
 
   // the device stands open, then closed, where the laser and the contact voltage say so
   const json device = probe(tab, R"(
@@ -168,6 +167,24 @@ TEST_CASE("the report in a browser: desk, keyboard, phone, dark, paper", "[.slow
   CHECK(pages.size() > 8);
   CHECK(pages.size() < 14);
   for (const int lines : pages) CHECK(lines >= 15);
+}
+
+TEST_CASE("the device of the report opens and closes by the contact voltage that the rig has", "[.slow]") {
+  const Folder folder;
+  const std::string rig = folder.write("low.rig.toml", "[electrical]\ncontact_open_V = 2\n"),
+                    plan = folder.write("p.toml", "angles_deg = [60]\nrepeats = 1\n"),
+                    db = folder.file("a.db");
+  REQUIRE(run(folder, {"run", plan, "--rig", "sim:" + rig, "--db", db, "--progress", "none"}).status == 0);
+  REQUIRE(run(folder, {"report", "--db", db, "-o", folder.file("out")}).status == 0);
+  Browser browser(folder);
+  Tab tab = browser.open("file://" + folder.file("out/report.html"));
+  const json said = probe(tab, R"(
+    const time=document.getElementById('device-time');
+    const says=document.getElementById('device-says');
+    const at=t=>{time.value=t;time.dispatchEvent(new Event('input'));return says.textContent};
+    return[at(1),at(28)])");
+  CHECK_THAT(said.at(0).get<std::string>(), Contains("contacts open"));
+  CHECK_THAT(said.at(1).get<std::string>(), Contains("contacts closed"));
 }
 
 /// As the browser's own clock sees it. Printed, not asserted.

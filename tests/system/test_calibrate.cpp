@@ -4,6 +4,7 @@
 
 #include "host/cli/calibrate.h"
 #include "host/config/bad_input.h"
+#include "host/gather/begin.h"
 #include "rigs/iio_rig.h"
 #include "rigs/registry.h"
 #include "tests/system/program.h"
@@ -24,6 +25,26 @@ Ask say(std::deque<std::string> answers) {
     left->pop_front();
     return next;
   };
+}
+
+/// Stores a certificate on the rig as `powbench calibrate` does, its rows unchanged.
+void certify(const std::string& uri, const std::string& id, std::uint32_t expires) {
+  rigs::IioLink link(uri, rigs::connect_limit, rigs::request_limit);
+  link.write(rigs::IioLink::Device::control, "lease", "t 60000 test");
+  store(link, "t", Walk{.rows = rows_of(link), .switch_delay = 0.0, .report = {}}, id, 20200101, expires);
+  link.write(rigs::IioLink::Device::control, "lease", "t 0");
+}
+
+/// `powbench calibrate` with `answers` typed in; its exit code, what it said, and the certificate.
+test::Finished calibrate_with(const test::Folder& folder, const std::string& uri, const std::string& id,
+                              const std::string& expires, const std::string& answers,
+                              const std::string& certificate) {
+  const std::string said = folder.file("said.txt");
+  const int status = std::system(("'" + test::program() + "' calibrate '" + uri + "' --id " + id +
+                                  " --date 2026-01-01 --expires " + expires + " -o '" + certificate +
+                                  "' < '" + folder.write("answers.txt", answers) + "' 2> '" + said + "'")
+                                     .c_str());
+  return {WEXITSTATUS(status), "", test::read_file(said)};
 }
 
 }  // namespace
@@ -92,13 +113,7 @@ TEST_CASE("a calibration finds what is off, is stored, and stands in the next sh
 
 TEST_CASE("a rig whose calibration has expired: said by run, on page 1, and once", "[calibration]") {
   const rigs::Endpoint end = rigs::endpoint("sim:", {}, {});
-  {
-    rigs::IioLink link(end.uri, rigs::connect_limit, rigs::request_limit);
-    link.write(rigs::IioLink::Device::control, "lease", "t 60000 test");
-    store(link, "t", Walk{.rows = rows_of(link), .switch_delay = 0.0, .report = {}}, "PB-9", 20200101,
-          20210101);
-    link.write(rigs::IioLink::Device::control, "lease", "t 0");
-  }
+  certify(end.uri, "PB-9", 20210101);
   const test::Folder folder;
   const std::string plan = folder.write("plan.toml", "angles_deg = [0, 90]\nrepeats = 1\n"),
                     db = folder.file("lab.db");
@@ -115,6 +130,95 @@ TEST_CASE("a rig whose calibration has expired: said by run, on page 1, and once
       page.find("Calibration expired: simulated contactor bench SIM-0001, certificate PB-9, was valid until "
                 "2021-01-01") != std::string::npos);
   CHECK(page.find("certificate PB-9, was valid") == page.rfind("certificate PB-9, was valid"));
+}
+
+TEST_CASE("a campaign that goes on under another certificate names both, and an expired one is said",
+          "[calibration]") {
+  const rigs::Endpoint end = rigs::endpoint("sim:", {}, {});
+  const test::Folder folder;
+  const std::string plan = folder.write("plan.toml", "angles_deg = [0, 90]\nrepeats = 1\n"),
+                    db = folder.file("lab.db");
+  certify(end.uri, "LAB-1", 20991231);
+  {
+    Store lab(db);
+    const Scene scene = load_scene(plan);
+    const auto rig = rigs::connect_iio(end.uri);
+    const std::int64_t id =
+        begin_campaign(lab, scene, end.uri, rig->info(), false, [](const std::string&) {});
+    Progress silent("", 1, Progress::Style::none);
+    run_campaign(lab, id, std::span(scene.shots).first(1), *rig, run_options(scene.plan), silent);
+  }
+  certify(end.uri, "LAB-2", 20210101);
+  const test::Finished resumed =
+      test::run(folder, {"run", plan, "--rig", end.uri, "--db", db, "--progress", "none", "--resume"});
+  CHECK(resumed.status == 0);
+  CHECK_THAT(resumed.err, Catch::Contains("LAB-2 was valid until 2021-01-01"));
+  REQUIRE(test::run(folder, {"report", "--db", db, "-o", folder.file("out")}).status == 0);
+  const std::string page = test::read_file(folder.file("out/report.html"));
+  CHECK_THAT(page, Catch::Contains("<dd>LAB-1 (shot 1), LAB-2 (shot 2)</dd>") &&
+                       Catch::Contains("SIM-0001, certificate LAB-1, valid until 2099-12-31") &&
+                       Catch::Contains("Calibration expired: simulated contactor bench SIM-0001, certificate "
+                                       "LAB-2, was valid until 2021-01-01"));
+  CHECK_THAT(test::read_file(folder.file("out/junit.xml")),
+             Catch::Contains("\"LAB-1 (shot 1), LAB-2 (shot 2)\"") &&
+                 Catch::Contains("<skipped message=\"expired: simulated contactor bench SIM-0001, "
+                                 "certificate LAB-2, was valid until 2021-01-01\""));
+}
+
+TEST_CASE("a calibration in which nothing was measured is refused, and stores nothing", "[calibration]") {
+  const rigs::Endpoint end = rigs::endpoint("sim:", {}, {});
+  const test::Folder folder;
+  certify(end.uri, "LAB-0", 20270101);
+  const std::string certificate = folder.file("c.toml");
+  // films, laser, current, coil voltage, mains, contact, aux; the switch alone is answered
+  const test::Finished refused =
+      calibrate_with(folder, end.uri, "LAB-1", "2031-01-01", "\n\n\n\n\n\n\n\n20\n", certificate);
+  CHECK(refused.status == 2);
+  CHECK_THAT(refused.err, Catch::Contains("no channel was calibrated: nothing was stored") &&
+                              !Catch::Contains("is in force"));
+  CHECK_FALSE(std::filesystem::exists(certificate));
+  rigs::IioLink link(end.uri, rigs::connect_limit, rigs::request_limit);
+  CHECK(link.read_info(end.uri).calibration == "LAB-0");
+}
+
+TEST_CASE("channels that a calibration leaves as they are stand in its certificate with their own validity",
+          "[calibration]") {
+  const rigs::Endpoint end = rigs::endpoint("sim:", {}, {});
+  const test::Folder folder;
+  const std::string certificate = folder.file("c.toml");
+  const auto in_force = [&] {
+    return rigs::IioLink(end.uri, rigs::connect_limit, rigs::request_limit).read_info(end.uri);
+  };
+  const std::string current_alone = "\n\n\n-1.5\n1.5\n\n\n\n\n\n";
+  SECTION("of a former certificate, the earlier last day counts") {
+    certify(end.uri, "LAB-0", 20270101);
+    const test::Finished part =
+        calibrate_with(folder, end.uri, "LAB-1", "2031-01-01", current_alone, certificate);
+    CHECK(part.status == 0);
+    CHECK_THAT(part.err,
+               Catch::Contains("calibration LAB-1 is in force") && Catch::Contains("valid until 2027-01-01"));
+    const std::string text = test::read_file(certificate);
+    CHECK_THAT(text, Catch::Contains("expires = \"2027-01-01\"") &&
+                         Catch::Contains("[laser]\nkept = \"from LAB-0, valid until 2027-01-01\"") &&
+                         Catch::Contains("expires_of_measured = \"2031-01-01\"") &&
+                         !Catch::Contains("[coil_current]\nkept"));
+    CHECK(in_force().calibration == "LAB-1");
+    CHECK(in_force().calibration_expires == "2027-01-01");
+  }
+  SECTION("of none, their validity is not stated") {
+    CHECK(calibrate_with(folder, end.uri, "LAB-1", "2031-01-01", current_alone, certificate).status == 0);
+    CHECK_THAT(test::read_file(certificate),
+               Catch::Contains("[laser]\nkept = \"from virtual-SIM-0001, validity not stated\""));
+    CHECK(in_force().calibration_expires == "2031-01-01");
+  }
+  SECTION("that has expired before this day, it is refused") {
+    certify(end.uri, "LAB-0", 20210101);
+    const test::Finished late =
+        calibrate_with(folder, end.uri, "LAB-1", "2031-01-01", current_alone, certificate);
+    CHECK(late.status == 2);
+    CHECK_THAT(late.err, Catch::Contains("was valid until 2021-01-01"));
+    CHECK(in_force().calibration == "LAB-0");
+  }
 }
 
 TEST_CASE(

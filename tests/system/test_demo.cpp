@@ -81,6 +81,33 @@ TEST_CASE("the demo: every shot recorded, simulated, compared and reported", "[s
   CHECK(both[0].at("shots").size() + both[1].at("shots").size() == 30);
 }
 
+TEST_CASE("the demo has one verdict: in the report, in its sentences and as its exit code", "[system]") {
+  Folder folder;
+  const std::string plan = "angles_deg = [60]\nrepeats = 2\n";
+  std::filesystem::create_directories(folder.file("demo"));
+  const auto demo = [&](const std::string& more) {
+    folder.write("demo/demo.plan.toml", plan + more);
+    return run(folder, {"demo", "-o", folder.file("demo"), "--progress", "none"});
+  };
+  const Finished off = demo("limits_vs_simulation_percent = 0\n");
+  INFO(off.err);
+  CHECK(off.status == 1);
+  CHECK_THAT(off.err, Contains("SIMULATED RIG: FAIL") && Contains("\nVerdict FAIL: ") &&
+                          Contains("further from the simulation than the plan allows") &&
+                          !Contains("within the limits"));
+  const Finished both = demo("limits_vs_simulation_percent = 0\n[limits.t_ct1]\nmax_ms = 100\n");
+  CHECK(both.status == 1);
+  CHECK_THAT(both.err, Contains("\nVerdict FAIL: 2 of 2 closings are within the limits of the plan, but ") &&
+                           Contains("further from the simulation than the plan allows"));
+  const Finished bare = demo("");
+  CHECK(bare.status == 0);
+  CHECK_THAT(bare.err,
+             Contains("\nVerdict NOT JUDGED: the plan has no limits") && !Contains("within the limits"));
+  const Finished broken = demo("[limits.t_ct1]\nmax_ms = 1\n");
+  CHECK(broken.status == 1);
+  CHECK_THAT(broken.err, Contains("\nVerdict FAIL: 0 of 2 closings are within the limits of the plan."));
+}
+
 TEST_CASE("a campaign is the same, record for record, when it is run again", "[system]") {
   Folder folder;
   const std::string plan = folder.write("p.toml", "angles_deg = [0, 90]\nrepeats = 2\nseed = 5\n");

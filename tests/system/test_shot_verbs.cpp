@@ -148,6 +148,26 @@ TEST_CASE("two campaigns: difference over its own U, at the angles of either", "
   CHECK(run(folder, {"compare", "1", "2", "--campaign", "1", "--db", db}).status == 2);
 }
 
+TEST_CASE("compare A B: two imports of one file are the same record, not one seed", "[system]") {
+  Folder folder;
+  const std::string db = folder.file("lab.db"), csv = folder.file("shot.csv");
+  const std::string plan = folder.write("a.plan.toml", "angles_deg = [90]\nrepeats = 1\n");
+  REQUIRE(run(folder, {"run", plan, "--rig", "sim:", "--db", folder.file("rig.db")}).status == 0);
+  REQUIRE(run(folder, {"export", "1", "--db", folder.file("rig.db"), "-o", csv}).status == 0);
+  const std::string calibration = read_file(folder.file("shot.toml"));
+  REQUIRE(run(folder, {"import", csv, "--db", db}).status == 0);
+  folder.write("shot.toml", "recorded = \"2020-05-04\"\n" + calibration);
+  const Finished again = run(folder, {"import", csv, "--db", db});
+  INFO(again.err);
+  REQUIRE(again.status == 0);
+  const Finished r = run(folder, {"compare", "1", "2", "--db", db});
+  INFO(r.out << r.err);
+  CHECK_THAT(r.out,
+             Contains("1 shot of the second campaign holds a record of the first, bit for bit: the same "
+                      "record, so their agreement says nothing") &&
+                 !Contains("seed"));
+}
+
 TEST_CASE("compare A B: an angle that gave no measurement is not known, never an end of the program",
           "[system]") {
   Folder folder;
@@ -241,5 +261,26 @@ TEST_CASE("sim behind a measurement: under the measured conditions, with what th
   CHECK(std::stod(simulated.substr(at + 4)) > 0.02);  // ms
   const std::string shown = run(folder, {"show", "1", "--db", db}).out;
   CHECK_THAT(shown, Contains("+- is U (k = 2)") && Contains("U ") && !Contains("u 0."));
+  // and where it is shown or exported alone
+  const json lines = json::parse(run(folder, {"shots", "--campaign", "1", "--db", db, "--json"}).out);
+  REQUIRE(lines.back().at("kind") == "simulated");
+  const std::string id = lines.back().at("shot").dump();
+  const std::string alone = run(folder, {"show", id, "--db", db}).out;
+  CHECK_THAT(alone, Contains("+- is U (k = 2) of what its inputs leave open"));
+  const std::size_t touch = alone.find("+- ", alone.find("  t_ct1 "));
+  CHECK(std::stod(alone.substr(touch + 3)) > 20);  // us
+  const json object = json::parse(run(folder, {"show", id, "--db", db, "--json"}).out);
+  CHECK(object.at("quantities").at("t_ct1").at("u").get<double>() > 10e-6);
+  const std::string table = folder.file("e.arrow");
+  REQUIRE(run(folder, {"export", "--campaign", "1", "--to", "arrow", "--db", db, "-o", table}).status == 0);
+  std::vector<double> exported;
+  {
+    const Store store(db, Store::Mode::read_only);
+    exported = {store.prediction(std::stoll(id)).u.at("t_ct1"),
+                store.prediction(std::stoll(id)).u.at("t_ct2")};
+  }
+  const std::string bytes = read_file(table);
+  for (const double u : exported)
+    CHECK(bytes.find(std::string(reinterpret_cast<const char*>(&u), sizeof u)) != std::string::npos);
   REQUIRE(run(folder, {"sim", plan, "--db", folder.file("other.db"), "--nominal"}).status == 0);
 }

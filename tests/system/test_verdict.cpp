@@ -1,6 +1,7 @@
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
 
+#include "host/gather/scene.h"
 #include "tests/system/program.h"
 
 /// What a report may claim: nothing is passed without a limit, nothing unknown becomes a number, and everything says
@@ -143,6 +144,35 @@ TEST_CASE("a plan by hand is not fired, and an expired instrument is said before
   report(folder, folder.file("l.db"), 0);
   CHECK_THAT(read_file(folder.file("out/report.html")),
              Contains("laser, certificate L-9, validity not stated"));
+}
+
+TEST_CASE("the shots of a report stand in the order of their firing, with their earlier attempts",
+          "[system]") {
+  namespace host = powbench::host;
+  Folder folder;
+  const std::string db = folder.file("a.db");
+  {
+    host::Store store(db);
+    const host::Scene scene =
+        host::load_scene(folder.write("p.toml", "angles_deg = [60]\nrepeats = 3\norder = \"sequential\"\n"));
+    const auto campaign = store.create_campaign(host::campaign_info(scene, "sim:", "a rig"));
+    const auto fire = [&](std::size_t number, const char* time, powbench::Outcome outcome) {
+      host::StoredShot s = host::stored(campaign, host::ShotKind::measured, scene.shots[number]);
+      s.outcome = outcome;
+      s.started = std::string("2030-12-31T") + time;
+      store.store_shot(s, nullptr, nullptr, {});
+    };
+    fire(0, "10:00:00Z", powbench::Outcome::timeout);
+    fire(1, "10:01:00Z", powbench::Outcome::error);
+    fire(2, "10:02:00Z", powbench::Outcome::error);
+    fire(0, "10:03:00Z", powbench::Outcome::aborted);  // the fourth in the store
+  }
+  CHECK(run(folder, {"report", "--db", db, "-o", folder.file("out")}).status != 2);
+  const std::string html = read_file(folder.file("out/report.html"));
+  const auto second = html.find("<tr><td>2</td>"), last = html.find("<tr><td>4</td>");
+  REQUIRE(last != std::string::npos);
+  CHECK(second < last);
+  CHECK_THAT(html, Contains("1 shot was fired again after an error: 4 (TIMEOUT)."));
 }
 
 TEST_CASE("nothing is fired on a rig that was not named, and a store that is not there is called that",

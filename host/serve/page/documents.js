@@ -183,7 +183,7 @@ $('compare').addEventListener('submit', async (e) => {
     const rows = /** @type {PairRow[]} */ (c.rows), differ = rows.filter((r) => r.agreement === 'differs').length;
     $('pair-title').textContent = 'Campaign ' + c.second.id + ' (' + c.second.origin + ') against ' + c.first.id + ' (' + c.first.origin + '): ' +
       differ + ' of ' + rows.filter((r) => known(r.over_U)).length + ' comparisons differ by more than U' + (c.unlike.length ? '. The two were not alike in ' + c.unlike.join('; ') : '') +
-      (c.same_records ? '. ' + c.same_records + ' of the shots hold the same record in both, bit for bit: simulated with one seed, so their agreement says nothing; another seed in the plan gives another run' : '');
+      (c.same_records ? '. ' + c.same_records_sentence : '');
     for (const r of rows) {
       const [unit, factor] = unitOf(r.unit), two = (/** @type {Mean} */ m) => rounded(scaled(m.value, factor), scaled(m.U, factor));
       cells(newRow('pair'), [r.quantity, [known(r.closing_angle_deg) ? r.closing_angle_deg.toFixed(1) : '–', 'n'], [r.n.join(', '), 'n'], [two(r.first), 'n'], [two(r.second), 'n'],
