@@ -7,6 +7,8 @@
 #include <optional>
 #include <stdexcept>
 
+#include "sim/study/axis.h"
+
 namespace powbench::sim {
 namespace {
 

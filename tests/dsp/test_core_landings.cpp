@@ -96,6 +96,15 @@ TEST_CASE("no landing is invented after a soft one") {
   }
 }
 
+TEST_CASE("where nothing follows the seat settled is as uncertain as two landings that are not told apart") {
+  const Shot s = shot(245, 15, 200e3, 4);
+  REQUIRE(s.found.settled.value == s.found.seat.value);
+  REQUIRE((s.found.flags & flag_resolution) == 0);
+  const double apart = dsp::core_resolution({}) / std::sqrt(3.0);
+  CHECK(s.found.settled.u == Approx(std::hypot(s.found.seat.u, apart)));
+  CHECK(s.found.bounce_time.u == Approx(std::hypot(s.found.settled.u, s.found.seat.u)));
+}
+
 TEST_CASE("a laser whose clock beats with the record's makes no landings") {
   // 49 kS/s in a record of 100 kS/s: the hold drifts by a sample and back every 0.5 ms
   int found = 0, doubted = 0;

@@ -7,6 +7,7 @@
 #include "dsp/contacts/edge.h"
 #include "dsp/contacts/extreme.h"
 #include "dsp/contacts/refine.h"
+#include "dsp/contacts/shows.h"
 #include "tests/effort.h"
 
 using namespace powbench;
@@ -211,6 +212,57 @@ TEST_CASE("a vibration hides an edge no longer than the force takes to rise abov
   // 1 N after 10 us and 4 N after 40 us, to a sample and the width of the mean
   CHECK(hidden_by_vibration(film, 0, +1, 1, {}) == Approx(10e-6).margin(10e-6));
   CHECK(hidden_by_vibration(film, 0, +1, 4, {}) == Approx(40e-6).margin(10e-6));
+}
+
+TEST_CASE("vibration that is left before a touch or behind a release is in the uncertainty of that edge",
+          "[edge]") {
+  // a contact of 0.4 ms; 0.8 N of vibration swing below zero on one side only
+  const auto refined = [](bool before, bool after) {
+    Signal s;
+    s.dt = dt, s.t0 = -1e-3;
+    Random random(41);
+    for (int i = 0; i < 480; ++i) {
+      const double t = s.time(static_cast<std::size_t>(i));
+      double force = t > 0 && t < 0.4e-3 ? 10 * std::sin(std::numbers::pi * t / 0.4e-3) : 0.0;
+      if ((before && t < 0) || (after && t > 0.4e-3))
+        force -= 0.8 * std::pow(std::sin(2 * std::numbers::pi * 4e3 * t), 2);
+      s.value.push_back(force + noise * random.normal());
+    }
+    s.masked.assign(s.value.size(), 0);
+    std::vector<Contact> c(1);
+    c[0].touch = {0, 1e-6}, c[0].release = {0.4e-3, 1e-6}, c[0].peak = {10, 0.1};
+    refine_contacts(c, {s, noise, noise}, {});
+    REQUIRE(c.size() == 1);
+    return c[0];
+  };
+  const Contact calm = refined(false, false), before = refined(true, false), after = refined(false, true);
+  CHECK(calm.touch.u < 3e-6);
+  CHECK(calm.release.u < 3e-6);
+  CHECK(before.touch.u > 4e-6);  // 10 us to 0.8 N, over sqrt(3)
+  CHECK(before.release.u < 3e-6);
+  CHECK(after.release.u > 4e-6);
+  CHECK(after.touch.u < 3e-6);
+}
+
+TEST_CASE("a strong contact may pull while it breaks, what swings below zero later is vibration", "[edge]") {
+  const auto swings = [](double from, double depth) {
+    Force f;
+    f.present = true, f.noise = noise;
+    f.signal.dt = dt, f.signal.t0 = -5e-3;
+    Random random(43);
+    for (int i = 0; i < 2000; ++i) {
+      const double t = f.signal.time(static_cast<std::size_t>(i));
+      double force = t > 0 && t < 0.5e-3 ? 20 * std::sin(std::numbers::pi * t / 0.5e-3) : 0.0;
+      if (t > from && t < from + 60e-6) force -= depth;
+      f.signal.value.push_back(force + noise * random.normal());
+    }
+    f.signal.masked.assign(f.signal.value.size(), 0);
+    return swings_below_zero(f, {{0, 0.5e-3}}, 4e-3, {});
+  };
+  CHECK_FALSE(swings(0.51e-3, 0));
+  CHECK_FALSE(swings(0.51e-3, 0.6));
+  CHECK(swings(1.5e-3, 0.6));
+  CHECK(swings(0.51e-3, 4));  // no contact of 20 N pulls so hard
 }
 
 TEST_CASE("a trough of vibration in a low contact force is an opening only perhaps", "[edge]") {

@@ -138,6 +138,86 @@ TEST_CASE("joint fit: derivatives are those of the model, with and without bends
   }
 }
 
+TEST_CASE("the smoothed peak of a contact is that of the samples within it") {
+  Round r;
+  r.t0 = 1, r.dt = 0.5;
+  r.smooth = {9, 1, 3, 2, 8, -1, -2};
+  CHECK(r.smooth_peak(1.2, 2.9) == 3);
+  CHECK(r.smooth_peak(1.0, 1.6) == 9);
+  CHECK(r.smooth_peak(3.3, 4.5) == 0);
+  CHECK(r.smooth_peak(-5, 50) == 9);
+  CHECK(r.smooth_peak(2.9, 2.0) == 0);
+}
+
+TEST_CASE("joint fit: a contact no larger than the ring goes where the ring explains it") {
+  const Signal s = scene(0.05);
+  const ExtractOptions o;
+  JointInput in{s, 0.05, 0.015, 0.5e-3, 2.8e-3, o};
+  in.keep_all = true;
+  JointModel start = rough_start();
+  JointPulse piece;
+  piece.shape = {2.20e-3, 2.32e-3, 0.3, 1.2, 1.0};
+  start.pulses.push_back(piece);
+  JointModel m = fit_joint(in, start, 20);
+  REQUIRE(m.pulses.size() == 2);
+  REQUIRE(m.pulses[1].shape.peak < m.ring.amplitude_at(m.pulses[1].shape.touch));
+  drop_ring_pieces(in, m);
+  REQUIRE(m.pulses.size() == 1);
+  CHECK(m.pulses[0].shape.touch == Approx(1e-3).margin(10e-6));
+}
+
+TEST_CASE("joint fit: what is known beforehand pulls each parameter by its gradient") {
+  const Signal s = scene(0.05);
+  const ExtractOptions o;
+  JointInput in{s, 0.05, 0.015, 0.5e-3, 2.8e-3, o};
+  in.pedestal = true;
+  JointModel m = rough_start();
+  m.pulses[0].bent = true;
+  m.pulses[0].bend = {0.05, -0.03, 0.02, -0.01, 0.01, 0.005};
+  m.pedestal[0] = 0.1, m.pedestal[1] = -0.05, m.pedestal[2] = 0.2;
+  m.rise->linear.assign(settled_terms(in, true), 0.0);
+  m.rise->linear.front() = 4.0;
+  JointRows r = joint_rows(in, m);
+  weigh_rows(in, m, r);
+  JointSystem at, up, down;
+  evaluate(in, m, r, at, true);
+  const auto known = [](const JointSystem& e) {
+    double squares = 0;
+    for (const double v : e.residual) squares += v * v;
+    return e.cost - squares;
+  };
+  int pulled = 0;
+  for (std::size_t c = 0; c < at.columns; ++c) {
+    if (at.prior[c] == 0) continue;
+    std::vector<double> step(at.columns, 0.0);
+    step[c] = 1e-4;
+    evaluate(in, moved(m, at, step.data(), o), r, up, false);
+    step[c] = -1e-4;
+    evaluate(in, moved(m, at, step.data(), o), r, down, false);
+    INFO("column " << c);
+    CHECK(at.pull[c] == Approx((known(up) - known(down)) / 4e-4).epsilon(1e-4).margin(1e-4));
+    ++pulled;
+  }
+  CHECK(pulled > 8);
+}
+
+TEST_CASE("joint fit: its degrees of freedom are the rows it uses less its parameters") {
+  const Signal s = scene(0.05);
+  const ExtractOptions o;
+  const JointInput in{s, 0.05, 0.015, 0.5e-3, 2.8e-3, o};
+  const JointModel m = fit_joint(in, rough_start(), 20);
+  JointRows r = joint_rows(in, m);
+  weigh_rows(in, m, r);
+  JointSystem at;
+  evaluate(in, m, r, at, true);
+  const auto unused = std::count(r.weight.begin(), r.weight.end(), 0.0);
+  CHECK(m.parameters == static_cast<double>(at.columns) + 1);
+  // where the last step moves an edge some rows more or less are used
+  CHECK(m.dof == Approx(static_cast<double>(r.size()) -
+                        static_cast<double>(unused + static_cast<std::ptrdiff_t>(at.columns)))
+                     .margin(10));
+}
+
 TEST_CASE("a spurious oscillation is not taken for vibration on clean records of little noise") {
   bench::SynthSettings s;
   s.snr_db = 60;

@@ -3,6 +3,7 @@
 #include <vector>
 
 #include "bench/dsp_synth.h"
+#include "dsp/contacts/edge_laws.h"
 #include "dsp/contacts/one_law.h"
 
 using namespace powbench;
@@ -81,4 +82,22 @@ TEST_CASE("a clear touch of another law is not talked out of it", "[edge]") {
   for (EdgeAnswer& e : others) all.push_back(&e);
   agree_on_law(all);
   CHECK(std::abs(own.time.value) < 3 * own.time.u);
+}
+
+TEST_CASE("a force that rises steeply behind a jump is less believed of a release than of a touch",
+          "[edge]") {
+  constexpr double span = 0.25e-3, sigmas = 200;  // largest row over the noise
+  EdgeRows rows;
+  rows.step = dt, rows.noise = noise, rows.top = sigmas * noise;
+  Random random(7);
+  for (int i = -40; i < 50; ++i) {
+    const double t = (i + 0.5) * dt, x = t / span;
+    rows.t.push_back(t);
+    rows.y.push_back((t > 0 ? sigmas * (0.3 + 0.7 * x * x * x) : 0.0) + random.normal());
+    rows.closed += t > 0;
+  }
+  const EdgeTotals totals = totals_of(rows);
+  const EdgeEvidence touch = evidence_at(rows, totals, 0, span, false, false);
+  const EdgeEvidence release = evidence_at(rows, totals, 0, span, true, false);
+  CHECK(touch.log > release.log + 5);
 }

@@ -211,6 +211,26 @@ TEST_CASE(
   CHECK(score.beyond == 0);
 }
 
+TEST_CASE("where half the sample rate takes too much of a contact already no low-pass is named") {
+  Record slow = pulses(0.4e-3);
+  for (ChannelRecord& c : slow.channels) {
+    std::vector<std::int16_t> every_tenth;
+    for (std::size_t i = 0; i < c.raw.size(); i += 10) every_tenth.push_back(c.raw[i]);
+    c.raw = std::move(every_tenth);
+  }
+  slow.sample_rate /= 10, slow.fire_sample /= 10;
+  Extracted bare = extract_on_request(slow, {});
+  Contact brief;
+  brief.touch = {5e-3, 1e-6}, brief.release = {5.05e-3, 1e-6};
+  auto& contacts = bare.events.pvdf_a.contacts;
+  contacts.insert(contacts.begin(), brief);
+  ExtractOptions o;
+  o.filter = low_pass(4e3, FilterPhase::zero);
+  const FilterJudgement j = judge_filter(slow, bare.events, bare.bare, o);
+  REQUIRE(j.films.front().shortest == Approx(50e-6));
+  CHECK_THAT(j.refused, Contains("no low-pass at this sample rate"));
+}
+
 TEST_CASE("what cannot be filtered is said") {
   const auto s = ringing(3);
   CHECK_THAT(with(s.record, low_pass(150e3, FilterPhase::zero)).filter->refused, Contains("allowed"));

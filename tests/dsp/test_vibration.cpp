@@ -127,6 +127,39 @@ TEST_CASE("a reference that moves with the core takes its ringing off; a silent 
   CHECK_FALSE(film_vibration(b.record, Channel::pvdf_b, b.events, {}).present);
 }
 
+TEST_CASE("a record too short for the reference's high-pass refuses it and keeps the film's force") {
+  Bench b = closing(3, true);
+  constexpr std::size_t from = 11'720, count = 200;  // 1 ms from 13.6 ms on
+  for (ChannelRecord& c : b.record.channels)
+    c.raw = std::vector<std::int16_t>(c.raw.begin() + from, c.raw.begin() + from + count);
+  b.record.fire_sample -= static_cast<std::int64_t>(from);
+  const FilmVibration v = film_vibration(b.record, Channel::pvdf_a, b.events, {});
+  REQUIRE(v.present);
+  REQUIRE(v.cancelled);
+  CHECK(v.cancelled->refused);
+  CHECK_FALSE(v.cancelled->reason.empty());
+  CHECK(v.cancelled->taps.empty());
+  CHECK(v.cancelled->force.value == v.force.value);
+}
+
+TEST_CASE("without a seat and without vibration the first touch stands for the impact") {
+  Bench b = closing(3, false);
+  for (std::size_t i = 0; i < b.record.samples(); ++i) {  // the film without its ring
+    const double t = b.record.time(i);
+    b.record.channels[0].raw[i] =
+        static_cast<std::int16_t>(t > 12e-3 ? std::lround(4e3 * (1 - std::exp(-(t - 12e-3) / 0.5e-3))) : 0);
+  }
+  Events e;
+  e.pvdf_a.present = true;
+  Contact c;
+  c.touch = {12e-3, 1e-6};
+  e.pvdf_a.contacts = {c};
+  const FilmVibration v = film_vibration(b.record, Channel::pvdf_a, e, {});
+  REQUIRE(v.present);
+  REQUIRE(v.ring.empty());
+  CHECK(v.impact == 12e-3);
+}
+
 TEST_CASE("another axis: straight lines stay straight, the outside is marked") {
   const Signal s = make(100, 1e3, 0.0, [](double t) { return 3 * t + 1; });
   const Signal axis = make(500, 4.1e3, -0.01, [](double) { return 0.0; });

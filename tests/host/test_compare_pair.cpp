@@ -48,6 +48,26 @@ TEST_CASE("pair: a value without an uncertainty, or none at all, leaves the diff
     }
 }
 
+TEST_CASE("pair: each side keeps its own number of repeats and its own coverage factor", "[compare]") {
+  ComparisonRow a = row(1, 10e-3, 3e-6, 4, 5), b = row(1, 10.02e-3, 2e-6, 2, 3);
+  a.coverage = 2.87, b.coverage = 4.53;
+  const auto rows = compare_pair({{a}}, {{b}});
+  REQUIRE(rows.size() == 1);
+  CHECK(rows[0].n[0] == 5);
+  CHECK(rows[0].n[1] == 3);
+  CHECK(rows[0].k[0] == 2.87);
+  CHECK(rows[0].k[1] == 4.53);
+}
+
+TEST_CASE("pair: repeats that are all equal and have no u of their own leave U at zero", "[compare]") {
+  const double known = std::numeric_limits<double>::infinity();
+  const auto rows = compare_pair({{row(1, 10e-3, 0, known, 3)}}, {{row(1, 11e-3, 0, known, 3)}});
+  REQUIRE(rows.size() == 1);
+  CHECK(rows[0].difference == Approx(1e-3));
+  CHECK(rows[0].U == 0);
+  CHECK(agreement(rows[0].over_U()) == "not known");
+}
+
 TEST_CASE("pair: of two campaigns of one device 4.55 % are told apart", "[compare]") {
   Random random(5);
   const int trials = 4000;

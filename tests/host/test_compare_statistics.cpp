@@ -199,6 +199,35 @@ TEST_CASE("guarded acceptance takes U = 2 u off the limits; without an uncertain
         "t_ct1 = 8.9000 ms with U = 0.12 ms, allowed 1 to 9 ms");
 }
 
+TEST_CASE("a closing angle is judged at the tolerance itself", "[compare]") {
+  const double tolerance = radians(0.1), asked = radians(30);
+  const auto judged = [&](double off_deg, double u_deg, Decision rule) {
+    return judge_angle({asked + radians(off_deg), radians(u_deg)}, asked, tolerance, rule);
+  };
+  for (const double side : {-1.0, 1.0}) {
+    CHECK(judged(side * 0.099, 0, Decision::simple) == Outcome::pass);
+    CHECK(judged(side * 0.101, 0, Decision::simple) == Outcome::fail);
+    CHECK(judged(side * 0.05, 0.0249, Decision::guarded) == Outcome::pass);
+    CHECK(judged(side * 0.05, 0.0251, Decision::guarded) == Outcome::fail);
+  }
+}
+
+TEST_CASE("rows are ranked by difference over U, and those without it are left out", "[compare]") {
+  Comparison all;
+  for (const double off : {1e-3, 3e-3, std::nan(""), 2e-3}) {
+    ComparisonRow r;
+    r.measured = {10e-3, 0.5e-3};
+    r.coverage = 2;
+    r.simulated = 10e-3 + off;
+    all.rows.push_back(r);
+  }
+  const auto rows = ranked(all);
+  REQUIRE(rows.size() == 3);
+  CHECK(rows[0] == &all.rows[1]);
+  CHECK(rows[1] == &all.rows[3]);
+  CHECK(rows[2] == &all.rows[0]);
+}
+
 TEST_CASE("difference over U, in a word", "[compare]") {
   ComparisonRow r;
   CHECK(agreement(r.difference_over_U()) == "not known");

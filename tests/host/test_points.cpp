@@ -112,6 +112,18 @@ TEST_CASE("points that differ are no one's, and a flipped bit is damage", "[stor
                     Contains("does not match its checksum; restore it from a copy; nothing was merged"));
 }
 
+TEST_CASE("content comes back as it was written, to the bit", "[store][points]") {
+  const std::string bytes = content_of(3);
+  ByteReader in(bytes);
+  const std::vector<double> numbers = in.numbers();
+  REQUIRE(numbers.size() == 3);
+  CHECK(same(numbers[0], Random(3).normal()));
+  CHECK(std::isnan(numbers[1]));
+  CHECK(same(numbers[2], -0.0));
+  CHECK(in.text() == std::string("a\0b", 3));
+  CHECK(in.integer() == 3);
+}
+
 TEST_CASE("content cut short is an error, whatever it should hold", "[store][points]") {
   const std::string bytes = content_of(1);
   const auto read = [](const std::string& text) {

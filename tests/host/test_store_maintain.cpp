@@ -5,6 +5,7 @@
 #include <catch2/catch.hpp>
 
 #include "core/quantities.h"
+#include "host/store/open.h"
 #include "host/store/sweep_store.h"
 #include "tests/host/bare_records.h"
 #include "tests/host/overlapping_stores.h"
@@ -28,6 +29,28 @@ std::string hash(const std::string& file) {
   CHECK(c.damage.empty());
   CHECK(c.hash.size() == 64);
   return c.hash;
+}
+
+std::string text_of(const std::string& path, const std::string& query) {
+  const sqlite::Database db = open_store(path, Store::Mode::read_only);
+  sqlite::Statement s(db, query);
+  REQUIRE(s.step());
+  return s.text(0);
+}
+
+/// A closing with every quantity that a list of shots shows.
+Events closing(std::uint64_t seed) {
+  Random random(seed);
+  const auto value = [&] { return Measured{0.01 + 0.01 * random.uniform(), 1e-6 * random.uniform()}; };
+  Events e;
+  e.coil.closing_angle = value();
+  e.contact_voltage.present = true;
+  Contact c;
+  c.touch = value();
+  e.contact_voltage.contacts = {c};
+  e.contact_voltage.settled = value();
+  e.contact_voltage.bounce_time = value();
+  return e;
 }
 
 }  // namespace
@@ -223,4 +246,98 @@ TEST_CASE("bare records of an older store are read, packed by migrate, and stay 
   CHECK(read_all());
   CHECK(hash(folder.file()) == one);
   CHECK(migrate_store(folder.file(), false).packed == 0);
+}
+
+TEST_CASE("a list of shots shows the values of the last attempts, measured and simulated ones apart",
+          "[store][maintain]") {
+  const Folder folder;
+  Store store(folder.file());
+  const auto c = store.create_campaign(sample_campaign());
+  const Record record = sample_record(1);
+  for (const ShotKind kind : {ShotKind::measured, ShotKind::simulated})
+    for (int number = 0; number < 2; ++number) {
+      StoredShot shot = sample_shot(c, number, Outcome::error);
+      shot.kind = kind;
+      store.store_shot(shot, nullptr, nullptr, sample_extraction());
+      shot.outcome = Outcome::pass;
+      const Events events = closing(10 * static_cast<unsigned>(kind) + static_cast<unsigned>(number));
+      store.store_shot(shot, &record, &events, sample_extraction());
+    }
+  const std::vector<ShotLine> lines = store.lines(c);
+  REQUIRE(lines.size() == 4);
+  for (std::size_t i = 0; i < lines.size(); ++i) {
+    const ShotLine& l = lines[i];
+    CHECK(l.shot.kind == (i < 2 ? ShotKind::measured : ShotKind::simulated));
+    CHECK(l.shot.number == static_cast<int>(i % 2));
+    CHECK(l.shot.outcome == Outcome::pass);
+    CHECK(l.digested);
+    const Events events = closing(10 * static_cast<unsigned>(l.shot.kind) + static_cast<unsigned>(i % 2));
+    const auto of = [&](const char* symbol) { return find_quantity(symbol)->of(events); };
+    REQUIRE(of("t_ct1").known());
+    CHECK(same(l.reached, events.coil.closing_angle));
+    CHECK(same(l.touch, of("t_ct1")));
+    CHECK(same(l.bounce, of("t_ct_bon")));
+    CHECK(same(l.settled, of("t_ct2")));
+  }
+}
+
+TEST_CASE("without a digest the newest extraction is read, and every extraction is counted",
+          "[store][maintain]") {
+  const Folder folder;
+  {
+    Store store(folder.file());
+    const auto c = store.create_campaign(sample_campaign());
+    put_shot(store, c, 0, 1);
+    put_shot(store, c, 1, 2);
+    put_shot(store, c, 2, 3, Outcome::error);
+    store.store_events(1, sample_events(77), {"b", "0.2"});
+  }
+  CHECK(check_store(folder.file()).events == 3);
+  sql(folder.file(), "DELETE FROM digest");
+  const Store store(folder.file(), Store::Mode::read_only);
+  CHECK(same(store.load_events(1).value(), sample_events(77)));
+  CHECK(same(store.load_events(2).value(), sample_events(2)));
+}
+
+TEST_CASE("each number of a sweep is part of the content", "[store][maintain]") {
+  const Folder folder;
+  const auto of = [&](const std::string& name, double last, std::int64_t first) {
+    SweepStore sweeps(folder.file(name));
+    SweepInfo info;
+    info.design = "{}", info.design_hash = "h", info.points = 30, info.columns = "x",
+    info.program_version = "1";
+    const auto sweep = sweeps.open_sweep(info);
+    std::vector<double> numbers(10, 0.5);
+    numbers.back() = last;
+    sweeps.put(sweep, std::vector{SweepBlock{first, 10, numbers}});
+    return hash(folder.file(name));
+  };
+  const std::string one = of("one.db", 0.5, 10);
+  CHECK(of("same.db", 0.5, 10) == one);
+  CHECK(of("number.db", std::nextafter(0.5, 1.0), 10) != one);
+  CHECK(of("place.db", 0.5, 20) != one);
+}
+
+TEST_CASE("the seal of a record is that of the programs before", "[store][maintain]") {
+  const Folder folder;
+  {
+    Store store(folder.file());
+    put_shot(store, store.create_campaign(sample_campaign()), 0, 5);
+  }
+  CHECK(text_of(folder.file(), "SELECT seal FROM record") ==
+        "83c9ec7dd184c843afd575adf6aeade641ef470c70c6686453e05e401a54b3d2");
+}
+
+TEST_CASE("what a killed process left beside a store goes, what a living one makes stays",
+          "[store][maintain]") {
+  const Folder folder;
+  const std::string mark = ".new-", at = folder.file() + mark;
+  const std::string living = at + std::to_string(getppid()), dead = at + "2147483646";
+  for (const std::string& file : {living, dead, at + "x", folder.file("other.db") + mark + "2147483646"})
+    write_bytes(file, "left");
+  CHECK(aside_file(folder.file(), mark) == at + std::to_string(getpid()));
+  CHECK(std::filesystem::exists(living));
+  CHECK_FALSE(std::filesystem::exists(dead));
+  CHECK_FALSE(std::filesystem::exists(at + "x"));  // no process has this name
+  CHECK(std::filesystem::exists(folder.file("other.db") + mark + "2147483646"));
 }

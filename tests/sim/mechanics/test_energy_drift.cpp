@@ -107,6 +107,30 @@ TEST_CASE("a touch costs no energy, although the step that found it went beyond"
   CHECK(in_touches < 1e-10);
 }
 
+TEST_CASE("one guard alone has the value and the rate that it has among all", "[mechanics]") {
+  Contactor c(reference_closing(), {}, true);
+  alignas(64) double y[EventSolver<Contactor>::capacity] = {};
+  c.equilibrium(y);
+  const auto solver = std::make_unique<EventSolver<Contactor>>(c, 1e-8, 1e-3);
+  solver->restart(0, y, 1e-6);
+  int moving = 0;
+  for (const double until : {2e-3, 10e-3, 15e-3, 25e-3}) {
+    while (solver->end() < until) REQUIRE(solver->extend());
+    const double* state = solver->end_state();
+    EventSolver<Contactor>::GuardSet all{};
+    c.guards(solver->end(), state, nullptr, all);
+    for (int k = 0; k < rigid_contacts; ++k) {
+      double rate = -1;
+      const double value = c.guard(k, solver->end(), state, rate);
+      if (all.value[k] == 1 && all.rate[k] == 0) continue;  // an idle lane
+      CHECK(value == Approx(all.value[k]).margin(1e-15));
+      CHECK(rate == Approx(all.rate[k]).margin(1e-12));
+      moving += std::fabs(all.rate[k]) > 1e-3;
+    }
+  }
+  CHECK(moving > 20);
+}
+
 TEST_CASE("samples within a step that a release has cut lie on the motion", "[mechanics]") {
   // in the followed contact's own variable, time runs backwards beyond the release
   Chain<double, 1> ball;

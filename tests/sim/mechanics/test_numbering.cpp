@@ -100,3 +100,22 @@ TEST_CASE("canonical order: by position first, ties by the other numbers and sha
       CHECK(std::memcmp(a.parts.modes[m].shape[lane], b.parts.modes[m].shape[lane], 2 * sizeof(double)) == 0);
   }
 }
+
+TEST_CASE("modes have one order: by their numbers and where those are equal by their shapes", "[mechanics]") {
+  auto parts = reference_closing();
+  for (int end = 0; end < 2; ++end)  // one shape, two frequencies
+    for (std::size_t j = 0; j < 5; ++j) parts.modes[1].shape[j][end] = parts.modes[0].shape[j][end];
+  parts.modes[3].hertz = parts.modes[2].hertz;  // one frequency, two shapes
+  const CanonicalParts one = in_canonical_order(parts);
+  for (const Order order : {Order{0, 1, 2, 3, 4}, Order{3, 1, 4, 0, 2}, Order{4, 3, 2, 1, 0}}) {
+    const CanonicalParts other = in_canonical_order(renumbered(parts, order, true));
+    for (std::size_t m = 0; m < parts.modes.size(); ++m) {
+      CHECK(other.parts.modes[m].hertz == one.parts.modes[m].hertz);
+      for (std::size_t j = 0; j < 5; ++j)
+        for (int end = 0; end < 2; ++end)
+          CHECK(other.parts.modes[m].shape[j][end] == one.parts.modes[m].shape[j][end]);
+    }
+    for (std::size_t j = 0; j < 5; ++j)
+      CHECK(other.parts.bridges[j].position == one.parts.bridges[j].position);
+  }
+}
