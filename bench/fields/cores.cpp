@@ -33,7 +33,9 @@ Json states(bool closed) {
   sim::MagnetField field(design, coarse), better(design, fine);
   const std::string folder = (std::filesystem::temp_directory_path() / "powbench_fields_cores").string();
   std::printf(
-      "%s-core, %g turns: own grid %d unknowns, finer %d; differences of the own grid from them in %%\n",
+      "%s-core, %g turns: own grid %d unknowns, finer %d; differences of the own grid from them in %%, the "
+      "last "
+      "column a ratio\n",
       closed ? "C" : "U", design.turns, field.unknowns(), better.unknowns());
   std::printf("%7s %5s %12s %10s %9s %9s %9s %9s %9s %13s\n", "gap mm", "A", "flux Wb", "pull N", "psi fine",
               "F fine", "psi peer", "F peer", "peer dofs", "same mesh psi");

@@ -172,7 +172,7 @@ void apply_rule(Events& e, const Record& record, const dsp::ExtractOptions& opti
     train->flags |= fitted.flags;
   }
   dsp::conclude(e, record, options);
-  e.method = fmt::format("crossing of {:g} % of the settled force{}", *rule.force_percent,
+  e.method = fmt::format("forces: crossing of {:g} % of the settled force{}", *rule.force_percent,
                          options.filter.judged ? ", " + dsp::name_of(options.filter) : "");
 }
 
