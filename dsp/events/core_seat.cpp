@@ -358,7 +358,7 @@ CoreEvents core_events(const Record& record, const ExtractOptions& o) {
   e.impact_velocity =
       flight_velocity(own.signal, {e.seat.value, std::hypot(e.seat.u, own.late)},
                       held_for(s, e.seat.value - flight * window, e.seat.value), flight * window, noise);
-  if (e.impact_velocity.value <= 0) {  // it lands nowhere while it goes back
+  if (e.impact_velocity.value < -3 * e.impact_velocity.u) {  // it lands nowhere while it goes back
     e.seat = e.settled = e.impact_velocity = {};
     return e;
   }

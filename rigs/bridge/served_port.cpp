@@ -1,13 +1,13 @@
 #include "rigs/bridge/served_port.h"
 
 #include <fcntl.h>
-#include <sys/file.h>
+#include <sys/stat.h>
+#include <sys/sysmacros.h>
 #include <unistd.h>
 
-#include <cerrno>
-#include <csignal>
 #include <filesystem>
 #include <fstream>
+#include <sstream>
 #include <system_error>
 
 namespace powbench::rigs {
@@ -23,12 +23,31 @@ std::string file_of(const std::string& port) {
   return (std::filesystem::temp_directory_path(ignored) / ("powbench-port" + name)).string();
 }
 
-bool is_held(const std::string& port) {
-  const int fd = open(port.c_str(), O_RDONLY | O_NOCTTY | O_NONBLOCK | O_CLOEXEC);
-  if (fd < 0) return false;
-  const bool held = flock(fd, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK;
-  close(fd);
-  return held;
+/// The program that holds the port by its lock, as the system tells it; 0: none, or not told.
+long holder_of(const std::string& port) {
+  struct stat is {};
+  if (stat(port.c_str(), &is) != 0) return 0;
+  std::ifstream locks("/proc/locks");
+  for (std::string line; std::getline(locks, line);) {
+    std::istringstream words(line);  // "1: FLOCK ADVISORY WRITE 1234 00:05:86 0 EOF", device in hexadecimal
+    std::string number, kind, how, access;
+    long pid = 0;
+    unsigned major = 0, minor = 0;
+    unsigned long inode = 0;
+    char colon = 0;
+    words >> number >> kind >> how >> access >> pid >> std::hex >> major >> colon >> minor >> colon >>
+        std::dec >> inode;
+    if (words && kind == "FLOCK" && makedev(major, minor) == is.st_dev && inode == is.st_ino) return pid;
+  }
+  return 0;
+}
+
+/// The file comes from the user whose program that is: anybody may write into the folder.
+bool same_user(const std::string& file, long pid) {
+  struct stat left {
+  }, process{};
+  return lstat(file.c_str(), &left) == 0 && S_ISREG(left.st_mode) &&
+         stat(("/proc/" + std::to_string(pid)).c_str(), &process) == 0 && left.st_uid == process.st_uid;
 }
 
 }  // namespace
@@ -47,12 +66,13 @@ ServedPort::~ServedPort() {
 }
 
 std::string served_at(const std::string& port) {
-  std::ifstream in(file_of(port));
+  const std::string file = file_of(port);
+  const long holder = holder_of(port);
+  std::ifstream in(file);
   long pid = 0;
   std::string address;
-  if (!(in >> pid >> address) || pid <= 0) return {};
-  const bool lives = kill(static_cast<pid_t>(pid), 0) == 0 || errno == EPERM;
-  return lives && is_held(port) ? address : std::string();
+  const bool told = static_cast<bool>(in >> pid >> address);
+  return told && holder > 0 && pid == holder && same_user(file, holder) ? address : std::string();
 }
 
 }  // namespace powbench::rigs

@@ -3,7 +3,9 @@
 #include <string>
 
 /// A serial port belongs to one program, and the board behind it must be stoppable by all: whoever holds the port
-/// leaves the address at which its bridge serves in a file of the folder for temporary files, `powbench-port-...`.
+/// leaves the address at which its bridge serves in a file of the folder for temporary files, `powbench-port-...`. It
+/// counts only if the program that it names holds the lock of the port and is of the user who wrote it: a stop must not
+/// be confirmed by another rig.
 
 namespace powbench::rigs {
 

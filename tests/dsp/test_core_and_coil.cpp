@@ -155,6 +155,25 @@ TEST_CASE("core seat from the kink of the travel, on a base that goes on moving"
   CHECK(std::sqrt(e2) < 15e-6);
 }
 
+TEST_CASE("a core that turns back has no seat, one that arrives late has") {
+  sim::Specimen stiff;
+  stiff.core.return_preload = 15;
+  stiff.core.return_rate = 3800;
+  for (const double volts : {195.0, 200.0, 220.0})
+    for (const double angle : {60.0, 150.0}) {
+      CAPTURE(volts, angle);
+      Conditions c;
+      c.supply_volts = volts;
+      c.closing_angle = radians(angle);
+      const Events e = extract_events(rigs::simulate_record(stiff, c, {}).record);
+      const bool closes = volts > 210;
+      CHECK(e.contact_voltage.contacts.empty() != closes);
+      CHECK(e.core.seat.known() == closes);
+      CHECK(e.core.settled.known() == closes);
+      CHECK(e.core.travel.known());  // 0.2 mm, or all of it
+    }
+}
+
 TEST_CASE("a core that never moves has no seat") {
   Record r = bench::synthesise_full(1e5, 50, 1, 1);
   bench::Random random(2);

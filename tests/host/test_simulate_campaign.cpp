@@ -94,6 +94,32 @@ TEST_CASE("the inputs' uncertainty covers what other inputs do", "[simulate]") {
   CHECK(input_uncertainty(exact, {}, {}, options).curves.empty());
 }
 
+TEST_CASE("behind a coil switch with a delay the simulation has the angle of its conditions", "[simulate]") {
+  Folder folder;
+  Store store{folder.file()};
+  const auto campaign = store.create_campaign({});
+  std::vector<PlannedShot> plan(1);
+  plan[0].conditions.closing_angle = radians(60);
+  rigs::SimRigConfig slow;
+  slow.supply.coil_switch.kind = sim::CoilSwitch::Kind::relay;
+  slow.supply.coil_switch.closing_delay = 2e-3;  // 36 degrees
+  Progress silent("test", plan.size(), Progress::Style::none);
+  simulate_campaign(store, campaign, plan, {}, slow, {}, silent);
+  const StoredShot shot = store.shots(campaign, ShotKind::simulated).at(0);
+  const Events events = *store.load_events(shot.id);
+  CHECK(shot.angle_deg == 60);
+  CHECK(degrees(events.coil.closing_angle.value) == Approx(60).margin(0.2));
+  CHECK(events.coil.switch_on.value == Approx(2e-3).margin(20e-6));
+  CHECK((events.coil.flags & flag_angle_off) == 0);
+  // its times are those of a switch that takes no time
+  const Events ideal = extract_checked(rigs::simulate_record({}, plan[0].conditions, {}).record, {});
+  for (const char* symbol : {"t_ct1", "t_ct2", "t_xt1"}) {
+    CAPTURE(symbol);
+    const Quantity& q = *find_quantity(symbol);
+    CHECK(q.of(events).value == Approx(q.of(ideal).value).margin(30e-6));
+  }
+}
+
 TEST_CASE("simulations are stored as they come, in the order of the angles, and kept when a later one fails",
           "[simulate]") {
   const int threads = GENERATE(1, 3);

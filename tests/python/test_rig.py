@@ -1,6 +1,7 @@
 """Rigs: the way of the command line, the interpreter free meanwhile, Ctrl-C switches off."""
 
 import _thread
+import subprocess
 import sys
 import threading
 import time
@@ -8,7 +9,7 @@ import unittest
 
 import numpy as np
 import powbench
-from fixture import campaign, folder, program
+from fixture import PROGRAM, campaign, folder, program
 
 
 def runs_meanwhile(call) -> bool:
@@ -51,6 +52,27 @@ class RigTest(unittest.TestCase):
             self.assertIn(rig.stop(), ("idle", "captured"))
         with self.assertRaisesRegex(powbench.RigError, "is closed"):
             rig.fire(60)
+
+    def test_a_stop_ends_a_closing_that_waits_for_another_owner(self):
+        with subprocess.Popen(
+            [PROGRAM, "rig", "--listen", "127.0.0.119"], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True
+        ) as server:
+            try:
+                for line in server.stdout:
+                    if "127.0.0.119" in line:
+                        break
+                with powbench.Rig("ip:127.0.0.119") as owner, powbench.Rig("ip:127.0.0.119") as rig:
+                    self.assertIn(owner.fire(60).outcome, ("PASS", "NOT JUDGED"))  # and keeps the lease for 5 s
+                    shots = []
+                    waits = threading.Thread(target=lambda: shots.append(rig.fire(90)))
+                    waits.start()
+                    while waits.is_alive():
+                        rig.stop()
+                        waits.join(0.05)
+                    self.assertEqual((shots[0].outcome, shots[0].reason), ("ABORTED", "stopped by the operator"))
+                    self.assertIsNone(shots[0].record)
+            finally:
+                server.terminate()
 
     def test_what_may_not_be_fired_is_refused_before_the_coil(self):
         with powbench.Rig("sim:") as rig:

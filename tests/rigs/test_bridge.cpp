@@ -46,6 +46,7 @@ TEST_CASE("a board whose port another program holds is stopped through the bridg
     CHECK(owner.command("iio:device1 fire", "1") == "-11");  // no longer armed
   }
   CHECK(rigs::served_at(port).empty());
+  const rigs::ServedPort left("/dev/null", "127.0.0.99");  // of a port that nobody holds
   CHECK(rigs::served_at("/dev/null").empty());
   CHECK(rigs::endpoint_to_stop("ip:127.0.0.9").uri == "ip:127.0.0.9");
 }

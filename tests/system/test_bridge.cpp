@@ -50,6 +50,11 @@ TEST_CASE("powbench bridge serves a board until it is told to stop, or until it 
   const Finished second = run(other, {"info", "serial:" + board.port() + ",2000000"});
   CHECK(second.status == 3);
   CHECK_THAT(second.err, Contains("used by another program"));
+  const Finished stopped =
+      run(other, {"stop", "serial:" + board.port()});  // through the bridge that holds it
+  INFO(stopped.err);
+  CHECK(stopped.status == 0);
+  CHECK_THAT(stopped.out, Contains("coil off, confirmed by the rig"));
 
   SECTION("stop") {
     bridge->send(SIGINT);
@@ -58,6 +63,7 @@ TEST_CASE("powbench bridge serves a board until it is told to stop, or until it 
     const Finished direct = run(other, {"info", "serial:" + board.port() + ",2000000"});
     INFO(direct.err);
     CHECK(direct.status == 0);
+    CHECK(run(other, {"stop", "serial:" + board.port()}).status == 0);  // nobody holds it
   }
   SECTION("unplug") {
     board.unplug();
