@@ -160,7 +160,7 @@ std::string picture(const std::vector<Impact>& all, const Impact& exact) {
     }
   }
   return svg +
-         "<text x=\"560\" y=\"80\" fill=\"#0b6fa4\">modal, n modes</text>\n<text x=\"560\" y=\"98\" "
+         "<text x=\"500\" y=\"80\" fill=\"#0b6fa4\">modal, n modes</text>\n<text x=\"500\" y=\"98\" "
          "fill=\"#c2410c\">deformable, cells h</text>\n<text x=\"360\" y=\"425\" text-anchor=\"middle\">CPU "
          "time of 0.4 ms, s</text>\n<text x=\"80\" "
          "y=\"30\">Error "
