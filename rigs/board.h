@@ -63,8 +63,10 @@ struct BoardOptions {
   std::string secret{};             ///< what every owner's token must begin with; empty: anything
   /// Silence after which a client makes room for another; unset: 10 s.
   std::optional<std::chrono::milliseconds> idle{};
+  /// Time after which the client that came last makes room when none was silent for so long; unset: 1 s.
+  std::optional<std::chrono::milliseconds> stay{};
 };
-inline const BoardOptions emulated_board{BoardOptions::Kind::emulated, false, {}, {}, {}};
+inline const BoardOptions emulated_board{BoardOptions::Kind::emulated, false, {}, {}, {}, {}};
 
 /// Throws RigError when an emulated board cannot be had.
 std::unique_ptr<Board> make_board(const BoardOptions&, const firmware::ControllerConfig&,

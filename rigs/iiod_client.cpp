@@ -1,8 +1,10 @@
 #include "rigs/iiod_client.h"
 
 #include <algorithm>
+#include <string_view>
 #include <utility>
 
+#include "firmware/iiod/words.h"
 #include "rigs/sim_world.h"
 
 namespace powbench::rigs {
@@ -11,6 +13,12 @@ namespace {
 
 constexpr std::size_t unread_limit = 1 << 16;  // bytes a client may send ahead while it is owed samples
 constexpr std::size_t answer_limit = 1 << 16;  // answers collected before the client has to take them
+
+/// WRITE DEVICE lease BYTES
+bool is_claim(std::string_view line) {
+  const firmware::iiod::Words words(line);
+  return words.count > 2 && firmware::iiod::same_word(words[0], "WRITE") && words[2] == "lease";
+}
 
 }  // namespace
 
@@ -27,7 +35,7 @@ std::vector<std::uint8_t> IiodClient::answer() {
     const auto from = unread_.begin() + static_cast<std::ptrdiff_t>(at);
     const auto line_end = std::find(from, unread_.end(), std::uint8_t{'\n'});
     const auto length = static_cast<std::size_t>(line_end - from) + (line_end == unread_.end() ? 0 : 1);
-    writes_ = writes_ || (length > 5 && std::equal(from, from + 5, "WRITE"));
+    claims_ = claims_ || is_claim({reinterpret_cast<const char*>(&*from), length});
     const auto answer = world_->board().feed(connection_, std::span(unread_).subspan(at, length));
     at += answer.used;
     status_ = answer.status;

@@ -32,7 +32,7 @@ class IiodClient {
   bool unanswered() const { return !unread_.empty(); }
   bool halfway() const { return halfway_; }                ///< after answer(), as Board::Answer
   std::int32_t timeout_ms() const { return timeout_ms_; }  ///< as Board::Answer
-  bool writes() const { return writes_; }  ///< it has commanded something: it may be the owner
+  bool claims() const { return claims_; }  ///< it has asked for the lease: it may be the owner
 
  private:
   std::vector<std::uint8_t> take(Board::Answer);
@@ -40,7 +40,7 @@ class IiodClient {
   SimWorld* world_;
   unsigned connection_;
   Board::Status status_ = Board::Status::ready;
-  bool halfway_ = false, writes_ = false;
+  bool halfway_ = false, claims_ = false;
   std::int32_t timeout_ms_ = -1;
   std::vector<std::uint8_t> unread_;
 };

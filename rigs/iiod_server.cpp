@@ -31,6 +31,8 @@ constexpr milliseconds typing_limit{
     1000};  // from the first byte of a request to its last, and from connecting on
 // a client that has said nothing for this long makes room when all places are taken
 constexpr milliseconds idle_limit{10'000};
+// if there is none, the one that came last and has been here for this long: a stop always gets a place
+constexpr milliseconds stay_limit{1000};
 constexpr std::size_t most_farewells = 64;  // clients being told at one time that there is no place
 constexpr const char* no_place =
     "-16\nall connections of this rig are taken: close one of its other clients, then try again\n";
@@ -46,7 +48,8 @@ struct IiodServer::Impl {
         signals(io),
         pulse_timer(io),
         address(std::move(where)),
-        idle(options.idle.value_or(idle_limit)) {
+        idle(options.idle.value_or(idle_limit)),
+        stay(options.stay.value_or(stay_limit)) {
     if (config.faults.line.seed == 0)
       listen(address, port);
     else
@@ -80,7 +83,7 @@ struct IiodServer::Impl {
   std::size_t farewells = 0;
   std::uint64_t turns = 0;  ///< requests or pieces of them so far
   bool working = false, pulsing = false;
-  const milliseconds idle;
+  const milliseconds idle, stay;
 };
 
 /// One client connection: bytes in, answers out, in order.
@@ -198,9 +201,10 @@ struct IiodServer::Impl::Session : std::enable_shared_from_this<Session> {
   tcp::socket socket;
   asio::steady_timer deadline, typing;
   asio::ip::address peer;
-  std::uint64_t active = 0;                ///< when it spoke last, in turns of the server
-  Clock::time_point spoke = Clock::now();  ///< the same, or when it came
-  bool was_halfway = true;                 ///< a new connection owes a request
+  std::uint64_t active = 0;  ///< when it spoke last, in turns of the server
+  const Clock::time_point came = Clock::now();
+  Clock::time_point spoke = came;  ///< when it spoke last, or came
+  bool was_halfway = true;         ///< a new connection owes a request
   IiodClient client;
   std::array<std::uint8_t, 4096> incoming{};
   std::deque<std::vector<std::uint8_t>> outgoing;
@@ -254,15 +258,20 @@ void IiodServer::Impl::accept() {
   });
 }
 
-/// Closes the client that has been silent the longest, if that is long enough and it is not the owner.
+/// Closes the client that has been silent the longest, if that is long enough; else the one that came last, if it has
+/// had its time. Never the owner.
 void IiodServer::Impl::make_room() {
-  std::shared_ptr<Session> silent;
+  std::shared_ptr<Session> silent, last;
   for (const auto& session : sessions) {
-    const bool in_use = session->client.status() == Board::Status::pending ||
-                        (session->client.writes() && board().report().lease_held);
-    if (!in_use && (!silent || session->active < silent->active)) silent = session;
+    if (session->client.claims() && board().report().lease_held) continue;
+    const bool waits = session->client.status() == Board::Status::pending;
+    if (!waits && (!silent || session->active < silent->active)) silent = session;
+    if (!last || session->came >= last->came) last = session;
   }
-  if (silent && Clock::now() - silent->spoke >= idle) silent->close();
+  if (silent && Clock::now() - silent->spoke >= idle)
+    silent->close();
+  else if (last && Clock::now() - last->came >= stay)
+    last->close();
 }
 
 /// Tells a client in one sentence that there is no place. What it said is read first: closing over unread bytes would

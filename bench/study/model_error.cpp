@@ -6,7 +6,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
@@ -16,6 +15,7 @@
 #include <thread>
 #include <vector>
 
+#include "bench/study/coverage.h"
 #include "core/cpu_time.h"
 #include "core/random.h"
 #include "core/units.h"
@@ -44,38 +44,6 @@ sim::Case drawn(powbench::Random& random) {
     if (sim::tried_closing(c.specimen, c.conditions, duration).core_seat) return c;
   }
 }
-
-struct Tally {
-  int happened = 0, covered = 0, unknown = 0;
-  double worst_ratio = 0, worst_error = 0, worst_stated = 0;
-  int worst_scene = -1;
-  std::vector<double> ratio;  ///< stated over true
-  void add(int scene, double stated, double error) {
-    if (std::isnan(error)) return;
-    if (std::isnan(stated)) {
-      ++unknown;
-      return;
-    }
-    ++happened;
-    if (error > 0) ratio.push_back(stated / error);
-    if (error <= stated) {
-      ++covered;
-      return;
-    }
-    if (!(error / stated > worst_ratio)) return;
-    worst_ratio = error / stated;
-    worst_error = error;
-    worst_stated = stated;
-    worst_scene = scene;
-  }
-  /// How much larger than the error what is stated is, in half of the scenes and in nine of ten: coverage alone does
-  /// not tell a bound from a guess that is far too large.
-  double ratio_at(double share) {
-    std::sort(ratio.begin(), ratio.end());
-    return ratio.empty() ? std::nan("")
-                         : ratio[static_cast<std::size_t>(share * static_cast<double>(ratio.size() - 1))];
-  }
-};
 
 }  // namespace
 
@@ -115,7 +83,7 @@ int main(int argc, char** argv) {
       s.failed = e.what();
     }
   });
-  std::array<Tally, 3> tally;
+  std::array<bench::Coverage, 3> tally;
   double cpu = 0;
   int failed = 0;
   for (int k = 0; k < scenes; ++k) {
@@ -132,25 +100,12 @@ int main(int argc, char** argv) {
       "Does the stated total of circuit+rigid (its distance to circuit+modal and the step error of that) "
       "cover its difference to circuit+modal at a quarter of the step?\n"
       "%d scenes over the catalogue's bounds, seed %llu, %.0f s CPU, %d without a result; wanted 85 .. 98 "
-      "%%\n"
-      "%-8s %9s %9s %8s  stated / true: median     90 %%   worst miss: us stated  us true  scene\n",
-      scenes, static_cast<unsigned long long>(seed), cpu, failed, "quantity", "happened", "covered %",
-      "unknown");
+      "%%\n",
+      scenes, static_cast<unsigned long long>(seed), cpu, failed);
+  bench::print_coverage_head();
   Json rows = Json::array();
-  for (std::size_t q = 0; q < tally.size(); ++q) {
-    auto& t = tally[q];
-    const double share = t.happened > 0 ? 100.0 * t.covered / t.happened : std::nan("");
-    std::printf("%-8s %9d %9.1f %8d  %21.2f %8.2f   %21.3g %8.3g %6d\n",
-                std::string(sim::ladder_quantities[q]).c_str(), t.happened, share, t.unknown, t.ratio_at(0.5),
-                t.ratio_at(0.9), t.worst_stated * 1e6, t.worst_error * 1e6, t.worst_scene);
-    rows.push_back({{"quantity", sim::ladder_quantities[q]},
-                    {"happened", t.happened},
-                    {"covered_percent", share},
-                    {"stated_over_true_median", t.ratio_at(0.5)},
-                    {"stated_over_true_90_percent", t.ratio_at(0.9)},
-                    {"worst_stated_s", t.worst_stated},
-                    {"worst_error_s", t.worst_error}});
-  }
+  for (std::size_t q = 0; q < tally.size(); ++q)
+    rows.push_back(bench::print_coverage("circuit+rigid", sim::ladder_quantities[q], tally[q]));
   if (!json.empty())
     std::ofstream(json) << Json{{"scenes", scenes}, {"seed", seed}, {"rows", rows}}.dump(2) << "\n";
   return 0;

@@ -1,4 +1,5 @@
 #include <fmt/format.h>
+#include <sys/resource.h>
 
 #include <atomic>
 #include <charconv>
@@ -38,6 +39,14 @@ Address parse_address(const std::string& text) {
 constexpr const char* first_plan =
     "name = \"six angles\"\nangles_deg = [0, 30, 60, 90, 120, 150]\nrepeats = 3\n";
 
+/// Each page takes a descriptor or two, and the common limit is 1024.
+void allow_many_files() {
+  rlimit limit{};
+  if (getrlimit(RLIMIT_NOFILE, &limit) != 0) return;
+  limit.rlim_cur = limit.rlim_max;
+  setrlimit(RLIMIT_NOFILE, &limit);
+}
+
 bool loopback(const std::string& ip) {
   return ip.starts_with("127.") || ip == "::1";
 }
@@ -66,6 +75,7 @@ Exit serve_bench(const LiveArgs& args) {
         if (HttpServer* server = told) server->recorded();
       });
   std::unique_ptr<Api> api;
+  allow_many_files();
   HttpServer server(address.ip, address.port,
                     {[&](const Request& r) { return api->answer(r); }, Api::is_stop,
                      [&](const Request& r) { return api->listen(r); }, [&] { return bench->state(); },

@@ -12,6 +12,13 @@
 
 namespace powbench::host {
 
+/// What the u of each single event is: of a simulated closing the curve is exact, and its inputs are not.
+inline std::string_view u_of_events(ShotKind kind) {
+  return kind == ShotKind::simulated
+             ? "how well the curve can be read; what the inputs leave open is the u of the quantities"
+             : "the measured event";
+}
+
 /// What a stored shot shows of a quantity. Of a simulated one u is what its inputs leave open, not how well its curve
 /// could be read; NaN where that is not known.
 class Shown {

@@ -1,5 +1,8 @@
 #include "host/serve/http.h"
 
+#include <sys/resource.h>
+
+#include <algorithm>
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/ip/tcp.hpp>
 #include <boost/asio/post.hpp>
@@ -27,6 +30,9 @@ using HttpRequest = http::request<http::string_body>;
 using HttpReply = http::response<http::string_body>;
 
 constexpr auto idle_time = std::chrono::seconds(60);
+constexpr auto visit_time = std::chrono::seconds(2);  ///< of a connection that may only stop
+constexpr std::size_t most_visitors = 64;
+constexpr rlim_t files_of_others = 128;  ///< descriptors of the rig's lines, the database, answers
 constexpr auto least_pause = std::chrono::milliseconds(40);  ///< between two states: 25 a second
 
 std::string text(beast::string_view v) {
@@ -77,6 +83,14 @@ HttpReply reply_of(const Reply& from, const HttpRequest& to) {
   return out;
 }
 
+/// Connections that leave descriptors for a stop.
+std::size_t places() {
+  rlimit limit{};
+  getrlimit(RLIMIT_NOFILE, &limit);
+  const rlim_t kept = files_of_others + most_visitors;
+  return std::min<std::size_t>(HttpServer::most_clients, limit.rlim_cur > kept ? limit.rlim_cur - kept : 1);
+}
+
 }  // namespace
 
 std::string of_query(const std::string& query, const std::string& name) {
@@ -118,7 +132,8 @@ struct HttpServer::Impl {
   asio::steady_timer pause;  ///< runs: a state was sent less than `least_pause` ago
   std::chrono::steady_clock::time_point last_record{};  ///< when one was sent
   bool pausing = false, state_stale = false, record_stale = false;
-  std::set<std::shared_ptr<Client>> clients;
+  const std::size_t most = places();
+  std::set<std::shared_ptr<Client>> clients, visitors;
   std::set<std::shared_ptr<Listener>> listeners;
   asio::thread_pool workers{2}, stopper{1};
 };
@@ -182,13 +197,14 @@ class HttpServer::Impl::Listener : public std::enable_shared_from_this<Listener>
   bool open_ = false, writing_ = false, waiting_ = false;
 };
 
-/// One connection: request, reply, request, ...
+/// One connection: request, reply, request, ... A visitor comes when all places are taken: it may only stop.
 class HttpServer::Impl::Client : public std::enable_shared_from_this<Client> {
  public:
-  Client(Impl& server, tcp::socket socket) : server_(server), stream_(std::move(socket)) {}
+  Client(Impl& server, tcp::socket socket, bool visitor)
+      : server_(server), stream_(std::move(socket)), visitor_(visitor) {}
 
   void begin() {
-    server_.clients.insert(shared_from_this());
+    (visitor_ ? server_.visitors : server_.clients).insert(shared_from_this());
     read();
   }
   void close() { stream_.close(); }
@@ -197,7 +213,7 @@ class HttpServer::Impl::Client : public std::enable_shared_from_this<Client> {
   void read() {
     parser_.emplace();
     parser_->body_limit(largest_body);
-    stream_.expires_after(idle_time);
+    stream_.expires_after(visitor_ ? visit_time : idle_time);
     http::async_read(stream_, buffer_, *parser_, [self = shared_from_this()](error_code e, std::size_t) {
       if (e == http::error::body_limit || e == http::error::header_limit)
         return self->write(refusal(413, "the request is too large"), true);
@@ -211,6 +227,9 @@ class HttpServer::Impl::Client : public std::enable_shared_from_this<Client> {
 
   void act() {
     const Request request = request_of(parser_->get());
+    const bool stop = server_.handlers.is_stop(request);
+    if (visitor_ && !stop)
+      return write(refusal(503, "all connections are taken; close other pages, then try again"), true);
     if (websocket::is_upgrade(parser_->get())) {
       const bool records = request.path == record_stream;
       const Reply may =
@@ -224,10 +243,10 @@ class HttpServer::Impl::Client : public std::enable_shared_from_this<Client> {
       return listener->begin(parser_->get());
     }
     stream_.expires_never();  // a report may take its time
-    auto& pool = server_.handlers.is_stop(request) ? server_.stopper : server_.workers;
+    auto& pool = stop ? server_.stopper : server_.workers;
     asio::post(pool, [self = shared_from_this(), request] {
       Reply reply = self->server_.handlers.answer(request);
-      asio::post(self->server_.io, [self, r = std::move(reply)] { self->write(r, false); });
+      asio::post(self->server_.io, [self, r = std::move(reply)] { self->write(r, self->visitor_); });
     });
   }
 
@@ -244,11 +263,12 @@ class HttpServer::Impl::Client : public std::enable_shared_from_this<Client> {
   void drop() {
     error_code ignored;
     stream_.socket().shutdown(tcp::socket::shutdown_send, ignored);
-    server_.clients.erase(shared_from_this());
+    (visitor_ ? server_.visitors : server_.clients).erase(shared_from_this());
   }
 
   Impl& server_;
   beast::tcp_stream stream_;
+  const bool visitor_;
   beast::flat_buffer buffer_{65'536};
   std::optional<http::request_parser<http::string_body>> parser_;
   std::optional<HttpReply> reply_;
@@ -257,10 +277,11 @@ class HttpServer::Impl::Client : public std::enable_shared_from_this<Client> {
 void HttpServer::Impl::accept() {
   acceptor.async_accept([this](error_code e, tcp::socket socket) {
     if (e == asio::error::operation_aborted) return;
-    if (!e && clients.size() + listeners.size() < most_clients) {
+    const bool full = clients.size() + listeners.size() >= most;
+    if (!e && !(full && visitors.size() >= most_visitors)) {
       error_code ignored;
       socket.set_option(tcp::no_delay(true), ignored);
-      std::make_shared<Client>(*this, std::move(socket))->begin();
+      std::make_shared<Client>(*this, std::move(socket), full)->begin();
     }
     accept();
   });
@@ -286,8 +307,8 @@ void HttpServer::Impl::send_news() {
 void HttpServer::Impl::close_all() {
   error_code ignored;
   acceptor.close(ignored);
-  const auto c = clients;
-  for (const auto& one : c) one->close();
+  for (auto all : {clients, visitors})
+    for (const auto& one : all) one->close();
   const auto l = listeners;
   for (const auto& one : l) one->close();
   io.stop();

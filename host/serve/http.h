@@ -13,7 +13,8 @@ namespace powbench::host {
 inline constexpr const char *state_stream = "/api/live", *record_stream = "/api/scope";
 
 /// HTTP/1.1 and two kinds of WebSocket, which only send: the newest state, and the newest record, whenever it has
-/// changed. One thread for the sockets, one for stops, two for everything else.
+/// changed. One thread for the sockets, one for stops, two for everything else. Who comes when all places are taken
+/// can still stop; anything else gets 503.
 class HttpServer {
  public:
   struct Handlers {

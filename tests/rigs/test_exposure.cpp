@@ -37,7 +37,9 @@ TEST_CASE("with a secret nobody claims the rig without it, and everybody may loo
 }
 
 TEST_CASE("one client too many is told so, and a place that is not used falls free", "[link]") {
-  LocalRig server({}, {});
+  BoardOptions board;
+  board.stay = std::chrono::hours(1);
+  LocalRig server({}, {}, board);
   std::vector<std::unique_ptr<test::RawClient>> clients;
   for (unsigned i = 0; i < firmware::Bench::max_connections; ++i) {
     clients.push_back(std::make_unique<test::RawClient>(server.address()));

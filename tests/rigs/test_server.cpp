@@ -69,8 +69,29 @@ TEST_CASE("when all places are taken, the client that has been silent makes room
   CHECK(clients[1]->read("iio:device1 state") == "idle");
 }
 
+TEST_CASE("a stop gets a place among clients that never fall silent, and the owner keeps his", "[rig]") {
+  BoardOptions board;
+  board.stay = std::chrono::milliseconds(0);
+  LocalRig server({}, {}, board);
+  std::vector<std::unique_ptr<test::RawClient>> clients;
+  for (unsigned i = 0; i < firmware::Bench::max_connections; ++i) {
+    clients.push_back(std::make_unique<test::RawClient>(server.address()));
+    CHECK(clients.back()->read("iio:device1 state") == "idle");
+  }
+  clients.back()->own();
+  // who sets something is not the owner for that
+  CHECK(clients[14]->write("iio:device1 hold_time_ms", "50") == "-16");
+  for (auto& client : clients) CHECK(client->read("iio:device1 state") == "idle");
+  test::RawClient late(server.address());
+  CHECK(late.write("iio:device1 abort", "1") == "1");
+  CHECK(clients[14]->read("iio:device1 state") == "(gone)");  // came last but for the owner
+  for (unsigned i : {0U, 1U, 13U, 15U}) CHECK(clients[i]->read("iio:device1 state") == "idle");
+}
+
 TEST_CASE("clients that speak keep their places", "[rig]") {
-  LocalRig server({}, {});
+  BoardOptions board;
+  board.stay = std::chrono::hours(1);
+  LocalRig server({}, {}, board);
   std::vector<std::unique_ptr<test::RawClient>> clients;
   for (unsigned i = 0; i < firmware::Bench::max_connections; ++i) {
     clients.push_back(std::make_unique<test::RawClient>(server.address()));

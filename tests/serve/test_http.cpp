@@ -7,6 +7,7 @@
 #include <boost/beast/http.hpp>
 #include <boost/beast/websocket.hpp>
 #include <catch2/catch.hpp>
+#include <optional>
 #include <thread>
 
 #include "core/random.h"
@@ -86,6 +87,23 @@ struct Server {
   asio::io_context io;
   HttpServer server;
   std::thread thread;
+};
+
+/// Files that this process may have open while the object lives; Server looks at it when it begins.
+class FileLimit {
+ public:
+  explicit FileLimit(rlim_t n) {
+    REQUIRE(getrlimit(RLIMIT_NOFILE, &before_) == 0);
+    rlimit limit = before_;
+    limit.rlim_cur = n;
+    REQUIRE(setrlimit(RLIMIT_NOFILE, &limit) == 0);
+  }
+  ~FileLimit() { setrlimit(RLIMIT_NOFILE, &before_); }
+  FileLimit(const FileLimit&) = delete;
+  FileLimit& operator=(const FileLimit&) = delete;
+
+ private:
+  rlimit before_{};
 };
 
 }  // namespace
@@ -182,6 +200,20 @@ TEST_CASE("HTTP: a stop waits behind nothing: slow requests, a thousand idle con
   }
   wait_until("both workers to be busy", [&] { return s.slow == 2; });
   CHECK(s.ask("POST", "/api/stop").body() == "POST /api/stop 0 ");
+}
+
+TEST_CASE("HTTP: a stop has a place when all connections are taken, and nothing else has", "[serve]") {
+  std::optional<FileLimit> few(292);  // leaves a hundred connections
+  Server s;
+  few.reset();  // this process has both ends of each
+  std::vector<tcp::socket> sockets;
+  for (int i = 0; i < 110; ++i) sockets.push_back(s.connect());
+  CHECK(s.ask("POST", "/api/stop").body() == "POST /api/stop 0 ");
+  const auto reply = s.ask("GET", "/a");
+  CHECK(reply.result_int() == 503);
+  CHECK(reply.body().find("all connections are taken") != std::string::npos);
+  sockets.clear();
+  wait_until("a place to fall free", [&] { return s.ask("GET", "/a").result_int() == 200; });
 }
 
 TEST_CASE("WebSocket: the newest state, and only to those who may", "[serve]") {
