@@ -53,7 +53,7 @@ std::string model_text(const sim::SceneStep& s, std::size_t q) {
     const std::string fields = axis_text(s.fields, q), mechanics = axis_text(s.mechanics, q);
     return fields == mechanics ? "?" : fields == "?" ? mechanics + "+?" : fields + "+?";
   }
-  const bool below = std::isnan(s.fields.next[q]) || std::isnan(s.mechanics.next[q]);
+  const bool below = std::isnan(s.fields.above[q]) || std::isnan(s.mechanics.above[q]);
   return below ? "(" + us_text(s.model_error[q]) + ")" : us_text(s.model_error[q]);
 }
 
@@ -222,7 +222,7 @@ Exit judge_ladder(const LadderArgs& args, const sim::Case& scene) {
                           args.database.empty() ? "the published tables" : args.database);
   fmt::print(
       "{}, {:g} V: every pair held against {:g} % of its touch time\n"
-      "step: by a finer run; model: to the next fields and the next mechanics, in brackets where nothing is "
+      "step: by a finer run; model: to the fields and the mechanics above, in brackets where nothing is "
       "above and the rung below stands for it, ? not known;{}\n"
       "input: us, standard, 0.5 % of the voltage and 2 K of the coil; {}\n",
       scene.specimen.name, scene.conditions.supply_volts, wanted * 100, evidence, numbers_not_known);

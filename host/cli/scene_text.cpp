@@ -16,7 +16,7 @@ std::string known_or(double seconds) {
 }
 
 std::string axis_text(const sim::AxisError& e, std::size_t q) {
-  if (!std::isnan(e.next[q])) return us_text(e.next[q]);
+  if (!std::isnan(e.above[q])) return us_text(e.above[q]);
   return std::isnan(e.below[q]) ? "?" : "(" + us_text(e.below[q]) + ")";
 }
 
@@ -26,9 +26,9 @@ std::string step_json(const sim::SceneStep& s) {
               {s.setting_name, s.run.tolerance},
               {"times_s", s.run.times},
               {"step_error_s", s.step_error},
-              {"field_error_s", s.fields.next},
+              {"field_error_s", s.fields.above},
               {"field_error_of_rung_below_s", s.fields.below},
-              {"mechanics_error_s", s.mechanics.next},
+              {"mechanics_error_s", s.mechanics.above},
               {"mechanics_error_of_rung_below_s", s.mechanics.below},
               {"model_error_s", s.model_error},
               {"known_share_of_wanted", s.share},

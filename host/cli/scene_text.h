@@ -17,7 +17,7 @@ std::string us_text(double seconds);
 /// An error that is not known is never a number.
 std::string known_or(double seconds);
 
-/// Error of an axis, us: to the next rung, or, in brackets, from the one below; "?": not known.
+/// Error of an axis, us: to the rungs above, or, in brackets, from the one below; "?": not known.
 std::string axis_text(const sim::AxisError&, std::size_t quantity);
 
 /// One pair that was looked at, as JSON text: times, errors, what is not known, CPU time (null where none is kept).

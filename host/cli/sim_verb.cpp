@@ -122,7 +122,7 @@ void print_choice(const sim::SceneChoice& c, const Wish& wish, const sim::Specim
     fmt::print(stderr, " {:>7.2g} x\n", s.share);
   }
   fmt::print(stderr,
-             "step: by a finer run; fields and mech. (the model error): to the next rung; in brackets, at "
+             "step: by a finer run; fields and mech. (the model error): to the rungs above; in brackets, at "
              "the top, from the one below; ? not known\n");
   const auto& last = c.steps.back();
   fmt::print(stderr, "taken: {} at {} {:g} ({})", last.name, last.setting_name, last.run.tolerance,

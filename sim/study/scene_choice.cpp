@@ -44,6 +44,7 @@ class Chooser {
 
   std::vector<SceneStep> look_at_all(const std::function<void(std::size_t)>& done) {
     std::vector<SceneStep> steps;
+    every_rung_above_ = true;
     for (std::size_t f = 0; f < axes_.fields.size(); ++f)
       for (std::size_t m = 0; m < axes_.mechanics.size(); ++m) {
         steps.push_back(look(f, m));
@@ -62,8 +63,8 @@ class Chooser {
       choice.rung = here.rung;
       choice.setting = here.run.tolerance;
       if (step.reached != Reached::not_met) break;  // what is not known, no higher rung tells
-      const double by_fields = excess(step.fields.next, here.run),
-                   by_mechanics = excess(step.mechanics.next, here.run);
+      const double by_fields = excess(step.fields.above, here.run),
+                   by_mechanics = excess(step.mechanics.above, here.run);
       if (by_fields == 0 && by_mechanics == 0)
         break;  // nothing above, or the step alone is too coarse: nothing higher mends that
       ++(by_fields >= by_mechanics ? f : m);
@@ -140,12 +141,14 @@ class Chooser {
       if (!here.stopped.empty() || !other.stopped.empty()) return nan_times;
       return model_difference(here.run, other.run, other.step_error);
     };
-    if (f + 1 < axes_.fields.size()) s.fields.next = to(f + 1, m);
+    for (std::size_t h = f + 1; h < axes_.fields.size() && open(s.fields, here); ++h)
+      s.fields.above = larger(s.fields.above, to(h, m));
     if (f > 0) s.fields.below = to(f - 1, m);
-    for (std::size_t q = 0; f == 0 && q < s.fields.next.size(); ++q)
+    for (std::size_t q = 0; f == 0 && q < s.fields.above.size(); ++q)
       for (const double known : {std::abs(here.run.times[q] - axes_.measured[q]), axes_.held_out_error[q]})
-        s.fields.next[q] = std::fmax(s.fields.next[q], known);  // of the two that are known
-    if (m + 1 < axes_.mechanics.size()) s.mechanics.next = to(f, m + 1);
+        s.fields.above[q] = std::fmax(s.fields.above[q], known);  // of the two that are known
+    for (std::size_t h = m + 1; h < axes_.mechanics.size() && open(s.mechanics, here); ++h)
+      s.mechanics.above = larger(s.mechanics.above, to(f, h));
     if (m > 0) s.mechanics.below = to(f, m - 1);
     s.model_error = model_error(s);
     s.stopped = here.stopped;
@@ -153,12 +156,23 @@ class Chooser {
     return s;
   }
 
-  /// Of both axes together, each to the next rung or, at the top, from the one below.
+  /// Whether a further rung can change the verdict, or its distance is asked for anyway.
+  bool open(const AxisError& error, const Refined& here) const {
+    return every_rung_above_ || excess(error.above, here.run) <= 1;
+  }
+
+  /// Of each time; what is not known does not count.
+  static LadderTimes larger(LadderTimes a, const LadderTimes& b) {
+    for (std::size_t q = 0; q < a.size(); ++q) a[q] = std::fmax(a[q], b[q]);
+    return a;
+  }
+
+  /// Of both axes together, each to the rungs above or, at the top, from the one below.
   static LadderTimes model_error(const SceneStep& s) {
     LadderTimes sum{};
     for (std::size_t q = 0; q < sum.size(); ++q)
       for (const AxisError* axis : {&s.fields, &s.mechanics})
-        sum[q] += std::isnan(axis->next[q]) ? axis->below[q] : axis->next[q];
+        sum[q] += std::isnan(axis->above[q]) ? axis->below[q] : axis->above[q];
     return sum;
   }
 
@@ -177,8 +191,8 @@ class Chooser {
     const double allowed = wanted_[q] * whole_of(s.run);
     const auto known = [](double x) { return std::isnan(x) ? 0.0 : x; };
     // a difference to another rung contains the error of this one's step
-    const bool compared = !std::isnan(s.fields.next[q]) || !std::isnan(s.mechanics.next[q]);
-    double sum = compared ? known(s.fields.next[q]) + known(s.mechanics.next[q]) : known(s.step_error[q]);
+    const bool compared = !std::isnan(s.fields.above[q]) || !std::isnan(s.mechanics.above[q]);
+    double sum = compared ? known(s.fields.above[q]) + known(s.mechanics.above[q]) : known(s.step_error[q]);
     s.share = std::max(s.share, sum / allowed);
     const bool too_large = sum > allowed;
     const std::size_t before = s.unknown.size();
@@ -190,7 +204,7 @@ class Chooser {
     } else {
       if (std::isnan(s.step_error[q]) && !compared) s.unknown.push_back(time + ": error of the step");
       const auto judge_axis = [&](const AxisError& error, const char* axis, std::string_view rung) {
-        if (!std::isnan(error.next[q])) return;
+        if (!std::isnan(error.above[q])) return;
         const double last = error.below[q];
         const std::string of =
             time + ": error of " + axis + ", nothing to compare " + std::string(rung) + " with";
@@ -219,6 +233,7 @@ class Chooser {
   double duration_;
   CpuClock clock_;
   double spent_ = 0;
+  bool every_rung_above_ = false;
   std::map<std::pair<std::size_t, std::size_t>, Refined> known_;
 };
 

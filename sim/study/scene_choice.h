@@ -7,7 +7,8 @@
 #include "sim/study/ladder.h"
 
 /// Which fields and which mechanics a scene needs. Three errors, three words: the step error, judged by a finer run
-/// of the same rung; the model error, that of the fields and that of the mechanics, judged by the next rung of each;
+/// of the same rung; the model error, that of the fields and that of the mechanics, judged by the rungs above it on each axis,
+/// the one that it differs most from;
 /// the input error, by which the stated uncertainties of the inputs move the times. The model error, which contains
 /// that of the step, is held against what is wanted; where nothing is compared, the step error is. Where it is too
 /// large, the choice climbs along the axis that contributes most. The
@@ -44,7 +45,9 @@ inline constexpr std::array<std::string_view, 3> reached_names{"met", "not met",
 /// Error of the model along one axis, s: `model_difference`, or a measurement's where that is larger. NaN: there is
 /// neither, or the time did not happen.
 struct AxisError {
-  LadderTimes next{nan_times};  ///< to the next rung: the error of this one
+  /// To the rungs above, the largest: the next one may err in the same direction. A choice looks at no further ones
+  /// once it is larger than what is wanted.
+  LadderTimes above{nan_times};
   LadderTimes below{
       nan_times};  ///< from the rung below; at the top it stands for the error where it is within what is wanted
 };

@@ -1,5 +1,6 @@
 // Any fields with any mechanics, and the pair that a wanted accuracy needs.
 
+#include <array>
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <limits>
@@ -64,11 +65,31 @@ TEST_CASE("a scene climbs along the axis that is furthest off, and stops where i
   CHECK(tight.steps[2].mechanics.below[0] == Approx(3.6e-4).margin(4e-6));
   // to the next rung is its distance and its own step: 0.01 s times the tolerance, judged by a tenth of it
   const double step = estimator_factor * 0.01 * (1e-4 - 1e-5);
-  CHECK(tight.steps[1].mechanics.next[0] == Approx(3.6e-4 + step).margin(1e-9));
+  CHECK(tight.steps[1].mechanics.above[0] == Approx(3.6e-4 + step).margin(1e-9));
   CHECK(tight.steps[1].step_error[0] == Approx(step).margin(1e-9));
+  // where the next rung is far enough off, the others are not asked for; where it is not, they are
+  CHECK(loose.steps[0].fields.above[0] == Approx(9.9e-4 + step).margin(1e-7));
   // what is not wanted does not climb
   CHECK(choose_scene(known_axes(3, 2), at(0), {unwanted, 1e-6, unwanted}, 0.08, {}, no_clock).rung.name() ==
         "field0+mechanics0");
+}
+
+TEST_CASE("a next rung that errs in the same direction is no proof", "[scene]") {
+  // 0.2 ms to the next fields, which are 1 ms from those above
+  SceneAxes axes = known_axes(3, 1);
+  axes.rung = [axes](std::size_t f, std::size_t m) {
+    Rung r = axes.rung(f, m);
+    r.run = [f](const Case&, double, double, double) {
+      Trajectory t;
+      t.truth.touch = std::array{0.0100, 0.0102, 0.0112}[f];
+      return t;
+    };
+    return r;
+  };
+  const auto all = look_at_all(axes, at(0), {0.05, unwanted, unwanted}, 0.08, no_clock);
+  CHECK(all[0].fields.above[0] == Approx(1.2e-3));
+  CHECK(all[0].by_time[0] == Reached::not_met);
+  CHECK(all[1].by_time[0] == Reached::not_met);
 }
 
 TEST_CASE("the distance to a finer rung contains the error of the step, which is not added again",
@@ -113,7 +134,7 @@ TEST_CASE("a run that its guards stop is not computable, and stops nothing else"
     REQUIRE(all.size() == 2);
     const bool never = stops_from == 0;
     CHECK(all[0].stopped.empty());
-    CHECK(std::isnan(all[0].mechanics.next[0]) == never);
+    CHECK(std::isnan(all[0].mechanics.above[0]) == never);
     CHECK(all[1].stopped == (never ? "energy residual" : ""));
     CHECK(std::isnan(all[1].run.times[0]) == never);
     CHECK(std::isnan(all[1].step_error[0]) == never);
@@ -195,9 +216,9 @@ TEST_CASE("every pair is looked at, and each time has a verdict of its own", "[s
   measured.measured = {0.0114 + 2e-3, unwanted, unwanted};
   measured.held_out_error = {unwanted, 5e-5, unwanted};
   const auto told_by = look_at_all(measured, at(0), {0.06, 0.06, unwanted}, 0.08, no_clock);
-  CHECK(told_by[0].fields.next[0] == Approx(2e-3).margin(2e-6));
-  CHECK(told_by[0].fields.next[1] == 5e-5);
-  CHECK(std::isnan(told_by[1].fields.next[0]));  // of the first fields alone
+  CHECK(told_by[0].fields.above[0] == Approx(2e-3).margin(2e-6));
+  CHECK(told_by[0].fields.above[1] == 5e-5);
+  CHECK(std::isnan(told_by[1].fields.above[0]));  // of the first fields alone
   CHECK_THROWS_AS(look_at_all({}, at(0), {0.1, unwanted, unwanted}, 0.08, no_clock), std::invalid_argument);
 }
 
@@ -264,7 +285,7 @@ TEST_CASE("three errors: step, model and input, and an unknown one is no number"
   const auto c = choose_scene(axes, at(0), {0.06, unwanted, unwanted}, 0.08, volts, no_clock);
   CHECK(c.input_error[0] == Approx(1e-5).epsilon(1e-6));  // 1 % of 1 ms; temperature moves nothing
   const auto& last = c.steps.back();
-  const auto stand = [&](const AxisError& e) { return std::isnan(e.next[0]) ? e.below[0] : e.next[0]; };
+  const auto stand = [&](const AxisError& e) { return std::isnan(e.above[0]) ? e.below[0] : e.above[0]; };
   CHECK(last.model_error[0] == Approx(stand(last.fields) + stand(last.mechanics)));
   // nothing to compare with, no input stated: not known, never zero
   const auto alone = choose_scene(known_axes(1, 1), at(0), {0.06, unwanted, unwanted}, 0.08, {}, no_clock);
