@@ -1,5 +1,6 @@
 #include <map>
 #include <mutex>
+#include <vector>
 
 #include "sim/models/counting_potential.h"
 #include "sim/models/mechanics_kinds.h"
@@ -21,11 +22,16 @@ class KnownParts {
                                   s.core.travel,
                                   s.core.mass,
                                   s.base.mass};
+    {
+      const std::scoped_lock lock(mutex_);
+      const auto known = parts_.find(key);
+      if (known != parts_.end()) return known->second;
+    }
+    const ModalParts made =
+        modal_parts(s);  // others with other parts do not wait; two with the same get the same
     const std::scoped_lock lock(mutex_);
-    const auto known = parts_.find(key);
-    if (known != parts_.end()) return known->second;
     if (parts_.size() >= 64) parts_.clear();
-    return parts_.emplace(key, modal_parts(s)).first->second;
+    return parts_.emplace(key, made).first->second;
   }
 
  private:
@@ -33,8 +39,13 @@ class KnownParts {
   std::map<std::vector<double>, ModalParts> parts_;
 };
 
-Trajectory run_modal(const FieldRung& fields, KnownParts& parts, const Case& c, double duration, double step,
-                     double sample_dt) {
+/// The same with all fields.
+KnownParts& known_parts() {
+  static KnownParts parts;
+  return parts;
+}
+
+Trajectory run_modal(const FieldRung& fields, const Case& c, double duration, double step, double sample_dt) {
   refuse_unknown(modal_mechanics(), c);
   ModalClosingOptions o;
   o.step = step;
@@ -42,14 +53,13 @@ Trajectory run_modal(const FieldRung& fields, KnownParts& parts, const Case& c, 
   o.sample = sample_dt;
   o.pressed_gap = fields.pressed_gap;
   const CountingPotential potential(fields.potential(c));
-  return potential.told(modal_closing(c.specimen, c.conditions, potential, parts.of(c.specimen), o));
+  return potential.told(modal_closing(c.specimen, c.conditions, potential, known_parts().of(c.specimen), o));
 }
 
 Rung modal_rung(const FieldRung& fields) {
   Rung r{fields.name, "modal", fields.meaning + ", base and bridges bend by modes",
-         [fields, parts = std::make_shared<KnownParts>()](const Case& c, double duration, double step,
-                                                          double sample_dt) {
-           return run_modal(fields, *parts, c, duration, step, sample_dt);
+         [fields](const Case& c, double duration, double step, double sample_dt) {
+           return run_modal(fields, c, duration, step, sample_dt);
          }};
   r.setting = "step";
   r.settings = {0.8, 0.4, 0.2, 0.1, 0.05};
