@@ -29,6 +29,7 @@ std::string step_json(const sim::SceneStep& s) {
               {"field_error_s", s.fields.above},
               {"field_error_of_rung_below_s", s.fields.below},
               {"mechanics_error_s", s.mechanics.above},
+              {"to_best_pair_s", s.to_best},
               {"mechanics_error_of_rung_below_s", s.mechanics.below},
               {"model_error_s", s.model_error},
               {"known_share_of_wanted", s.share},

@@ -65,9 +65,11 @@ class Chooser {
       if (step.reached != Reached::not_met) break;  // what is not known, no higher rung tells
       const double by_fields = excess(step.fields.above, here.run),
                    by_mechanics = excess(step.mechanics.above, here.run);
-      if (by_fields == 0 && by_mechanics == 0)
-        break;  // nothing above, or the step alone is too coarse: nothing higher mends that
-      ++(by_fields >= by_mechanics ? f : m);
+      const bool fields_left = f + 1 < axes_.fields.size(), mechanics_left = m + 1 < axes_.mechanics.size();
+      if (!fields_left && !mechanics_left) break;
+      if (by_fields == 0 && by_mechanics == 0 && excess(step.to_best, here.run) == 0)
+        break;  // the step alone is too coarse: nothing higher mends that
+      ++(fields_left && (by_fields >= by_mechanics || !mechanics_left) ? f : m);
     }
     choice.inputs.assign(inputs.begin(), inputs.end());
     choice.input_error = input_error(choice.rung, choice.setting, case_, duration_, inputs, clock_, &spent_);
@@ -151,6 +153,11 @@ class Chooser {
       s.mechanics.above = larger(s.mechanics.above, to(f, h));
     if (m > 0) s.mechanics.below = to(f, m - 1);
     s.model_error = model_error(s);
+    const std::size_t top_f = axes_.fields.size() - 1, top_m = axes_.mechanics.size() - 1;
+    if ((f < top_f || m < top_m) && (every_rung_above_ || excess(known_error(s), here.run) <= 1)) {
+      s.to_best = to(top_f, top_m);
+      s.model_error = model_error(s);
+    }
     s.stopped = here.stopped;
     judge(s);
     return s;
@@ -167,12 +174,25 @@ class Chooser {
     return a;
   }
 
+  /// To what is above, of both axes together; what is not known counts nothing.
+  static LadderTimes known_error(const SceneStep& s) {
+    LadderTimes sum{};
+    for (std::size_t q = 0; q < sum.size(); ++q) {
+      for (const AxisError* axis : {&s.fields, &s.mechanics})
+        if (!std::isnan(axis->above[q])) sum[q] += axis->above[q];
+      sum[q] = std::fmax(sum[q], s.to_best[q]);
+    }
+    return sum;
+  }
+
   /// Of both axes together, each to the rungs above or, at the top, from the one below.
   static LadderTimes model_error(const SceneStep& s) {
     LadderTimes sum{};
     for (std::size_t q = 0; q < sum.size(); ++q)
       for (const AxisError* axis : {&s.fields, &s.mechanics})
         sum[q] += std::isnan(axis->above[q]) ? axis->below[q] : axis->above[q];
+    for (std::size_t q = 0; q < sum.size(); ++q)
+      if (s.to_best[q] > sum[q]) sum[q] = s.to_best[q];
     return sum;
   }
 
@@ -189,10 +209,9 @@ class Chooser {
   /// One of the times; what is not known of it is added to `unknown`.
   Reached judge_time(SceneStep& s, std::size_t q) const {
     const double allowed = wanted_[q] * whole_of(s.run);
-    const auto known = [](double x) { return std::isnan(x) ? 0.0 : x; };
     // a difference to another rung contains the error of this one's step
     const bool compared = !std::isnan(s.fields.above[q]) || !std::isnan(s.mechanics.above[q]);
-    double sum = compared ? known(s.fields.above[q]) + known(s.mechanics.above[q]) : known(s.step_error[q]);
+    double sum = compared ? known_error(s)[q] : std::isnan(s.step_error[q]) ? 0.0 : s.step_error[q];
     s.share = std::max(s.share, sum / allowed);
     const bool too_large = sum > allowed;
     const std::size_t before = s.unknown.size();

@@ -8,7 +8,7 @@
 
 /// Which fields and which mechanics a scene needs. Three errors, three words: the step error, judged by a finer run
 /// of the same rung; the model error, that of the fields and that of the mechanics, each the largest distance to a rung
-/// above; the input error, by which the stated uncertainties of the inputs move the times. The model error, which
+/// above, and not less than the distance to the highest pair; the input error, by which the stated uncertainties of the inputs move the times. The model error, which
 /// contains that of the step, is held against what is wanted; where nothing is compared, the step error is. Where it is
 /// too large, the choice climbs along the axis that contributes most. The
 /// highest rung of an axis has no next one: what it leaves out is not known, and an unknown is never zero.
@@ -63,7 +63,10 @@ struct SceneStep {
   LadderRun run;
   LadderTimes step_error{};  ///< s, of the step
   AxisError fields, mechanics;
-  LadderTimes model_error{};  ///< s, of fields and mechanics together; NaN: not known
+  /// s, to the highest fields with the highest mechanics: what bending adds with these fields it need not add with
+  /// others. NaN: not looked at, or this is that pair.
+  LadderTimes to_best{nan_times};
+  LadderTimes model_error{};  ///< s, of fields and mechanics together, or `to_best` if larger; NaN: not known
   double share = 0;           ///< largest of the known total errors over what is wanted
   std::array<Reached, 3> by_time{Reached::not_known, Reached::not_known,
                                  Reached::not_known};  ///< where wanted

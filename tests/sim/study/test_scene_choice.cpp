@@ -92,6 +92,35 @@ TEST_CASE("a next rung that errs in the same direction is no proof", "[scene]") 
   CHECK(all[1].by_time[0] == Reached::not_met);
 }
 
+TEST_CASE("bending that matters with other fields alone is part of the total", "[scene]") {
+  // with field0 the mechanics agree; with field1 the finer ones are 2 ms later, and so is the best pair
+  SceneAxes axes = known_axes(2, 2);
+  axes.rung = [axes](std::size_t f, std::size_t m) {
+    Rung r = axes.rung(f, m);
+    r.run = [f, m](const Case&, double, double, double) {
+      Trajectory t;
+      t.truth.touch = f == 1 && m == 1 ? 0.012 : 0.010;
+      return t;
+    };
+    return r;
+  };
+  const auto all = look_at_all(axes, at(0), {0.05, unwanted, unwanted}, 0.08, no_clock);
+  CHECK(all[0].to_best[0] == Approx(2e-3));
+  CHECK(all[0].model_error[0] == Approx(2e-3));
+  CHECK(all[0].by_time[0] == Reached::not_met);
+  CHECK(std::isnan(all[3].to_best[0]));
+  // a choice does not call it met either
+  const auto chosen = choose_scene(axes, at(0), {0.05, unwanted, unwanted}, 0.08, {}, no_clock);
+  CHECK(chosen.steps.front().reached == Reached::not_met);
+  CHECK(chosen.rung.name() == "field1+mechanics1");
+  // a measurement beside the only fields there are: nothing to climb to
+  SceneAxes only = known_axes(1, 1);
+  only.measured = {0.02, unwanted, unwanted};
+  const auto one = choose_scene(only, at(0), {0.05, unwanted, unwanted}, 0.08, {}, no_clock);
+  CHECK(one.reached() == Reached::not_met);
+  CHECK(one.steps.size() == 1);
+}
+
 TEST_CASE("the distance to a finer rung contains the error of the step, which is not added again",
           "[scene]") {
   // all rungs have one truth; the first one's two steps are off by 1 and 0.1 ms
