@@ -6,12 +6,12 @@
 #include "sim/models/mechanics.h"
 #include "sim/study/ladder.h"
 
-/// Which fields and which mechanics a scene needs. Three errors, three words: the step error, judged by a finer run
-/// of the same rung; the model error, that of the fields and that of the mechanics, each the largest distance to a rung
-/// above, and not less than the distance to the highest pair; the input error, by which the stated uncertainties of the inputs move the times. The model error, which
-/// contains that of the step, is held against what is wanted; where nothing is compared, the step error is. Where it is
-/// too large, the choice climbs along the axis that contributes most. The
-/// highest rung of an axis has no next one: what it leaves out is not known, and an unknown is never zero.
+/// Which fields and which mechanics a scene needs. Three errors, three words: the step error, judged by a finer run of
+/// the same rung; the model error, that of the fields and that of the mechanics, each the largest distance to a rung
+/// above, and together not less than the distance to the highest pair; the input error, by which the stated
+/// uncertainties of the inputs move the times. The model error, which contains that of the step, is held against what
+/// is wanted; where nothing is compared, the step error is. Where it is too large, the choice climbs along the axis
+/// that contributes most. What the highest rung of an axis leaves out is not known, and an unknown is never zero.
 /// (docs/decisions/0023-three-errors.md)
 
 namespace powbench::sim {
