@@ -63,7 +63,7 @@ struct BoardOptions {
   std::string secret{};             ///< what every owner's token must begin with; empty: anything
   /// Silence after which a client makes room for another; unset: 10 s.
   std::optional<std::chrono::milliseconds> idle{};
-  /// Time after which the client that came last makes room when none was silent for so long; unset: 1 s.
+  /// Time after which the client that came last makes room when none was silent for so long; unset: 0.25 s.
   std::optional<std::chrono::milliseconds> stay{};
 };
 inline const BoardOptions emulated_board{BoardOptions::Kind::emulated, false, {}, {}, {}, {}};

@@ -32,7 +32,7 @@ constexpr milliseconds typing_limit{
 // a client that has said nothing for this long makes room when all places are taken
 constexpr milliseconds idle_limit{10'000};
 // if there is none, the one that came last and has been here for this long: a stop always gets a place
-constexpr milliseconds stay_limit{1000};
+constexpr milliseconds stay_limit{250};
 constexpr std::size_t most_farewells = 64;  // clients being told at one time that there is no place
 constexpr const char* no_place =
     "-16\nall connections of this rig are taken: close one of its other clients, then try again\n";
