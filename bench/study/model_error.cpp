@@ -16,9 +16,9 @@
 #include <vector>
 
 #include "bench/study/coverage.h"
+#include "bench/study/drawn_case.h"
 #include "core/cpu_time.h"
 #include "core/random.h"
-#include "core/units.h"
 #include "sim/models/mechanics.h"
 #include "sim/study/parameter.h"
 #include "sim/study/scene_choice.h"
@@ -34,13 +34,7 @@ constexpr double duration = 0.06;  // s
 sim::Case drawn(powbench::Random& random) {
   const auto parameters = sim::catalogue_parameters();
   for (;;) {
-    std::vector<double> place(parameters.size());
-    for (double& x : place) x = random.uniform();
-    sim::Case c;
-    c.conditions.closing_angle = 2 * powbench::pi * random.uniform();
-    c.conditions.supply_volts = 230 * (0.85 + 0.25 * random.uniform());
-    c.conditions.ambient = powbench::zero_celsius - 5 + 65 * random.uniform();
-    c.specimen = sim::specimen_at({}, parameters, place);
+    const sim::Case c = bench::drawn_case(random, parameters);
     if (sim::tried_closing(c.specimen, c.conditions, duration).core_seat) return c;
   }
 }

@@ -18,9 +18,9 @@
 #include <vector>
 
 #include "bench/study/coverage.h"
+#include "bench/study/drawn_case.h"
 #include "core/cpu_time.h"
 #include "core/random.h"
-#include "core/units.h"
 #include "host/study/scene_fields.h"
 #include "sim/models/mechanics.h"
 #include "sim/study/parameter.h"
@@ -49,13 +49,7 @@ std::vector<sim::Parameter> free_numbers() {
 sim::Case drawn(powbench::Random& random, const std::vector<sim::Rung>& rungs) {
   const auto parameters = free_numbers();
   for (;;) {
-    std::vector<double> place(parameters.size());
-    for (double& x : place) x = random.uniform();
-    sim::Case c;
-    c.conditions.closing_angle = 2 * powbench::pi * random.uniform();
-    c.conditions.supply_volts = 230 * (0.85 + 0.25 * random.uniform());
-    c.conditions.ambient = powbench::zero_celsius - 5 + 65 * random.uniform();
-    c.specimen = sim::specimen_at({}, parameters, place);
+    const sim::Case c = bench::drawn_case(random, parameters);
     bool closes = c.specimen.bridges.gap < c.specimen.core.travel;
     for (std::size_t f = 0; closes && f < fields.size(); ++f) {
       const auto run =
