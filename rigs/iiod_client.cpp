@@ -14,10 +14,11 @@ namespace {
 constexpr std::size_t unread_limit = 1 << 16;  // bytes a client may send ahead while it is owed samples
 constexpr std::size_t answer_limit = 1 << 16;  // answers collected before the client has to take them
 
-/// WRITE DEVICE lease BYTES
+/// WRITE DEVICE ATTRIBUTE BYTES of what only the owner may do; a token makes an owner, on whatever connection.
 bool is_claim(std::string_view line) {
   const firmware::iiod::Words words(line);
-  return words.count > 2 && firmware::iiod::same_word(words[0], "WRITE") && words[2] == "lease";
+  const std::string_view what = words[2];
+  return firmware::iiod::same_word(words[0], "WRITE") && (what == "lease" || what == "arm" || what == "fire");
 }
 
 }  // namespace

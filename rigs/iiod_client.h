@@ -32,7 +32,9 @@ class IiodClient {
   bool unanswered() const { return !unread_.empty(); }
   bool halfway() const { return halfway_; }                ///< after answer(), as Board::Answer
   std::int32_t timeout_ms() const { return timeout_ms_; }  ///< as Board::Answer
-  bool claims() const { return claims_; }  ///< it has asked for the lease: it may be the owner
+  bool claims() const {
+    return claims_;
+  }  ///< it has asked for the lease, or to arm or fire: it may be the owner
 
  private:
   std::vector<std::uint8_t> take(Board::Answer);

@@ -44,7 +44,7 @@ struct Coverage {
   }
 };
 
-/// Head of the lines of `print`.
+/// Head of the lines of `print_coverage`.
 inline void print_coverage_head() {
   std::printf(
       "%-16s %-8s %9s %9s %8s  stated / true: median     90 %%   worst miss: us stated  us true  scene\n",

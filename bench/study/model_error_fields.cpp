@@ -11,7 +11,6 @@
 #include <cstdlib>
 #include <cstring>
 #include <fstream>
-#include <map>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <thread>
@@ -123,8 +122,7 @@ int main(int argc, char** argv) {
   std::printf(
       "Does the stated total of each pair cover its difference to ends+modal at a quarter of the step?\n"
       "%d scenes, the reference's magnet, all else over the catalogue's bounds, seed %llu, %d without a "
-      "result; "
-      "wanted 85 .. 98 %%\n",
+      "result; wanted 85 .. 98 %%\n",
       scenes, static_cast<unsigned long long>(seed), failed);
   bench::print_coverage_head();
   Json rows = Json::array();

@@ -297,7 +297,7 @@ Exit show_events(const EventsArgs& args) {
     // What a file's result has under these keys stands here too; `core` alone differs, as the store has it.
     Json agreed = Json::parse(to_events_json(events, record, 2, options.extract));
     for (const char* key : {"channels", "closing_angle_deg", "u_closing_angle_deg"}) out[key] = agreed[key];
-    out["u_is_of"] = u_of_events(shot.kind);
+    out["u_of_events"] = u_of_events(shot.kind);
     out["bands"] = Json::parse(bands_json(record, events, found.bare, found.films));
     if (found.filter) out["filter"] = Json::parse(filter_json(*found.filter));
     fmt::print("{}\n", out.dump(2));

@@ -145,7 +145,7 @@ Exit show_shot(const ShotArgs& args) {
                 {"record_sha256", s.record_hash},
                 {"sealed", seal ? Json(seal->text) : Json(nullptr)},
                 {"quantities", stored.json<Json>()},
-                {"u_of_events_is_of", u_of_events(s.kind)},
+                {"u_of_events", u_of_events(s.kind)},
                 {"events", events ? Json::parse(to_json(*events, 2)) : Json(nullptr)}};
     fmt::print("{}\n", out.dump(2));
     return Exit::pass;

@@ -305,7 +305,7 @@ std::string events_document(const Store& store, const StoredShot& shot) {
               {"campaign", shot.campaign},
               {"shot", shot.id},
               {"kind", name(shot.kind)},
-              {"u_is_of", u_of_events(shot.kind)}};
+              {"u_of_events", u_of_events(shot.kind)}};
   out["events"] = Json::parse(to_events_json(*events, store.load_record(shot.id)));
   return text(out);
 }

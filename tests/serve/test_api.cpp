@@ -275,6 +275,7 @@ TEST_CASE("live bench: two campaigns compared, only newer shots, what to take al
   CHECK_THAT(table, Contains("# t_ct1: "));
   CHECK_THAT(s.ask("GET", "/api/campaigns/1/junit.xml").body, Contains("<testsuite"));
   CHECK(s.get("/api/shots/1/events.json").at("origin") == "SIMULATED RIG");
+  CHECK(s.get("/api/shots/1/events.json").at("u_of_events") == "the measured event");
   CHECK(s.get("/api/rig/attributes").size() > 60);
 }
 
