@@ -118,6 +118,25 @@ Summary summary(const std::vector<FitCell>& cells, const char* quantity) {
   return s;
 }
 
+/// How many held-out values lie within their bands; empty without any.
+std::string covered_text(const std::vector<FitCell>& cells) {
+  std::string out;
+  int within = 0, of_all = 0;
+  for (const char* q : quantities) {
+    int inside = 0, known = 0;
+    for (const auto& c : cells) {
+      if (c.quantity != q || !std::isfinite(c.measured) || !std::isfinite(c.held_out.median)) continue;
+      ++known;
+      inside += c.measured >= c.held_out.low && c.measured <= c.held_out.high;
+    }
+    if (known > 0) out += fmt::format("{}{} {} of {}", out.empty() ? "" : ", ", q, inside, known);
+    within += inside, of_all += known;
+  }
+  if (of_all == 0) return {};
+  return fmt::format("\nheld out, within the band: {}; in all {} of {}, {:.0f} % (68 % would be right)\n",
+                     out, within, of_all, 100.0 * within / of_all);
+}
+
 std::string cells_text(const std::vector<FitCell>& cells) {
   std::string out = fmt::format("{:>6}  {:<9} {:>9} {:>9} {:>7} {:>9} {:>7}  {}\n", "theta", "quantity",
                                 "measured", "fitted", "%", "held out", "%", "band 16..84 %");
@@ -137,7 +156,7 @@ std::string cells_text(const std::vector<FitCell>& cells) {
     out += fmt::format("  {:<22}  {:>16} {:>16} {:>24}\n", q, s.fitted.text(), s.held_out.text(),
                        s.others.text());
   }
-  return out;
+  return out + covered_text(cells);
 }
 
 /// The error of each posterior's bounce at the known angles, and its weight in the pooled prediction.
@@ -162,6 +181,11 @@ std::string bounce_text(const FitFile& file) {
          out;
 }
 
+OneMeasured of_one(const sim::MeasuredClosing& m) {
+  const auto relative = [](const Measured& value) { return value.known() ? value.u / value.value : 0; };
+  return {relative(m.touch), relative(m.seat)};
+}
+
 }  // namespace
 
 std::vector<FitCell> fit_cells(const FitFile& file, const std::vector<sim::MeasuredClosing>& closings) {
@@ -176,7 +200,7 @@ std::vector<FitCell> fit_cells(const FitFile& file, const std::vector<sim::Measu
     Prediction blind;
     for (const auto& fold : file.folds)
       if (fold.held_out && std::fabs(std::remainder(*fold.held_out - theta, 360)) < 1e-3)
-        blind = predict(specimens(file, fold), m.conditions, fold.bounce);
+        blind = predict(specimens(file, fold), m.conditions, fold.bounce, of_one(m));
     for (int q = 0; q < 4; ++q) {
       FitCell c;
       c.theta_deg = theta;

@@ -22,6 +22,33 @@ Band band(std::vector<double> values) {
   return {quantile(values, 0.16), quantile(values, 0.5), quantile(values, 0.84)};
 }
 
+/// Quantile of equal parts of normal distributions about `values`, deviation `u` > 0; to u / 1e9.
+double spread_quantile(const std::vector<double>& values, double u, double share) {
+  const auto below = [&](double x) {
+    double sum = 0;
+    for (const double v : values) sum += 0.5 * std::erfc((v - x) / (u * std::sqrt(2.0)));
+    return sum / static_cast<double>(values.size());
+  };
+  const auto [least, most] = std::minmax_element(values.begin(), values.end());
+  double low = *least - 9 * u, high = *most + 9 * u;
+  while (high - low > 1e-9 * u) {
+    const double middle = 0.5 * (low + high);
+    (below(middle) < share ? low : high) = middle;
+    if (middle == 0.5 * (low + high)) break;
+  }
+  return 0.5 * (low + high);
+}
+
+/// The median is that of the values: a deviation to both sides does not move what is predicted.
+Band measured_band(const std::vector<double>& values, double relative) {
+  Band b = band(values);
+  const double u = relative * b.median;
+  if (!(u > 0)) return b;
+  b.low = std::min(b.median, spread_quantile(values, u, 0.16));
+  b.high = std::max(b.median, spread_quantile(values, u, 0.84));
+  return b;
+}
+
 Band sum(const Band& a, const Band& b) {
   const double middle = a.median + b.median;
   return {middle - std::hypot(a.median - a.low, b.median - b.low), middle,
@@ -31,7 +58,7 @@ Band sum(const Band& a, const Band& b) {
 }  // namespace
 
 Prediction predict(std::span<const sim::Specimen> list, const Conditions& conditions,
-                   const std::optional<sim::BounceCalibration>& calibration) {
+                   const std::optional<sim::BounceCalibration>& calibration, const OneMeasured& one) {
   std::vector<double> touch, bounce, settled, seat;
   std::vector<sim::Attempt> attempts;
   for (const auto& s : list) attempts.push_back({&s, &conditions, duration});
@@ -46,7 +73,7 @@ Prediction predict(std::span<const sim::Specimen> list, const Conditions& condit
     seat.push_back(*t.core_seat);
   }
   if (touch.empty() || 2 * touch.size() < list.size()) return {};
-  Prediction p{band(touch), band(bounce), band(settled), band(seat)};
+  Prediction p{measured_band(touch, one.touch), band(bounce), band(settled), measured_band(seat, one.seat)};
   if (!calibration) return p;
   const auto pooled = sim::pooled_bounce(p.bounce.median, *calibration, conditions.closing_angle);
   if (std::isfinite(pooled.deviation)) {

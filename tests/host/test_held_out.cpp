@@ -50,3 +50,22 @@ TEST_CASE("a calibrated prediction: bounce by its factors and what the others sa
   CHECK(p.settled.high - p.settled.median ==
         Approx(std::hypot(p.touch.high - p.touch.median, p.bounce.high - p.bounce.median)));
 }
+
+TEST_CASE(
+    "the band of a value that is measured is wider than that of the specimens by what one value deviates",
+    "[study]") {
+  const std::vector<sim::Specimen> same(5);
+  const Prediction bare = predict(same, {}), p = predict(same, {}, {}, {0.03, 0.02});
+  constexpr double one_sided = 0.99445788;  // normal quantile at 0.84
+  CHECK(p.touch.median == bare.touch.median);
+  CHECK(p.touch.high / p.touch.median == Approx(1 + 0.03 * one_sided).epsilon(1e-7));
+  CHECK(p.touch.low / p.touch.median == Approx(1 - 0.03 * one_sided).epsilon(1e-7));
+  CHECK(p.seat.high / p.seat.median == Approx(1 + 0.02 * one_sided).epsilon(1e-7));
+  CHECK(p.bounce.high == bare.bounce.high);
+  auto wide = same;
+  wide[3].bridges.gap += 0.3e-3, wide[4].bridges.gap += 0.6e-3;
+  const Prediction alone = predict(wide, {}), both = predict(wide, {}, {}, {0.03, 0});
+  CHECK(both.touch.low < alone.touch.low);
+  CHECK(both.touch.high > alone.touch.high);
+  CHECK(both.seat.high == alone.seat.high);
+}

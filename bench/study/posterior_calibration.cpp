@@ -1,0 +1,215 @@
+// Whether the posterior of `powbench fit` is as sure as it may be: campaigns of six angles of drawn devices, one angle
+// held out, its measured touch, seat and bounce among what the posterior foretells.
+//   bench_posterior_calibration [--campaigns N] [--model fitted|other] [--seed S] [--threads N] [--json PATH]
+// fitted: devices from the posterior's own prior, times with the deviations that the fit grants them: simulation-based
+// calibration (Talts et al., arXiv 1804.06788). other: devices of another model with other deviations, `drawn_device`.
+
+#include <algorithm>
+#include <array>
+#include <boost/math/distributions/chi_squared.hpp>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "bench/study/synthetic_device.h"
+#include "core/cpu_time.h"
+#include "core/units.h"
+#include "host/study/held_out.h"
+#include "host/study/problem.h"
+#include "sim/models/closing.h"
+#include "sim/study/posterior.h"
+#include "sim/team.h"
+
+namespace {
+
+using namespace powbench;
+using Json = nlohmann::ordered_json;
+
+constexpr std::size_t angles = 6;
+constexpr double pitch = 30;  // deg
+constexpr double duration = 60e-3;
+
+struct Foretold {
+  double measured = 0;
+  host::Band band;
+  double rank = std::nan("");  ///< share of what was foretold that lies below what was measured
+};
+
+struct Result {
+  std::array<Foretold, 3> of;  ///< touch, seat, bounce
+  double cpu = 0;
+};
+constexpr const char* names[] = {"touch", "seat", "bounce"};
+
+sim::FitProblem problem_of(std::vector<sim::MeasuredClosing> closings) {
+  sim::FitProblem p;
+  p.parameters = sim::posterior_parameters();
+  p.plausible = sim::catalogue_ranges();
+  p.closings = std::move(closings);
+  return p;
+}
+
+/// From the density of ranges, edges and prior that the posterior has without data, within the bounds.
+sim::Specimen from_prior(Random& random) {
+  const sim::Misfit motion = sim::Misfit(problem_of({})).motion();
+  const double deviation = motion.problem().prior_deviation;
+  for (;;) {
+    std::vector<double> point(motion.dimension());
+    double prior = 0;
+    for (double& u : point) {
+      do u = 0.5 + deviation * random.normal();
+      while (u < 0 || u > 1);
+      prior += std::pow((u - 0.5) / deviation, 2);
+    }
+    double sum = 0;
+    for (const double r : motion.residuals(point, 1e-4)) sum += r * r;
+    if (random.uniform() < std::exp(-0.5 * (sum - prior))) return motion.specimen(point);
+  }
+}
+
+/// Six closings as `powbench fit` is given them; empty: one does not close.
+std::vector<sim::MeasuredClosing> campaign(bench::Model model, Random& random) {
+  const host::ModelDeviation granted;
+  bench::Device device;
+  long tried = 0;
+  if (model == bench::Model::fitted)
+    device.specimen = from_prior(random);
+  else
+    device = bench::drawn_device(random, model, tried);
+  std::vector<sim::MeasuredClosing> list;
+  for (std::size_t k = 0; k < angles; ++k) {
+    sim::MeasuredClosing m;
+    m.conditions.closing_angle = radians(pitch * static_cast<double>(k + 1));
+    double touch, seat, bounce;
+    if (model == bench::Model::fitted) {
+      const auto t = sim::tried_closing(device.specimen, m.conditions, duration, 1e-6);
+      if (!t.touch || !t.core_seat) return {};
+      touch = *t.touch * (1 + granted.touch * random.normal());
+      seat = *t.core_seat * (1 + granted.seat * random.normal());
+      bounce = (*t.settled - *t.touch) * std::exp(granted.bounce * random.normal());
+    } else {
+      const auto shot = bench::measured(device, m.conditions.closing_angle, random);
+      if (!shot.closed) return {};
+      touch = shot.touch, seat = shot.seat, bounce = shot.bounce;
+    }
+    m.touch = {touch, granted.touch * touch};
+    m.seat = {seat, granted.seat * seat};
+    m.bounce = {bounce, granted.bounce * bounce};
+    list.push_back(m);
+  }
+  return list;
+}
+
+/// Rank of `value` among the samples, each moved at random by one deviation.
+double rank(const std::vector<double>& samples, double relative, double value, Random& random) {
+  double below = 0;
+  for (const double v : samples) below += v * (1 + relative * random.normal()) < value;
+  return (below + random.uniform()) / static_cast<double>(samples.size() + 1);
+}
+
+double normal_below(double z) {
+  return 0.5 * std::erfc(-z / std::sqrt(2.0));
+}
+
+Result judged(bench::Model model, std::uint64_t seed, int number) {
+  Result result;
+  Random random(seed * 1'000'000 + static_cast<std::uint64_t>(number));
+  std::vector<sim::MeasuredClosing> list;
+  while (list.empty()) list = campaign(model, random);
+  const auto out = static_cast<std::size_t>(number) % angles;
+  const sim::MeasuredClosing hidden = list[out];
+  list.erase(list.begin() + static_cast<std::ptrdiff_t>(out));
+
+  sim::Team alone(1);
+  const sim::Misfit misfit(problem_of(list));
+  sim::PosteriorOptions options;
+  options.seed = seed + static_cast<std::uint64_t>(number);
+  const auto posterior = sim::sample_posterior(misfit, options, alone, [](double, double) { return true; });
+  std::vector<sim::Specimen> specimens;
+  for (const auto& point : posterior.samples) specimens.push_back(misfit.specimen(point));
+  const host::ModelDeviation granted;
+  const auto p = host::predict(specimens, hidden.conditions, posterior.bounce, {granted.touch, granted.seat});
+
+  std::vector<double> touch, seat;
+  for (const auto& s : specimens) {
+    const auto t = sim::tried_closing(s, hidden.conditions, duration);
+    if (t.touch && t.core_seat) touch.push_back(*t.touch), seat.push_back(*t.core_seat);
+  }
+  result.of[0] = {hidden.touch.value, p.touch, rank(touch, granted.touch, hidden.touch.value, random)};
+  result.of[1] = {hidden.seat.value, p.seat, rank(seat, granted.seat, hidden.seat.value, random)};
+  const double deviation = std::log(p.bounce.high / p.bounce.median);
+  result.of[2] = {hidden.bounce.value, p.bounce,
+                  normal_below(std::log(hidden.bounce.value / p.bounce.median) / deviation)};
+  return result;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  int campaigns = 200, threads = 1;
+  std::uint64_t seed = 1;
+  std::string path;
+  bench::Model model = bench::Model::fitted;
+  for (int i = 1; i + 1 < argc; i += 2) {
+    const auto is = [&](const char* name) { return std::strcmp(argv[i], name) == 0; };
+    if (is("--campaigns")) campaigns = std::max(10, std::atoi(argv[i + 1]));
+    if (is("--model"))
+      model = std::strcmp(argv[i + 1], "other") == 0 ? bench::Model::other : bench::Model::fitted;
+    if (is("--json")) path = argv[i + 1];
+    if (is("--seed")) seed = std::strtoull(argv[i + 1], nullptr, 10);
+    if (is("--threads")) threads = std::max(1, std::atoi(argv[i + 1]));
+  }
+  std::vector<Result> results(static_cast<std::size_t>(campaigns));
+  sim::Team team(threads);
+  sim::for_each_index(team, campaigns, [&](int k) {
+    const double before = thread_cpu_seconds();
+    auto& result = results[static_cast<std::size_t>(k)];
+    result = judged(model, seed, k);
+    result.cpu = thread_cpu_seconds() - before;
+  });
+
+  double cpu = 0;
+  for (const auto& r : results) cpu += r.cpu;
+  std::printf(
+      "%d campaigns of six angles, one held out, devices of the %s model, seed %llu, %.0f s CPU\n"
+      "within: measured values within the band of 16 .. 84 %%; error: median of |median / measured - 1|;\n"
+      "ranks: how many in each tenth of what was foretold, p by chi-square with 9 degrees of freedom\n\n"
+      "%-8s %8s %8s %9s   %-40s %7s\n",
+      campaigns, model == bench::Model::fitted ? "fitted" : "other", static_cast<unsigned long long>(seed),
+      cpu, "quantity", "foretold", "within %", "error %", "ranks", "p");
+  Json json{{"campaigns", campaigns}, {"rows", Json::array()}};
+  for (std::size_t q = 0; q < std::size(names); ++q) {
+    std::array<int, 10> tenths{};
+    std::vector<double> errors;
+    int within = 0, known = 0;
+    for (const auto& r : results) {
+      const Foretold& f = r.of[q];
+      if (!std::isfinite(f.rank) || !std::isfinite(f.band.median)) continue;
+      ++known;
+      within += f.measured >= f.band.low && f.measured <= f.band.high;
+      ++tenths[std::min<std::size_t>(9, static_cast<std::size_t>(10 * f.rank))];
+      errors.push_back(std::fabs(f.band.median / f.measured - 1));
+    }
+    double chi = 0;
+    std::string ranks;
+    for (const int n : tenths) {
+      chi += std::pow(n - known / 10.0, 2) / (known / 10.0);
+      ranks += std::to_string(n) + ' ';
+    }
+    const double p = boost::math::cdf(boost::math::complement(boost::math::chi_squared(9), chi));
+    const double share = 100.0 * within / known, error = 100 * bench::median_of(errors);
+    std::printf("%-8s %8d %8.1f %9.2f   %-40s %7.3f\n", names[q], known, share, error, ranks.c_str(), p);
+    json["rows"].push_back({{"quantity", names[q]},
+                            {"foretold", known},
+                            {"within_percent", share},
+                            {"median_error_percent", error},
+                            {"ranks", tenths},
+                            {"p", p}});
+  }
+  if (!path.empty()) std::ofstream(path) << json.dump(1) << "\n";
+  return 0;
+}
