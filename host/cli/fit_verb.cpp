@@ -15,6 +15,7 @@
 #include "host/gather/scene.h"
 #include "host/run/stop.h"
 #include "host/study/fit_text.h"
+#include "host/study/next_measurement.h"
 #include "host/study/problem.h"
 #include "host/study/study_svg.h"
 
@@ -121,8 +122,9 @@ Source campaign_source(const FitArgs& args) {
            ": the supply voltage of these imports is not known; a file needs mains_voltage for it"});
   }
   Source s;
-  s.closings =
-      campaign_closings(gather_angles(store, info.id), conditions, deviations(args, {0.002, 0.002, 0.02}));
+  const auto groups = gather_angles(store, info.id);
+  s.closings = campaign_closings(groups, conditions, deviations(args, {0.002, 0.002, 0.02}));
+  s.job.scatter = shot_scatter(groups);
   if (s.closings.empty())
     throw BadInput({args.database + ": campaign " + std::to_string(info.id) + " holds no measured closing"});
   s.job.problem.base = args.specimen_file.empty() ? stored_specimen(info) : read_specimen(args.specimen_file);
@@ -168,6 +170,7 @@ void take_options(const FitArgs& args, Source& s) {
   s.job.searches = args.searches;
   s.job.problem.prior_deviation = args.prior;
   s.job.finish = args.finish;
+  s.job.next = args.next;
   s.job.options.seed = args.seed;
 }
 
@@ -234,7 +237,11 @@ Exit fit_specimen(const FitArgs& args) {
   }
   if (report.part) return Exit::pass;
   const auto cells = fit_cells(report.file, source.closings);
-  fmt::print("{}", args.json ? fit_json(source.job, report, cells) : fit_text(source.job, report, cells));
+  NextMeasurements next;
+  if (report.posterior) next = next_measurements(source.job, report.file, *report.posterior, team);
+  fmt::print("{}",
+             args.json ? fit_json(source.job, report, cells, next) : fit_text(source.job, report, cells));
+  if (!args.json && report.posterior) fmt::print("{}", next_text(next));
   if (!args.picture.empty())
     write_picture(args.picture, fit_svg(cells, published ? "Published closings, fitted and held out"
                                                          : "Measured closings, fitted and held out"));

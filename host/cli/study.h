@@ -31,6 +31,7 @@ struct FitArgs {
   int searches = 3;
   long finish = 0;   ///< evaluations of the last search, on absolute deviations; 0: none
   int ensemble = 3;  ///< of each search
+  int next = 0;      ///< measurements to propose
   std::uint64_t seed = 1;
   int threads = 0;
   std::string state_file, output, fit_file, name;

@@ -166,6 +166,10 @@ void add_fit_verb(CLI::App& app) {
       ->delimiter(',');
   v->add_flag("--leave-one-out", fit->leave_one_out,
               "predict every angle from the others, one posterior each");
+  v->add_option(
+       "--next", fit->next,
+       "propose so many measurements: quantity, angle and number of shots from which most is to be learnt")
+      ->check(CLI::Range(1, 48));
   v->add_option("--evaluations", fit->evaluations,
                 "specimens tried in each global search of the fit to all closings")
       ->check(CLI::Range(100, 100'000'000))

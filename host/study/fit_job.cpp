@@ -132,7 +132,7 @@ sim::FitOptions search_options(const FitJob& job, std::size_t k) {
 }  // namespace
 
 std::size_t blind_fits(const FitJob& job) {
-  return job.held_out.size() + (job.unseen.empty() ? 0 : 1);
+  return job.held_out.size() + (job.unseen.empty() && job.next == 0 ? 0 : 1);
 }
 
 std::string problem_hash(const FitJob& job) {
@@ -149,9 +149,10 @@ std::string problem_hash(const FitJob& job) {
   text += fmt::format("{} {} {} {} {} {}", o.evaluations, o.polished, o.ensemble, o.seed, job.searches,
                       job.finish);
   for (const double angle : job.unseen) text += fmt::format(" {}", angle);
+  if (job.next > 0) text += " all";
   const auto& q = job.posterior;
-  text += fmt::format(" posterior with bounce factors {} {} {} {}", q.evaluations, q.starts, q.samples,
-                      q.tolerance);
+  text += fmt::format(" posterior with bounce factors {} {} {} {} {}", q.evaluations, q.starts,
+                      q.further_starts, q.samples, q.tolerance);
   for (const auto& p : job.posterior_parameters)
     text += fmt::format(" {} {} {}", p.low, p.high, p.logarithmic);
   if (job.problem.prior_deviation != sim::FitProblem{}.prior_deviation)
@@ -226,6 +227,7 @@ FitReport run_fits(const FitJob& job, sim::Team& team, const FitProgress& progre
   }
   if (report.stopped || report.part) return report;
   for (std::size_t k = 0; k < job.held_out.size(); ++k) report.file.folds.push_back(done[k]);
+  if (job.next > 0) report.posterior = done[job.held_out.size()];
   for (const double angle : job.unseen) {
     report.file.folds.push_back(done[job.held_out.size()]);
     report.file.folds.back().held_out = rounded(degrees(angle));

@@ -6,6 +6,7 @@
 
 #include "host/store/points.h"
 #include "host/study/fit_file.h"
+#include "host/study/problem.h"
 #include "sim/study/fit.h"
 #include "sim/study/posterior.h"
 
@@ -27,14 +28,17 @@ struct FitJob {
   /// and seat, 8 % of bounce, 3 % of settled), so many evaluations of each of its searches, and as many of a last
   /// one, from what the others found, on the sum of absolute deviations.
   long finish = 0;
+  int next = 0;                            ///< measurements to propose, from a posterior of all closings
+  ShotScatter scatter{};                   ///< of single shots, where repeats tell it
   std::vector<std::vector<double>> start;  ///< points that the searches begin from; posteriors have none
 };
 
 struct FitReport {
   FitFile file;
-  sim::FitResult full;   ///< the fit to everything
-  bool stopped = false;  ///< `watch` said so: the state to go on from is in `state`
-  bool part = false;     ///< only some of the points were wanted: nothing else is filled
+  std::optional<FitFold> posterior{};  ///< of all closings, where `next` asks for it
+  sim::FitResult full;                 ///< the fit to everything
+  bool stopped = false;                ///< `watch` said so: the state to go on from is in `state`
+  bool part = false;                   ///< only some of the points were wanted: nothing else is filled
   FitState state;
 };
 

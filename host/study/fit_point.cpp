@@ -62,7 +62,8 @@ sim::FitMember member_of(ByteReader& in, const sim::Misfit& misfit) {
 
 std::string basis_of(const sim::FitProblem& problem, const sim::PosteriorOptions& o) {
   return "posterior\n" + problem_text(problem) +
-         fmt::format("\n{} {} {} {} {}", o.evaluations, o.starts, o.samples, o.tolerance, o.seed);
+         fmt::format("\n{} {} {} {} {} {}", o.evaluations, o.starts, o.further_starts, o.samples, o.tolerance,
+                     o.seed);
 }
 
 std::string basis_of(const sim::FitProblem& problem, const sim::FitOptions& o,

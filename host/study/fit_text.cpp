@@ -230,7 +230,8 @@ std::string fit_text(const FitJob& job, const FitReport& report, const std::vect
   return out + "\n" + cells_text(cells) + bounce_text(report.file);
 }
 
-std::string fit_json(const FitJob& job, const FitReport& report, const std::vector<FitCell>& cells) {
+std::string fit_json(const FitJob& job, const FitReport& report, const std::vector<FitCell>& cells,
+                     const NextMeasurements& next) {
   Json j;
   j["misfit"] = json_of<Json>(report.full.best.misfit);
   j["evaluations_each"] = job.options.evaluations;
@@ -279,6 +280,15 @@ std::string fit_json(const FitJob& job, const FitReport& report, const std::vect
                             {"mean_held_out_error_percent", json_of<Json>(s.held_out.mean())},
                             {"mean_median_of_others_error_percent", json_of<Json>(s.others.mean())}});
   }
+  j["next"] = Json::array();
+  for (const auto& n : next.list)
+    j["next"].push_back({{"theta_deg", n.theta_deg},
+                         {"quantity", n.quantity},
+                         {"bits", n.bits},
+                         {"spread", n.spread},
+                         {"deviation", n.deviation},
+                         {"shots", n.shots ? Json(*n.shots) : Json(nullptr)},
+                         {"bounce_spread_then", n.bounce_left}});
   return j.dump(2) + "\n";
 }
 

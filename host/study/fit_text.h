@@ -4,6 +4,7 @@
 
 #include "host/study/fit_job.h"
 #include "host/study/held_out.h"
+#include "host/study/next_measurement.h"
 
 /// A fit for people and for programs.
 
@@ -25,6 +26,7 @@ struct FitCell {
 std::vector<FitCell> fit_cells(const FitFile&, const std::vector<sim::MeasuredClosing>& closings);
 
 std::string fit_text(const FitJob&, const FitReport&, const std::vector<FitCell>&);
-std::string fit_json(const FitJob&, const FitReport&, const std::vector<FitCell>&);
+std::string fit_json(const FitJob&, const FitReport&, const std::vector<FitCell>&,
+                     const NextMeasurements& = {});
 
 }  // namespace powbench::host

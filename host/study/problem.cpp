@@ -76,6 +76,25 @@ std::vector<sim::MeasuredClosing> campaign_closings(std::span<const AngleGroup> 
   return list;
 }
 
+ShotScatter shot_scatter(std::span<const AngleGroup> groups) {
+  const auto pooled = [&](std::string_view symbol) {
+    double squares = 0, freedom = 0;
+    for (const auto& g : groups) {
+      std::vector<double> values;
+      for (const auto& e : g.measured)
+        if (const Measured m = find_quantity(symbol)->of(e); m.known()) values.push_back(m.value);
+      if (values.size() < 2) continue;
+      double centre = 0;
+      for (const double v : values) centre += v / static_cast<double>(values.size());
+      if (!(centre > 0)) continue;
+      for (const double v : values) squares += std::pow(v / centre - 1, 2);
+      freedom += static_cast<double>(values.size() - 1);
+    }
+    return freedom > 0 ? std::sqrt(squares / freedom) : unknown;
+  };
+  return {pooled("t_ct1"), pooled("t_ct_bon"), pooled("t_xt1")};
+}
+
 std::vector<sim::MeasuredClosing> without(std::vector<sim::MeasuredClosing> list,
                                           std::span<const double> angles) {
   std::erase_if(list, [&](const sim::MeasuredClosing& m) {

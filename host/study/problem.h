@@ -28,6 +28,13 @@ std::vector<sim::MeasuredClosing> published_closings(const ModelDeviation& = {})
 std::vector<sim::MeasuredClosing> campaign_closings(std::span<const AngleGroup>, const Conditions&,
                                                     const ModelDeviation&);
 
+/// Relative standard deviation of single shots about the mean of their angle, pooled over the angles; unknown without
+/// repeats.
+struct ShotScatter {
+  double touch = unknown, bounce = unknown, seat = unknown;
+};
+ShotScatter shot_scatter(std::span<const AngleGroup>);
+
 /// Without the closings at the angles listed (rad, equal to 0.01 deg).
 std::vector<sim::MeasuredClosing> without(std::vector<sim::MeasuredClosing>, std::span<const double> angles);
 

@@ -40,6 +40,12 @@ std::vector<Candidate> coarse_search(const Misfit& motion, const PosteriorOption
   return coarse.state().population;
 }
 
+std::size_t measured_values(const FitProblem& problem) {
+  std::size_t n = 0;
+  for (const auto& m : problem.closings) n += m.touch.known() + m.seat.known();
+  return n;
+}
+
 std::vector<double> normals(Random& random, std::size_t count) {
   std::vector<double> list(count);
   for (auto& v : list) v = random.normal();
@@ -69,13 +75,17 @@ Posterior sample_posterior(const Misfit& misfit, const PosteriorOptions& options
   const auto found = coarse_search(motion, options, team, go_on);
   const auto starts = std::min(static_cast<std::size_t>(std::max(1, options.starts)), found.size());
   if (starts == 0) return result;
+  const auto further = std::min(static_cast<std::size_t>(std::max(0, options.further_starts)), found.size());
+  const auto fits = static_cast<double>(measured_values(motion.problem()));
   Refined best;
-  for (std::size_t k = 0; k < starts; ++k) {
-    Refined r =
-        refine(residuals, found[k * found.size() / starts].point, {.iterations = 30, .step = step}, team);
+  for (std::size_t k = 0; k < starts + further; ++k) {
+    if (k >= starts && best.sum <= fits) break;
+    const std::size_t place =
+        k < starts ? k * found.size() / starts : (2 * (k - starts) + 1) * found.size() / (2 * further);
+    Refined r = refine(residuals, found[place].point, {.iterations = 30, .step = step}, team);
     result.ends.push_back(r.sum);
     if (k == 0 || r.sum < best.sum) best = std::move(r);
-    const double share = static_cast<double>(k + 1) / static_cast<double>(starts);
+    const double share = std::min(1.0, static_cast<double>(k + 1) / static_cast<double>(starts));
     if (!go_on(coarse_end + (starts_end - coarse_end) * share, best.sum)) return result;
   }
   std::sort(result.ends.begin(), result.ends.end());

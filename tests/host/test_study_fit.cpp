@@ -10,6 +10,7 @@
 #include "host/study/fit_point.h"
 #include "host/study/fit_text.h"
 #include "host/study/held_out.h"
+#include "host/study/next_measurement.h"
 #include "host/study/problem.h"
 #include "sim/models/closing.h"
 #include "tests/host/store_samples.h"
@@ -105,6 +106,68 @@ TEST_CASE(
   CHECK(list[0].touch.value == Approx(12.2e-3));
   CHECK(list[0].touch.u == Approx(std::hypot(0.2e-3 / std::sqrt(3.0), 20e-6)));
   CHECK_FALSE(list[0].bounce.known());
+}
+
+TEST_CASE("scatter of single shots: about the mean of their angle, over all angles; unknown without repeats",
+          "[study]") {
+  const auto shot = [](double touch) {
+    Events e;
+    e.contact_voltage.present = true;
+    Contact c;
+    c.touch = {touch, 1e-6};
+    e.contact_voltage.contacts.push_back(c);
+    return e;
+  };
+  std::vector<AngleGroup> groups(3);
+  groups[0].measured = {shot(9.9e-3), shot(10.1e-3)};
+  groups[1].measured = {shot(19.6e-3), shot(20e-3), shot(20.4e-3)};
+  groups[2].measured = {shot(15e-3)};
+  const ShotScatter s = shot_scatter(groups);
+  CHECK(s.touch == Approx(std::sqrt((2 * 0.01 * 0.01 + 2 * 0.02 * 0.02) / 3)));
+  CHECK(std::isnan(s.seat));
+  CHECK(std::isnan(shot_scatter(std::span(groups).last(1)).touch));
+}
+
+TEST_CASE("what to measure next: best first, nothing that was measured, and no change of the fit",
+          "[study]") {
+  sim::Team team(1);
+  FitJob job = small_job();
+  const FitReport plain = fits(job, team, always);
+  CHECK_FALSE(plain.posterior);
+  job.problem.closings[3].conditions.closing_angle = radians(240);  // 60 deg of the other half-wave
+  job.next = 5;
+  job.scatter = {2 * 50e-6 / 15e-3, unknown, 0};
+  const FitReport report = fits(job, team, always);
+  CHECK(report.file.folds.size() == plain.file.folds.size());
+  REQUIRE(report.posterior);
+  CHECK_FALSE(report.posterior->held_out);
+  const NextMeasurements next = next_measurements(job, report.file, *report.posterior, team);
+  REQUIRE(next.list.size() == 5);
+  double bits = 1e9, bounce = next.bounce_spread;
+  for (const auto& n : next.list) {
+    CHECK(n.bits <= bits);
+    CHECK(n.bounce_left <= bounce * (1 + 1e-9));
+    bits = n.bits, bounce = n.bounce_left;
+    if (n.quantity != "v_core") CHECK(n.theta_deg != 60);
+    CHECK(n.shots.has_value() == (n.quantity == "t_ct1" || n.quantity == "t_xt1"));
+    // scatter of about twice the deviation of a closing: 4 / 0.21
+    if (n.quantity == "t_ct1") CHECK((*n.shots > 10 && *n.shots < 40));
+    if (n.quantity == "t_xt1") CHECK(*n.shots == 1);
+  }
+  CHECK_THAT(next_text(next), Contains("what to measure next") && Contains("bits") && !Contains("nan"));
+  const auto cells = fit_cells(report.file, job.problem.closings);
+  CHECK_THAT(fit_json(job, report, cells, next), Contains("bounce_spread_then"));
+
+  // samples that do not close everywhere tell nothing here
+  FitFold one = *report.posterior;
+  one.members.resize(1);
+  one.bounce->factors.resize(1);
+  const NextMeasurements none = next_measurements(job, report.file, one, team);
+  CHECK(none.list.empty());
+  CHECK_THAT(next_text(none), Contains("not known"));
+
+  // a posterior of all closings is another problem than none: its state is not gone on from
+  CHECK_THROWS_WITH(fits(job, team, always, plain.state), Contains("another problem"));
 }
 
 TEST_CASE("a fit never uses the angle it holds out: another value there changes nothing", "[study]") {

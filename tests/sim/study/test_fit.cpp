@@ -240,6 +240,14 @@ TEST_CASE("a posterior: the device by touch and seat alone; bounce moves no draw
   const auto stop = [&](double, double) { return ++asked < 4; };
   CHECK(sample_posterior(Misfit(problem), options, one, stop).stopped);
   CHECK(asked == 4);
+
+  // no device closes so: further starts are tried, as many as are allowed, for what might fit better
+  problem.closings[1].touch.value += 1e-3;
+  options.samples = 1;
+  options.further_starts = 2;
+  const Posterior none_fits = sample(one);
+  CHECK(none_fits.misfit > 8);
+  CHECK(none_fits.ends.size() == 5);
 }
 
 TEST_CASE("least pull: what the ring leaves at the zeros of the main flux, none of it without a ring") {
