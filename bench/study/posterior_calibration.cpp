@@ -2,8 +2,8 @@
 // held out, its measured touch, seat and bounce among what the posterior foretells.
 //   bench_posterior_calibration [--campaigns N] [--model fitted|other|both] [--seed S] [--threads N] [--json PATH]
 // fitted: devices from the density that the fit states of their kind, times with the deviations that it grants them:
-// simulation-based calibration (Talts et al., arXiv 1804.06788). other: devices of another model, with the deviations of
-// instruments, `drawn_device`.
+// simulation-based calibration (Talts et al., arXiv 1804.06788). other: devices of another model, with
+// the deviations of instruments, `drawn_device`.
 
 #include <algorithm>
 #include <array>
@@ -54,7 +54,7 @@ sim::FitProblem problem_of(std::vector<sim::MeasuredClosing> closings) {
   return p;
 }
 
-/// From the density that the fit states of its kind of contactor without data: prior, edges and ranges, pick-up and calm.
+/// From the density that the fit states of its kind of contactor: prior, edges and ranges, pick-up and calm.
 sim::Specimen from_prior(Random& random) {
   const sim::Misfit kind(problem_of({}));
   const double deviation = kind.problem().prior_deviation;

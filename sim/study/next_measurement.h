@@ -17,9 +17,10 @@ struct Informative {
 /// The candidates in the order of what they add: each time the one with the largest expected mutual information
 ///   I = 1/2 log2(1 + v / u^2)
 /// of a value that is measured with deviation u and the device, v the variance of the samples' values given what was
-/// chosen before (D. V. Lindley, Ann. Math. Stat. 27, 1956, 986; for normal distributions: pivoted Cholesky). None twice:
-/// its deviation is mostly the model's, which repeats do not average.
-/// `samples`: values of every candidate, all finite, two samples or more; `u`: of each candidate, > 0. At most `count`; what tells nothing is left out.
+/// chosen before (D. V. Lindley, Ann. Math. Stat. 27, 1956, 986; for normal distributions: pivoted Cholesky). None
+/// twice: its deviation is mostly the model's, which repeats do not average.
+/// `samples`: values of every candidate, all finite, two samples or more; `u`: of each candidate, > 0. At most `count`;
+/// what tells nothing is left out.
 /// `left`: if given, receives after each choice the covariance matrix of what is left, row by row.
 std::vector<Informative> most_informative(std::span<const std::vector<double>> samples,
                                           std::span<const double> u, std::size_t count,

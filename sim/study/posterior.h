@@ -23,8 +23,8 @@ namespace powbench::sim {
 struct PosteriorOptions {
   long evaluations = 1'000;  ///< of the coarse search that the starts come from
   int starts = 3;            ///< of least squares, spread over what the coarse search ends with
-  /// Further ones, one after the other, as long as the least sum of squares is above the number of measured values: then
-  /// it is no fit, and another minimum is looked for.
+  /// Further ones, one after the other, as long as the least sum of squares is above the number of measured values:
+  /// then it is no fit, and another minimum is looked for.
   int further_starts = 9;
   int samples = 96;
   double tolerance = 1e-5;  ///< of the integrator in least squares
