@@ -23,9 +23,10 @@ struct OneMeasured {
 };
 
 /// Touch and seat: median over the specimens; 16 % and 84 % quantiles of the specimens' values, each spread normally by
-/// the deviation of one measured value. Bounce and settled time by the specimens alone; but with a calibration, of
-/// which each specimen has a factor, the bounce is pooled (sim/study/bounce_calibration.h), one deviation to either side,
-/// or, where the calibration has no deviations, quantiles of factor x simulated; settled time is touch and bounce added up, the sides as independent ones.
+/// the deviation of one measured value. Bounce and settled time: by the specimens alone. With a calibration, of which
+/// each specimen has a factor, the bounce is pooled (sim/study/bounce_calibration.h), one deviation to either side, or,
+/// where the calibration has no deviations, quantiles of factor x simulated; settled time is then touch and bounce
+/// added up, the sides as independent ones.
 struct Prediction {
   Band touch, bounce, settled, seat;
 };
