@@ -92,7 +92,8 @@ ModelDeviation deviations(const FitArgs& args, ModelDeviation usual) {
 
 Source published_source(const FitArgs& args) {
   Source s;
-  s.closings = published_closings(deviations(args, {}));
+  s.job.granted = deviations(args, {});
+  s.closings = published_closings(s.job.granted);
   s.job.problem.parameters = sim::catalogue_parameters();
   s.job.posterior_parameters = sim::posterior_parameters();
   s.job.problem.plausible = sim::catalogue_ranges();
@@ -123,7 +124,8 @@ Source campaign_source(const FitArgs& args) {
   }
   Source s;
   const auto groups = gather_angles(store, info.id);
-  s.closings = campaign_closings(groups, conditions, deviations(args, {0.002, 0.002, 0.02}));
+  s.job.granted = deviations(args, {0.002, 0.002, 0.02});
+  s.closings = campaign_closings(groups, conditions, s.job.granted);
   s.job.scatter = shot_scatter(groups);
   if (s.closings.empty())
     throw BadInput({args.database + ": campaign " + std::to_string(info.id) + " holds no measured closing"});

@@ -29,6 +29,7 @@ struct FitJob {
   /// one, from what the others found, on the sum of absolute deviations.
   long finish = 0;
   int next = 0;                            ///< measurements to propose, from a posterior of all closings
+  ModelDeviation granted{};                ///< of one closing of these measurements
   ShotScatter scatter{};                   ///< of single shots, where repeats tell it
   std::vector<std::vector<double>> start;  ///< points that the searches begin from; posteriors have none
 };

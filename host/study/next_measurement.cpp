@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 
 #include "sim/study/closings_in_lanes.h"
 #include "sim/study/next_measurement.h"
@@ -19,17 +20,6 @@ constexpr double shortest = 20e-6;    // s: what bounces for less does not bounc
 constexpr double of_velocity = 0.05;  // relative deviation of the model and a laser together
 constexpr std::array symbols{"t_ct1", "t_ct_bon", "t_xt1", "v_core"};
 constexpr std::size_t bounce = 1;
-
-/// Median over the closings; unknown without any.
-double relative_deviation(const std::vector<sim::MeasuredClosing>& closings,
-                          Measured sim::MeasuredClosing::*quantity) {
-  std::vector<double> list;
-  for (const auto& m : closings)
-    if ((m.*quantity).known()) list.push_back((m.*quantity).u / (m.*quantity).value);
-  if (list.empty()) return unknown;
-  std::nth_element(list.begin(), list.begin() + static_cast<std::ptrdiff_t>(list.size() / 2), list.end());
-  return list[list.size() / 2];
-}
 
 struct Candidate {
   double theta_deg = 0;
@@ -71,10 +61,7 @@ NextMeasurements next_measurements(const FitJob& job, const FitFile& file, const
   }
   if (logs.size() < 2) return {};
 
-  using sim::MeasuredClosing;
-  const std::array deviation{relative_deviation(job.problem.closings, &MeasuredClosing::touch),
-                             relative_deviation(job.problem.closings, &MeasuredClosing::bounce),
-                             relative_deviation(job.problem.closings, &MeasuredClosing::seat), of_velocity};
+  const std::array deviation{job.granted.touch, job.granted.bounce, job.granted.seat, of_velocity};
   const auto known_there = [&](double theta_deg, std::size_t quantity) {
     return std::any_of(job.problem.closings.begin(), job.problem.closings.end(), [&](const auto& m) {
       const std::array<bool, 4> known{m.touch.known(), m.bounce.known(), m.seat.known(), false};
@@ -91,25 +78,17 @@ NextMeasurements next_measurements(const FitJob& job, const FitFile& file, const
       candidates.push_back({theta, q, a * symbols.size() + q});
       u.push_back(deviation[q]);
     }
-  // the bounces of all angles stand behind the candidates with a deviation so large that they are never chosen
-  constexpr double never = 1e9;
+  // the bounces of all angles stand behind the candidates, to be watched
   std::vector<std::vector<double>> values;
   for (const auto& all : logs) {
     auto& row = values.emplace_back();
     for (const auto& c : candidates) row.push_back(all[c.column]);
     for (std::size_t a = 0; a < angles; ++a) row.push_back(all[a * symbols.size() + bounce]);
   }
-  u.insert(u.end(), angles, never);
-  const auto bounce_rms = [&](const std::vector<double>& covariance) {
-    double sum = 0;
-    for (std::size_t i = candidates.size(); i < u.size(); ++i)
-      sum += std::max(0.0, covariance[i * u.size() + i]);
-    return std::sqrt(sum / angles);
-  };
-
-  std::vector<std::vector<double>> left;
-  const auto best = sim::most_informative(values, u, static_cast<std::size_t>(job.next), &left);
+  u.insert(u.end(), angles, std::numeric_limits<double>::infinity());
+  const auto best = sim::most_informative(values, u, static_cast<std::size_t>(job.next));
   NextMeasurements next;
+  next.samples = static_cast<int>(logs.size()), next.of = static_cast<int>(list.size());
   double squares = 0;
   for (std::size_t a = 0; a < angles; ++a) {
     double mean = 0, square = 0;
@@ -119,11 +98,12 @@ NextMeasurements next_measurements(const FitJob& job, const FitFile& file, const
   }
   next.bounce_spread = std::sqrt(squares / angles);
   const std::array scatter{job.scatter.touch, job.scatter.bounce, job.scatter.seat, unknown};
-  for (std::size_t k = 0; k < best.size() && best[k].candidate < candidates.size(); ++k) {
-    const Candidate& c = candidates[best[k].candidate];
-    next.list.push_back({c.theta_deg, symbols[c.quantity], best[k].bits, best[k].spread,
-                         deviation[c.quantity], enough_shots(scatter[c.quantity], deviation[c.quantity]),
-                         bounce_rms(left[k])});
+  for (const auto& one : best) {
+    const Candidate& c = candidates[one.candidate];
+    double left = 0;
+    for (std::size_t i = candidates.size(); i < u.size(); ++i) left += one.left[i] / angles;
+    next.list.push_back({c.theta_deg, symbols[c.quantity], one.bits, one.spread, deviation[c.quantity],
+                         enough_shots(scatter[c.quantity], deviation[c.quantity]), std::sqrt(left)});
   }
   return next;
 }
@@ -132,20 +112,20 @@ std::string next_text(const NextMeasurements& next) {
   if (next.list.empty())
     return "\nwhat to measure next: not known, too few posterior samples close at every angle\n";
   std::string out = fmt::format(
-      "\nwhat to measure next, best first, each given those before it; bounce of the posterior now spread by "
-      "{:.0f} %\n"
+      "\nwhat to measure next, best first, each given those before it; by {} of {} posterior samples, which "
+      "close at "
+      "every angle\ntheir bounce is spread by {:.0f} %\n"
       "{:>6}  {:<9} {:>6} {:>10} {:>12} {:>6} {:>20}\n",
-      100 * next.bounce_spread, "theta", "quantity", "bits", "spread / %", "deviation / %", "shots",
-      "bounce spread then / %");
+      next.samples, next.of, 100 * next.bounce_spread, "theta", "quantity", "bits", "spread / %",
+      "deviation / %", "shots", "bounce spread then / %");
   for (const auto& n : next.list)
     out += fmt::format("{:>6.1f}  {:<9} {:>6.2f} {:>10.1f} {:>13.2f} {:>6} {:>22.0f}\n", n.theta_deg,
                        n.quantity, n.bits, 100 * n.spread, 100 * n.deviation,
                        n.shots ? std::to_string(*n.shots) : "-", 100 * n.bounce_left);
   return out +
          "bits: expected information about the device; spread: of the posterior there; deviation: of one "
-         "measured "
-         "value about the model's;\nshots: until their scatter adds less than a tenth to it; -: no repeats "
-         "tell it\n";
+         "measured value about the model's;\nshots: until their scatter adds less than a tenth to it; -: no "
+         "repeats tell it\n";
 }
 
 }  // namespace powbench::host

@@ -23,12 +23,13 @@ struct NextMeasurement {
 };
 
 struct NextMeasurements {
-  double bounce_spread = 0;  ///< of the posterior, before any of them
+  int samples = 0, of = 0;   ///< of the posterior: those that close at every angle, all
+  double bounce_spread = 0;  ///< of those samples, before any of them
   std::vector<NextMeasurement> list;
 };
 
 /// Touch, bounce, seat and core velocity every 15 deg of a half-wave that was not measured, best first: at most
-/// `job.next`. Deviations are those of the job's closings, 5 % of the velocity. `posterior`: of all closings. Samples
+/// `job.next`. Deviations are those granted, 5 % of the velocity. `posterior`: of all closings. Samples
 /// that do not close at every angle take no part; empty without two.
 NextMeasurements next_measurements(const FitJob& job, const FitFile&, const FitFold& posterior, sim::Team&);
 

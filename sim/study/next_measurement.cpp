@@ -22,8 +22,7 @@ std::vector<double> covariances(std::span<const std::vector<double>> samples, st
 }  // namespace
 
 std::vector<Informative> most_informative(std::span<const std::vector<double>> samples,
-                                          std::span<const double> u, std::size_t count,
-                                          std::vector<std::vector<double>>* left) {
+                                          std::span<const double> u, std::size_t count) {
   const std::size_t width = u.size();
   std::vector<double> c = covariances(samples, width);
   std::vector<bool> chosen(width, false);
@@ -34,18 +33,18 @@ std::vector<Informative> most_informative(std::span<const std::vector<double>> s
       if (chosen[i]) continue;
       const double variance = std::max(0.0, c[i * width + i]);
       const double bits = 0.5 * std::log2(1 + variance / (u[i] * u[i]));
-      if (best.bits == 0 || bits > best.bits) best = {i, bits, std::sqrt(variance)};
+      if (best.bits == 0 || bits > best.bits) best = {i, bits, std::sqrt(variance), {}};
     }
     if (!(best.bits > 0)) break;
     const std::size_t k = best.candidate;
     chosen[k] = true;
-    list.push_back(best);
     std::vector<double> column(width);
     for (std::size_t i = 0; i < width; ++i) column[i] = c[i * width + k];
     const double total = best.spread * best.spread + u[k] * u[k];
     for (std::size_t i = 0; i < width; ++i)
       for (std::size_t j = 0; j < width; ++j) c[i * width + j] -= column[i] * column[j] / total;
-    if (left) left->push_back(c);
+    for (std::size_t i = 0; i < width; ++i) best.left.push_back(std::max(0.0, c[i * width + i]));
+    list.push_back(std::move(best));
   }
   return list;
 }

@@ -136,7 +136,8 @@ TEST_CASE("what to measure next: best first, nothing that was measured, and no c
   CHECK_FALSE(plain.posterior);
   job.problem.closings[3].conditions.closing_angle = radians(240);  // 60 deg of the other half-wave
   job.next = 5;
-  job.scatter = {2 * 50e-6 / 15e-3, unknown, 0};
+  job.granted = {0.003, 0.003, 0.1};
+  job.scatter = {2 * 0.003, unknown, 0};
   const FitReport report = fits(job, team, always);
   CHECK(report.file.folds.size() == plain.file.folds.size());
   REQUIRE(report.posterior);
@@ -150,11 +151,12 @@ TEST_CASE("what to measure next: best first, nothing that was measured, and no c
     bits = n.bits, bounce = n.bounce_left;
     if (n.quantity != "v_core") CHECK(n.theta_deg != 60);
     CHECK(n.shots.has_value() == (n.quantity == "t_ct1" || n.quantity == "t_xt1"));
-    // scatter of about twice the deviation of a closing: 4 / 0.21
-    if (n.quantity == "t_ct1") CHECK((*n.shots > 10 && *n.shots < 40));
+    // scatter of twice the deviation of a closing: 4 / 0.21
+    if (n.quantity == "t_ct1") CHECK(*n.shots == 20);
     if (n.quantity == "t_xt1") CHECK(*n.shots == 1);
   }
-  CHECK_THAT(next_text(next), Contains("what to measure next") && Contains("bits") && !Contains("nan"));
+  CHECK_THAT(next_text(next),
+             Contains("what to measure next") && Contains("by 6 of 6 posterior samples") && !Contains("nan"));
   const auto cells = fit_cells(report.file, job.problem.closings);
   CHECK_THAT(fit_json(job, report, cells, next), Contains("bounce_spread_then"));
 
