@@ -162,8 +162,7 @@ TEST_CASE("what to measure next: best first, nothing that was measured, and no c
 
   // samples that do not close everywhere tell nothing here
   FitFold one = *report.posterior;
-  one.members.resize(1);
-  one.bounce->factors.resize(1);
+  one.members.resize(1), one.bounce->factors.resize(1);
   const NextMeasurements none = next_measurements(job, report.file, one, team);
   CHECK(none.list.empty());
   CHECK_THAT(next_text(none), Contains("not known"));
