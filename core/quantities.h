@@ -53,6 +53,13 @@ inline constexpr std::array quantity_table{
              [](const Events& e) { return after_switch_on(e, timing_train(e).settled); }},
     Quantity{"t_xt1", "s", "core seat: first arrival of the moving core",
              [](const Events& e) { return after_switch_on(e, e.core.seat); }},
+    Quantity{"t_ot", "s", "overtravel time: first contact touch to core seat",
+             [](const Events& e) {
+               const auto& t = timing_train(e);
+               if (t.contacts.empty() || !e.core.seat.known()) return Measured{};
+               const Measured& touch = t.contacts.front().touch;
+               return Measured{e.core.seat.value - touch.value, std::hypot(e.core.seat.u, touch.u)};
+             }},
     Quantity{"t_xt_bon", "s", "core bounce time: first to last arrival",
              [](const Events& e) { return e.core.bounce_time; }},
     Quantity{"t_xt2", "s", "core settled: last arrival",

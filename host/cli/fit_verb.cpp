@@ -87,6 +87,7 @@ ModelDeviation deviations(const FitArgs& args, ModelDeviation usual) {
   usual.touch = args.deviations[0] / 100;
   usual.seat = args.deviations[1] / 100;
   usual.bounce = args.deviations[2] / 100;
+  if (args.deviations.size() > 3) usual.overtravel_time = args.deviations[3] / 100;
   return usual;
 }
 

@@ -102,7 +102,8 @@ void print_curves(const std::vector<CurveRow>& rows) {
                d.late * 1e3, shown_unit(r.unit));
   }
   fmt::print(
-      "%: of the measured value there; rms %: of the measured span; late: how much the simulated curve is\n");
+      "%: of the measured value there; rms %: of the measured span; late: how far the simulated curve is "
+      "behind\n");
 }
 
 }  // namespace

@@ -23,9 +23,10 @@ struct FitArgs {
   std::string specimen_file;       ///< numbers that are not free; "" = built-in, or the campaign's
   std::vector<std::string> free;   ///< NAME=LOW:HIGH
   std::vector<std::string> start;  ///< specimen files that the search for everything begins from
-  std::vector<double> deviations;  ///< percent of touch, seat, bounce; empty = defaults of the source
-  double prior = 0.35;             ///< deviation of each free number, as a share of its bounds; 0: none
-  std::vector<double> hold_out;    ///< degrees: never used, predicted
+  std::vector<double>
+      deviations;       ///< percent of touch, seat, bounce, overtravel; empty = defaults of the source
+  double prior = 0.35;  ///< deviation of each free number, as a share of its bounds; 0: none
+  std::vector<double> hold_out;  ///< degrees: never used, predicted
   bool leave_one_out = false;
   long evaluations = 6'000;  ///< of each search
   int searches = 3;

@@ -152,9 +152,10 @@ void add_fit_verb(CLI::App& app) {
       "--start", fit->start,
       "specimen file that the fit to all closings may begin from; never used where angles are held out");
   v->add_option("--deviations", fit->deviations,
-                "standard deviations of the model in percent of touch, seat and bounce, such as 1.0,1.1,5")
+                "standard deviations of the model in percent of touch, seat and bounce, such as 1.0,1.1,5; a "
+                "fourth one makes the overtravel time a target of its own")
       ->delimiter(',')
-      ->expected(3)
+      ->expected(3, 4)
       ->check(CLI::Range(0.01, 100.0));
   v->add_option(
        "--prior", fit->prior,

@@ -139,9 +139,12 @@ std::string problem_hash(const FitJob& job) {
   std::string text = resolved_text(job.problem.base);
   for (const auto& p : job.problem.parameters)
     text += fmt::format("{} {} {} {}\n", p.name(), p.low, p.high, p.logarithmic);
-  for (const auto& m : job.problem.closings)
+  for (const auto& m : job.problem.closings) {
     text += fmt::format("{} {} {} {} {} {} {} {}\n", m.conditions.closing_angle, m.conditions.supply_volts,
                         m.touch.value, m.touch.u, m.bounce.value, m.bounce.u, m.seat.value, m.seat.u);
+    if (m.overtravel_time.known())
+      text += fmt::format("overtravel {} {}\n", m.overtravel_time.value, m.overtravel_time.u);
+  }
   for (const double angle : job.held_out) text += fmt::format("{} ", angle);
   for (const auto& point : job.start)
     for (const double u : point) text += fmt::format("{} ", u);

@@ -28,6 +28,8 @@ std::string problem_text(const sim::FitProblem& p) {
     text += to_json(m.conditions);
     for (const Measured* x : {&m.touch, &m.bounce, &m.seat, &m.core_bounce, &m.settled})
       text += fmt::format(" {} {}", x->value, x->u);
+    if (m.overtravel_time.known())
+      text += fmt::format(" overtravel {} {}", m.overtravel_time.value, m.overtravel_time.u);
     text += '\n';
   }
   text += plausible_text(p.plausible) + fmt::format("{} {} {} {} {} {}\n", p.prior_deviation, p.edge,

@@ -15,7 +15,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr const char* quantities[] = {"t_ct1", "t_ct_bon", "t_ct2", "t_xt1"};
+constexpr const char* quantities[] = {"t_ct1", "t_ct_bon", "t_ct2", "t_xt1", "t_ot"};
 
 double measured(const sim::MeasuredClosing& m, int quantity) {
   switch (quantity) {
@@ -25,13 +25,15 @@ double measured(const sim::MeasuredClosing& m, int quantity) {
       return m.bounce.value;
     case 2:
       return m.touch.value + m.bounce.value;
-    default:
+    case 3:
       return m.seat.value;
+    default:
+      return m.seat.value - m.touch.value;
   }
 }
 
 const Band& of(const Prediction& p, int quantity) {
-  const Band* const bands[] = {&p.touch, &p.bounce, &p.settled, &p.seat};
+  const Band* const bands[] = {&p.touch, &p.bounce, &p.settled, &p.seat, &p.overtravel_time};
   return *bands[quantity];
 }
 
@@ -183,7 +185,10 @@ std::string bounce_text(const FitFile& file) {
 
 OneMeasured of_one(const sim::MeasuredClosing& m) {
   const auto relative = [](const Measured& value) { return value.known() ? value.u / value.value : 0; };
-  return {relative(m.touch), relative(m.seat)};
+  return {relative(m.touch), relative(m.seat),
+          m.overtravel_time.known() ? m.overtravel_time.u
+          : m.seat.known()          ? std::hypot(m.touch.u, m.seat.u)
+                                    : 0};
 }
 
 }  // namespace
@@ -201,7 +206,7 @@ std::vector<FitCell> fit_cells(const FitFile& file, const std::vector<sim::Measu
     for (const auto& fold : file.folds)
       if (fold.held_out && std::fabs(std::remainder(*fold.held_out - theta, 360)) < 1e-3)
         blind = predict(specimens(file, fold), m.conditions, fold.bounce, of_one(m));
-    for (int q = 0; q < 4; ++q) {
+    for (int q = 0; q < static_cast<int>(std::size(quantities)); ++q) {
       FitCell c;
       c.theta_deg = theta;
       c.quantity = quantities[q];

@@ -40,13 +40,16 @@ double spread_quantile(const std::vector<double>& values, double u, double share
 }
 
 /// The median is that of the values: a deviation to both sides does not move what is predicted.
-Band measured_band(const std::vector<double>& values, double relative) {
-  Band b = band(values);
-  const double u = relative * b.median;
+Band measured_band(const std::vector<double>& values, Band b, double u) {
   if (!(u > 0)) return b;
   b.low = std::min(b.median, spread_quantile(values, u, 0.16));
   b.high = std::max(b.median, spread_quantile(values, u, 0.84));
   return b;
+}
+
+Band relative_band(const std::vector<double>& values, double relative) {
+  const Band b = band(values);
+  return measured_band(values, b, relative * b.median);
 }
 
 Band sum(const Band& a, const Band& b) {
@@ -59,7 +62,7 @@ Band sum(const Band& a, const Band& b) {
 
 Prediction predict(std::span<const sim::Specimen> list, const Conditions& conditions,
                    const std::optional<sim::BounceCalibration>& calibration, const OneMeasured& one) {
-  std::vector<double> touch, bounce, settled, seat;
+  std::vector<double> touch, bounce, settled, seat, overtravel_time;
   std::vector<sim::Attempt> attempts;
   for (const auto& s : list) attempts.push_back({&s, &conditions, duration});
   sim::Team alone(1);
@@ -71,9 +74,11 @@ Prediction predict(std::span<const sim::Specimen> list, const Conditions& condit
     bounce.push_back((*t.settled - *t.touch) * (calibration ? calibration->factors[k] : 1));
     settled.push_back(*t.settled);
     seat.push_back(*t.core_seat);
+    overtravel_time.push_back(*t.core_seat - *t.touch);
   }
   if (touch.empty() || 2 * touch.size() < list.size()) return {};
-  Prediction p{measured_band(touch, one.touch), band(bounce), band(settled), measured_band(seat, one.seat)};
+  Prediction p{relative_band(touch, one.touch), band(bounce), band(settled), relative_band(seat, one.seat),
+               measured_band(overtravel_time, band(overtravel_time), one.overtravel_time)};
   if (!calibration) return p;
   const auto pooled = sim::pooled_bounce(p.bounce.median, *calibration, conditions.closing_angle);
   if (std::isfinite(pooled.deviation)) {

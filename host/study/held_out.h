@@ -16,19 +16,20 @@ struct Band {
   double low = unknown, median = unknown, high = unknown;
 };
 
-/// What one measured value deviates from the device's model, standard deviations relative to the value: those that the
-/// fit granted its data (`ModelDeviation`). A band holds a value that is measured, not what the model says of it.
+/// What one measured value deviates from the device's model, standard deviations, relative but for the last: those that
+/// the fit granted its data (`ModelDeviation`). A band holds a value that is measured, not what the model says of it.
 struct OneMeasured {
   double touch = 0, seat = 0;
+  double overtravel_time = 0;  ///< s
 };
 
-/// Touch and seat: median over the specimens; 16 % and 84 % quantiles of the specimens' values, each spread normally by
-/// the deviation of one measured value. Bounce and settled time: by the specimens alone. With a calibration, of which
-/// each specimen has a factor, the bounce is pooled (sim/study/bounce_calibration.h), one deviation to either side, or,
-/// where the calibration has no deviations, quantiles of factor x simulated; settled time is then touch and bounce
-/// added up, the sides as independent ones.
+/// Touch, seat and overtravel time: median over the specimens; 16 % and 84 % quantiles of the specimens' values, each
+/// spread normally by the deviation of one measured value. Bounce and settled time: by the specimens alone. With a
+/// calibration, of which each specimen has a factor, the bounce is pooled (sim/study/bounce_calibration.h), one
+/// deviation to either side, or, where the calibration has no deviations, quantiles of factor x simulated; settled time
+/// is then touch and bounce added up, the sides as independent ones.
 struct Prediction {
-  Band touch, bounce, settled, seat;
+  Band touch, bounce, settled, seat, overtravel_time;
 };
 Prediction predict(std::span<const sim::Specimen>, const Conditions&,
                    const std::optional<sim::BounceCalibration>& = {}, const OneMeasured& = {});

@@ -53,6 +53,9 @@ std::vector<sim::MeasuredClosing> published_closings(const ModelDeviation& model
     m.seat = published("t_xt1", row.theta_deg, model.seat);
     if (m.seat.known())
       m.core_bounce = {find_published("t_xt_bon", row.theta_deg)->measurement * 1e-3, model.core_bounce};
+    const double overtravel_time = m.seat.value - m.touch.value;
+    if (std::isfinite(model.overtravel_time) && m.seat.known())
+      m.overtravel_time = {overtravel_time, model.overtravel_time * overtravel_time};
     list.push_back(m);
   }
   return list;
@@ -71,6 +74,8 @@ std::vector<sim::MeasuredClosing> campaign_closings(std::span<const AngleGroup> 
     m.touch = mean(group.measured, "t_ct1", model.touch);
     m.bounce = mean(group.measured, "t_ct_bon", model.bounce);
     m.seat = mean(group.measured, "t_xt1", model.seat);
+    if (std::isfinite(model.overtravel_time))
+      m.overtravel_time = mean(group.measured, "t_ot", model.overtravel_time);
     list.push_back(m);
   }
   return list;

@@ -34,7 +34,7 @@ FitMember polished(const Misfit& misfit, const Candidate& start, const FitOption
 FitMember shifted_fit(const Misfit& misfit, const std::vector<Candidate>& population, int number,
                       const FitOptions& options, Team& team) {
   Random random(options.seed * 1000 + static_cast<std::uint64_t>(number));
-  std::vector<double> shifts(Misfit::per_closing * misfit.problem().closings.size());
+  std::vector<double> shifts(misfit.per_closing() * misfit.problem().closings.size());
   for (auto& s : shifts) s = random.normal();
   const Misfit shifted = misfit.perturbed(shifts);
   Candidate start;
@@ -89,7 +89,7 @@ FitResult fit(const Misfit& misfit, const FitOptions& options, Team& team, const
 
   const auto data = [&](std::span<const std::vector<double>> points, Team& of) {
     auto all = misfit.residuals(points, options.tolerance, of);
-    for (auto& r : all) r.resize(Misfit::per_closing * misfit.problem().closings.size());
+    for (auto& r : all) r.resize(misfit.per_closing() * misfit.problem().closings.size());
     return all;
   };
   const auto at_best = data(std::span(&result.best.point, 1), team).front();

@@ -31,7 +31,7 @@ struct FitResult {
   FitMember best;
   /// One fit each to data shifted by their deviations: how far the data let the specimen move.
   std::vector<FitMember> ensemble;
-  Jacobian sensitivity;  ///< at `best`: touch, bounce, seat, core bounce of each closing, in deviations
+  Jacobian sensitivity;             ///< at `best`: `Misfit::per_closing` of each closing, in deviations
   Identifiability identifiability;  ///< from it and the prior
   long evaluations = 0;
   bool stopped = false;  ///< `go_on` said so: what there is by then

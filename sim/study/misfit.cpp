@@ -42,10 +42,14 @@ Derived derived(const Specimen& s, double rated_volts) {
           100 / (s.base.mass * std::pow(2 * pi * s.base.hertz, 2))};
 }
 
-Misfit::Misfit(FitProblem problem) : problem_(std::move(problem)) {}
+Misfit::Misfit(FitProblem problem) : problem_(std::move(problem)) {
+  for (const auto& m : problem_.closings)
+    if (m.overtravel_time.known()) per_closing_ = 5;
+}
 
-double Misfit::closing_residuals(const ClosingTruth& t, const MeasuredClosing& m, double* out) const {
-  std::fill_n(out, per_closing, 0.0);
+double Misfit::closing_residuals(const ClosingTruth& t, const MeasuredClosing& m,
+                                 ClosingResiduals& out) const {
+  out.fill(0.0);
   const bool closed = t.touch && t.core_seat;
   const auto residual = [](const Measured& measured, double model) {
     return (model - measured.value) / measured.u;
@@ -55,11 +59,13 @@ double Misfit::closing_residuals(const ClosingTruth& t, const MeasuredClosing& m
   if (m.seat.known()) out[2] = closed ? residual(m.seat, *t.core_seat) : never;
   if (m.core_bounce.known())
     out[3] = closed ? residual(m.core_bounce, *t.core_settled - *t.core_seat) : never;
+  if (m.overtravel_time.known())
+    out[4] = closed ? residual(m.overtravel_time, *t.core_seat - *t.touch) : never;
   if (problem_.robust) {
     out[1] = tempered(out[1]);
     out[3] = tempered(out[3]);
   }
-  return out[0] * out[0] + out[1] * out[1] + out[2] * out[2] + out[3] * out[3];
+  return out[0] * out[0] + out[1] * out[1] + out[2] * out[2] + out[3] * out[3] + out[4] * out[4];
 }
 
 double Misfit::closing_distance(const ClosingTruth& t, const MeasuredClosing& m, Means& means) const {
@@ -78,6 +84,7 @@ double Misfit::closing_distance(const ClosingTruth& t, const MeasuredClosing& m,
   add(2, m.touch.value + m.bounce.value, u_settled, *t.settled);
   add(3, m.seat.value, m.seat.u, *t.core_seat);
   add(4, m.core_bounce.value, m.core_bounce.u, *t.core_settled - *t.core_seat);
+  add(5, m.overtravel_time.value, m.overtravel_time.u, *t.core_seat - *t.touch);
   return sum;
 }
 
@@ -131,9 +138,9 @@ std::vector<double> Misfit::residuals(const Specimen& s, std::span<const double>
                                       std::span<const ClosingTruth> truths) const {
   std::vector<double> out;
   for (std::size_t k = 0; k < truths.size(); ++k) {
-    double r[per_closing];
+    ClosingResiduals r;
     closing_residuals(truths[k], problem_.closings[k], r);
-    out.insert(out.end(), r, r + per_closing);
+    out.insert(out.end(), r.begin(), r.begin() + static_cast<std::ptrdiff_t>(per_closing_));
   }
   range_residuals(s, out);
   for (std::size_t i = 0; i < point.size(); ++i) {
@@ -202,7 +209,7 @@ Misfit Misfit::perturbed(std::span<const double> shifts, std::span<const double>
   FitProblem moved = problem_;
   std::size_t k = 0;
   for (auto& m : moved.closings)
-    for (auto* q : {&m.touch, &m.bounce, &m.seat, &m.core_bounce}) {
+    for (auto* q : {&m.touch, &m.bounce, &m.seat, &m.core_bounce, &m.overtravel_time}) {
       if (!q->known()) continue;
       q->value += shifts[k % shifts.size()] * q->u;
       ++k;

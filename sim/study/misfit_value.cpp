@@ -71,7 +71,7 @@ class Misfit::Trial {
   void take(const ClosingTruth& t) {
     const std::size_t k = at_++;
     if (stage_ == Stage::measured) {
-      double r[per_closing];
+      ClosingResiduals r;
       const MeasuredClosing& m = m_.problem_.closings[k];
       sum_ += m_.problem_.absolute ? m_.closing_distance(t, m, means_) : m_.closing_residuals(t, m, r);
     } else if (stage_ == Stage::calm) {

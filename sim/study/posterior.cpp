@@ -42,7 +42,7 @@ std::vector<Candidate> coarse_search(const Misfit& motion, const PosteriorOption
 
 std::size_t measured_values(const FitProblem& problem) {
   std::size_t n = 0;
-  for (const auto& m : problem.closings) n += m.touch.known() + m.seat.known();
+  for (const auto& m : problem.closings) n += m.touch.known() + m.seat.known() + m.overtravel_time.known();
   return n;
 }
 
@@ -55,7 +55,7 @@ std::vector<double> normals(Random& random, std::size_t count) {
 /// `motion` with data and prior shifted by one deviation each: a posterior sample is its minimum.
 std::vector<Misfit> shifted(const Misfit& motion, int samples, std::uint64_t seed) {
   Random random(seed);
-  const std::size_t measured = Misfit::per_closing * motion.problem().closings.size();
+  const std::size_t measured = motion.per_closing() * motion.problem().closings.size();
   std::vector<Misfit> list;
   for (int k = 0; k < samples; ++k) {
     const auto data = normals(random, measured);

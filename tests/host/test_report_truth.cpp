@@ -45,6 +45,23 @@ ReportInput campaign(std::initializer_list<double> simulated, double most, Decis
 
 }  // namespace
 
+TEST_CASE("the overtravel time is from the first touch to the seat, and needs both", "[report]") {
+  const Quantity& overtravel = *find_quantity("t_ot");
+  Events e = some_events(12e-3);
+  e.core.seat = {14e-3, 30e-6};
+  e.contact_voltage.contacts.front().touch = {12e-3, 40e-6};
+  CHECK(overtravel.of(e).value == Approx(2e-3));
+  CHECK(overtravel.of(e).u == Approx(50e-6));
+  // a step of the coil voltage after time zero moves both instants, not what lies between them
+  e.coil.switch_on = {1e-3, 1e-6};
+  CHECK(overtravel.of(e).value == Approx(2e-3));
+  Events unseated = e;
+  unseated.core.seat = {};
+  CHECK_FALSE(overtravel.of(unseated).known());
+  e.contact_voltage.contacts.clear();
+  CHECK_FALSE(overtravel.of(e).known());
+}
+
 TEST_CASE("a limit on the difference from the simulation that nothing was held against is no PASS",
           "[report]") {
   CHECK(verdict(campaign({}, not_set)) == Outcome::pass);

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "core/quantities.h"
 #include "tests/system/browser.h"
 #include "tests/system/program.h"
 #include "tests/waiting.h"
@@ -45,6 +46,11 @@ inline std::string says(const std::string& words) {
 inline void press(Tab& tab, const std::string& id) {
   tab.until("document.getElementById('" + id + "') && !document.getElementById('" + id + "').disabled");
   tab.value("document.getElementById('" + id + "').click()");
+}
+
+/// JavaScript: has this table a row for every quantity?
+inline std::string row_of_each(const std::string& table) {
+  return "document.querySelectorAll('" + table + " tr').length === " + std::to_string(quantity_table.size());
 }
 
 /// JavaScript: is nothing under way?

@@ -304,7 +304,7 @@ TEST_CASE("live page: tables wider than a phone say so, and the scope's labels a
   Browser browser(folder);
   Tab tab = browser.open(bench.url);
   press(tab, "fire");
-  tab.until("document.querySelectorAll('#quantities tr').length === 9");
+  tab.until(row_of_each("#quantities"));
   const std::string hint = "document.querySelector('#shot .wide + .aside').offsetParent !== null";
   tab.size(1200, 1000);
   tab.until("!(" + hint + ")");

@@ -35,7 +35,7 @@ TEST_CASE("live page: a closing by keyboard alone, seen with its waveforms", "[.
   tab.key("Enter");
   tab.until(says("Shot 1 at 30\xC2\xB0"));
   tab.until("document.querySelectorAll('#panels canvas').length >= 12");
-  tab.until("document.querySelectorAll('#quantities tr').length === 9");
+  tab.until(row_of_each("#quantities"));
   tab.until("/measured/.test(document.querySelector('#panels .dygraph-legend').textContent)");
   tab.until("/simulated/.test(document.querySelector('#panels .dygraph-legend').textContent)");
 

@@ -76,7 +76,7 @@ TEST_CASE("live page: U of a mean is that of the report and of powbench compare,
   tab.value(
       "document.getElementById('first').value='1';document.getElementById('second').value='2';"
       "document.querySelector('#compare button[type=submit]').click()");
-  tab.until("document.querySelectorAll('#pair tr').length === 9");
+  tab.until(row_of_each("#pair"));
   const std::string db = folder.file("lab.db");
   const std::string one = run(folder, {"compare", "--db", db, "--campaign", "1"}).out,
                     two = run(folder, {"compare", "1", "2", "--db", db}).out;
@@ -176,7 +176,7 @@ TEST_CASE("live page: no page is wider than a phone, with long names and a compa
     return tab.value("Math.max(document.documentElement.scrollWidth, document.body.scrollWidth, innerWidth)")
         .get<int>();
   };
-  tab.until("document.querySelectorAll('#quantities tr').length === 9");
+  tab.until(row_of_each("#quantities"));
   CHECK(width() <= 390);
   tab.value("document.getElementById('trend').scrollIntoView()");
   picture(tab, "live-phone-test.png");
@@ -195,7 +195,7 @@ TEST_CASE("live page: no page is wider than a phone, with long names and a compa
   CHECK(width() <= 390);
   picture(tab, "live-phone-documents.png");
   tab.value("document.querySelector('#compare button[type=submit]').click()");
-  tab.until("document.querySelectorAll('#pair tr').length === 9");
+  tab.until(row_of_each("#pair"));
   CHECK(width() <= 390);
   tab.value("document.getElementById('compare').scrollIntoView()");
   picture(tab, "live-phone-compare.png");

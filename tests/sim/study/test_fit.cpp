@@ -112,7 +112,7 @@ TEST_CASE("a device with three numbers off is found again and predicts an angle 
   CHECK(predicted.seat.value == Approx(unseen.seat.value).epsilon(3e-3));
   REQUIRE(r.ensemble.size() == 2);
   CHECK(r.ensemble[0].point != r.ensemble[1].point);
-  CHECK(r.sensitivity.rows == 4 * Misfit::per_closing);
+  CHECK(r.sensitivity.rows == 4 * 4);
   for (const double d : r.identifiability.deviation) CHECK((d > 0 && d < 0.5));
 }
 
@@ -147,6 +147,33 @@ TEST_CASE("the misfit: zero at the device itself, large where nothing closes, ea
   const std::vector<double> off{0.6, 0.4, 0.5};
   for (const double r : misfit.residuals(off, problem.tolerance)) sum += r * r;
   CHECK(sum == Approx(misfit.value(off)).epsilon(1e-9));
+}
+
+TEST_CASE(
+    "the misfit: an overtravel time that is a target adds one residual a closing, and nothing else moves") {
+  FitProblem problem = small_problem(Specimen{}, {60, 150});
+  problem.tolerance = 1e-8;
+  const Misfit without(problem);
+  for (auto& m : problem.closings) {
+    const double time = m.seat.value - m.touch.value;
+    m.overtravel_time = {time + 0.3e-3, 0.1e-3};
+  }
+  const Misfit with(problem);
+  CHECK(without.per_closing() == 4);
+  CHECK(with.per_closing() == 5);
+  const std::vector<double> middle(3, 0.5);
+  const auto before = without.residuals(middle, 1e-8), after = with.residuals(middle, 1e-8);
+  REQUIRE(after.size() == before.size() + 2);
+  for (std::size_t k = 0; k < 2; ++k) {
+    for (std::size_t i = 0; i < 4; ++i) CHECK(after[5 * k + i] == before[4 * k + i]);
+    CHECK(after[5 * k + 4] == Approx(-3).margin(0.02));  // 0.3 ms later than simulated, in units of 0.1 ms
+  }
+  CHECK(with.value(middle) == Approx(without.value(middle) + 18).margin(0.3));
+  // it is smooth: the search for posteriors keeps it, and shifts it
+  CHECK(with.motion().problem().closings[0].overtravel_time.known());
+  const auto moved = with.perturbed(std::vector<double>{1}).problem().closings;
+  for (std::size_t k = 0; k < 2; ++k)
+    CHECK(moved[k].overtravel_time.value == Approx(problem.closings[k].overtravel_time.value + 0.1e-3));
 }
 
 TEST_CASE("side by side, a misfit has the bits of its closings one by one, on any number of threads") {
@@ -188,7 +215,7 @@ TEST_CASE("side by side, a misfit has the bits of its closings one by one, on an
       CHECK(std::isfinite(bounces[k][c]) == closed);
       if (!closed) continue;
       CHECK(bounces[k][c] == *t.settled - *t.touch);
-      CHECK(all[k][Misfit::per_closing * c] == (*t.touch - problem.closings[c].touch.value) / 20e-6);
+      CHECK(all[k][misfit.per_closing() * c] == (*t.touch - problem.closings[c].touch.value) / 20e-6);
     }
   }
 }
