@@ -9,7 +9,6 @@ namespace powbench::host {
 inline constexpr double coverage_probability = 0.954499736103642;
 
 /// P(|T| <= t) for `dof` > 0 degrees of freedom, t >= 0. dof may be fractional or infinite (normal distribution).
-/// By the incomplete beta function: P = 1 - I_x(dof / 2, 1 / 2), x = dof / (dof + t^2); good to 1e-10.
 double student_probability(double t, double dof);
 
 /// The t with P(|T| <= t) = probability; probability in (0, 1); 2.000 for infinite dof by default. Throws

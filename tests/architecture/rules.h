@@ -55,6 +55,8 @@ inline const std::vector<Allowance>& allowances() {
       {"boost/asio", "rigs/bridge/", false, "Boost.Asio"},
       {"boost/asio", "host/serve/http.cpp", true, "Boost.Asio"},
       {"boost/beast", "host/serve/http.cpp", true, "Boost.Beast"},
+      {"boost/math", "core/normal.h", false, "Boost.Math"},
+      {"boost/math", "host/compare/student.cpp", true, "Boost.Math"},
       {"sqlite3.h", "host/store/", false, "SQLite"},
       {"libpq-fe.h", "host/store/central/pq.h", false, "libpq"},
       {"pugixml.hpp", "host/import/dcc.cpp", true, "pugixml"},
