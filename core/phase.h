@@ -34,8 +34,4 @@ constexpr CentiDegrees to_centi_degrees(double angle) {
   return centi >= full_turn_centi ? centi - full_turn_centi : centi;
 }
 
-constexpr double from_centi_degrees(CentiDegrees centi) {
-  return radians(centi / 100.0);
-}
-
 }  // namespace powbench

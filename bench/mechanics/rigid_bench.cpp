@@ -13,6 +13,7 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
+#include "bench/mechanics/reference_closing.h"
 #include "bench/mechanics/rigid_runs.h"
 #include "core/random.h"
 #include "host/export/log_plot.h"
@@ -42,7 +43,7 @@ std::vector<Scene> scenes() {
   std::vector<Scene> list;
   for (int k = 0; k < 5; ++k) {
     const sim::Factor factor = [&] { return k == 0 ? 1 : 1 + 1e-6 * (2 * random.uniform() - 1); };
-    const auto parts = sim::varied(sim::reference_closing(), factor);
+    const auto parts = sim::varied(powbench::bench::reference_closing(), factor);
     list.push_back({parts, powbench::bench::exact_run(parts, 1e-13L).events});
   }
   return list;
@@ -187,7 +188,7 @@ Json twins() {
       o.truth = 1e-12;
       o.end = closing_end;
       o.change = eps;
-      const auto run = closings(sim::reference_closing(stiffness));
+      const auto run = closings(powbench::bench::reference_closing(stiffness));
       const auto [condition, events] = sim::twin_condition(run, o);
       if (condition.diverged)
         std::printf("  %11.0f %8d  %.0e  %20.3g   %10.3f\n", stiffness, events, eps, condition.per_input,
@@ -210,7 +211,7 @@ Json ensemble() {
   o.tolerance = 1e-7;
   o.end = closing_end;
   o.seed = 20;
-  const auto e = sim::bounce_ensemble(closings(sim::reference_closing(100)), o);
+  const auto e = sim::bounce_ensemble(closings(powbench::bench::reference_closing(100)), o);
   std::printf(
       "\nEnsemble of %d runs at stiffness x 100 (masses and gaps +- %.0e): mean, 5 %%, 50 %%, 95 %%, ms\n",
       e.runs, o.change);
@@ -316,7 +317,7 @@ int main(int argc, char** argv) {
     write(svg_path, picture(Json::parse(in)["rows"]));
     return 0;
   }
-  const auto parts = sim::reference_closing();
+  const auto parts = powbench::bench::reference_closing();
   const auto all = scenes();
   const auto looser = powbench::bench::exact_run(parts, 3e-13L);
   std::printf(

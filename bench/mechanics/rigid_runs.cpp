@@ -1,4 +1,5 @@
 #include "bench/mechanics/rigid_runs.h"
+#include "bench/mechanics/reference_closing.h"
 
 #include <algorithm>
 #include <ctime>
@@ -49,7 +50,7 @@ ClosingRun own_run(const sim::RigidParts& parts, double tolerance, int repeats) 
 UndampedRun undamped_run(double tolerance, long steps) {
   using Contactor = sim::RigidContactor<double>;
   using Solver = sim::EventSolver<Contactor>;
-  Contactor c(sim::without_losses(sim::reference_closing()), {}, true);
+  Contactor c(bench::without_losses(bench::reference_closing()), {}, true);
   alignas(64) double y[Solver::capacity] = {};
   c.equilibrium(y);
   c.mark_energy(y);

@@ -1,7 +1,10 @@
 #include "bench/space/exact.h"
 
 #include <algorithm>
+#include <array>
+#include <cassert>
 #include <cmath>
+#include <map>
 #include <numbers>
 
 #include "sim/magnetics/space/grid.h"
@@ -27,6 +30,46 @@ Vec3 turned(const Vec3& p, int axis) {
 }
 
 }  // namespace
+
+sim::space::Mesh join_meshes(const std::vector<sim::space::Mesh>& parts, double tolerance) {
+  sim::space::Mesh out;
+  std::map<std::array<long long, 3>, std::vector<int>> buckets;  // cubes of ten tolerances
+  const auto bucket = [&](const Vec3& p) {
+    std::array<long long, 3> key;
+    for (int r = 0; r < 3; ++r) key[r] = std::llround(p[r] / (10 * tolerance));
+    return key;
+  };
+  const auto find = [&](const Vec3& p) {
+    const auto centre = bucket(p);
+    for (int k = 0; k < 27; ++k) {
+      const auto found =
+          buckets.find({centre[0] + k % 3 - 1, centre[1] + k / 3 % 3 - 1, centre[2] + k / 9 - 1});
+      if (found == buckets.end()) continue;
+      for (const int n : found->second) {
+        const auto& q = out.nodes[static_cast<std::size_t>(n)];
+        if (std::hypot(p[0] - q[0], p[1] - q[1], p[2] - q[2]) < tolerance) return n;
+      }
+    }
+    return -1;
+  };
+  for (const auto& part : parts) {
+    assert(part.cell == parts.front().cell);
+    out.cell = part.cell;
+    std::vector<int> index;
+    for (const auto& p : part.nodes) {
+      int n = find(p);
+      if (n < 0) {
+        n = static_cast<int>(out.nodes.size());
+        out.nodes.push_back(p);
+        buckets[bucket(p)].push_back(n);
+      }
+      index.push_back(n);
+    }
+    for (const int n : part.cells) out.cells.push_back(index[static_cast<std::size_t>(n)]);
+    out.region.insert(out.region.end(), part.region.begin(), part.region.end());
+  }
+  return out;
+}
 
 sim::space::Mesh ball_mesh(const std::vector<double>& radius, int cells, sim::space::Cell cell) {
   const double cube = 0.5 * radius.front();  // edge of the cube in the middle
@@ -58,7 +101,7 @@ sim::space::Mesh ball_mesh(const std::vector<double>& radius, int cells, sim::sp
       });
     }
   }
-  return sim::space::join_meshes(parts, 1e-7 * radius.front());
+  return join_meshes(parts, 1e-7 * radius.front());
 }
 
 std::vector<std::pair<int, double>> ball_potentials(const sim::space::Mesh& mesh, double outer,
@@ -120,7 +163,7 @@ sim::space::Problem solenoid(double radius, double length, double turns, int cel
       });
     }
   sim::space::Problem problem;
-  problem.mesh = sim::space::join_meshes(parts, 1e-6 * radius);
+  problem.mesh = join_meshes(parts, 1e-6 * radius);
   problem.media = {sim::space::air()};
   problem.windings = {[=](const Vec3& p) -> Vec3 {
     return {0, 0, std::hypot(p[0], p[1]) < radius && p[2] < half ? turns / length : 0.0};

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <numbers>
 #include <vector>
 
 #include "sim/magnetics/space/problem.h"
@@ -7,6 +8,14 @@
 /// Problems with exact solutions, for the tests and the table of errors.
 
 namespace powbench::bench {
+
+/// A linear medium of this relative permeability.
+inline sim::space::Medium linear_medium(double relative_permeability) {
+  return {4e-7 * std::numbers::pi * relative_permeability, nullptr, 0, 1};
+}
+
+/// One mesh of parts with the same kind of cell: nodes closer than `tolerance`, m, become one.
+sim::space::Mesh join_meshes(const std::vector<sim::space::Mesh>& parts, double tolerance);
 
 /// An eighth of concentric shells with the radii radius[0] < radius[1] < ..., region k between radius[k-1] and
 /// radius[k], in a field that is uniform far away and along z: z = 0 has potential 0. `cells` along each edge of the

@@ -53,7 +53,7 @@ void balls(Table& table) {
   };
   for (const double mu : {10.0, 1000.0, 1e5})
     one("ball, mu " + nlohmann::json(mu).dump() + ", B inside", {1, 4},
-        {sim::space::linear_medium(mu), sim::space::air()}, 1, (mu - 1) / (mu + 2), 3 * mu / (mu + 2));
+        {powbench::bench::linear_medium(mu), sim::space::air()}, 1, (mu - 1) / (mu + 2), 3 * mu / (mu + 2));
   for (const double b0 : {0.5, 2.0}) {
     const auto steel = sim::builtin_steel("team20");
     const double exact = bench::ball_field(steel, b0);
@@ -63,7 +63,8 @@ void balls(Table& table) {
   for (const double mu : {10.0, 1000.0}) {
     const auto exact = bench::shell_exact(mu, 1, 1.2);
     one("shell, mu " + nlohmann::json(mu).dump() + ", B in the cavity", {1, 1.2, 4},
-        {sim::space::air(), sim::space::linear_medium(mu), sim::space::air()}, 1, exact.dipole, exact.cavity);
+        {sim::space::air(), powbench::bench::linear_medium(mu), sim::space::air()}, 1, exact.dipole,
+        exact.cavity);
   }
 }
 

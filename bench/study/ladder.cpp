@@ -13,6 +13,7 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
+#include "bench/study/estimate_coverage.h"
 #include "core/cpu_time.h"
 #include "core/units.h"
 #include "host/export/ladder_svg.h"
@@ -75,7 +76,8 @@ Json ladder_table(const sim::Ladder& ladder, const std::vector<sim::Rung>& rungs
   return list;
 }
 
-Json coverage_table(const std::vector<sim::Coverage>& all, const std::vector<sim::Rung>& rungs, int scenes) {
+Json coverage_table(const std::vector<powbench::bench::Coverage>& all, const std::vector<sim::Rung>& rungs,
+                    int scenes) {
   std::printf("\nDoes the estimate cover the error? %d random scenes; must 85 .. 98 %%\n", scenes);
   std::printf(
       "rung             setting   CPU ms   covered %%: touch    seat  settled   all   "
@@ -167,15 +169,16 @@ int main(int argc, char** argv) {
 
   options.repeats = 1;
   options.tolerances = {1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8};
-  const auto cases = sim::random_scenes({}, scenes, 23);
-  const Json covered = coverage_table(
-      sim::estimator_coverage(rungs, cases, options, powbench::thread_cpu_seconds), rungs, scenes);
+  const auto cases = powbench::bench::random_scenes({}, scenes, 23);
+  const Json covered =
+      coverage_table(powbench::bench::estimator_coverage(rungs, cases, options, powbench::thread_cpu_seconds),
+                     rungs, scenes);
   const auto slow = dear_rungs(dear);
-  const auto few = sim::random_scenes({}, dear, 29);
+  const auto few = powbench::bench::random_scenes({}, dear, 29);
   Json covered_dear = Json::array();
   if (dear > 0)
-    covered_dear =
-        coverage_table(sim::estimator_coverage(slow, few, options, powbench::thread_cpu_seconds), slow, dear);
+    covered_dear = coverage_table(
+        powbench::bench::estimator_coverage(slow, few, options, powbench::thread_cpu_seconds), slow, dear);
   // the estimate speaks of one physics: it cannot choose between fields
   rungs.resize(same_physics);
   const Json chosen = choice_table(rungs, cases, options.duration);

@@ -70,14 +70,6 @@ struct RigidParts {
   GivenPull pull;
 };
 
-/// The closing that the speed of integrators is judged by: 17 degrees of freedom, three main and two auxiliary
-/// bridges of slightly different gaps, four base modes of 0.8 .. 4.8 kHz, 24 contacts with Hunt-Crossley damping,
-/// k = 1e8 (pole faces 1e9) times `stiffness`.
-RigidParts reference_closing(double stiffness = 1, double damping = 1);
-
-/// The same parts without any loss: no damping in contacts, springs and modes, no friction.
-RigidParts without_losses(RigidParts);
-
 /// Throws std::invalid_argument with one sentence for the first value that no contactor can have: key, value,
 /// allowed range.
 void require_valid(const RigidParts&);

@@ -5,9 +5,6 @@
 #include <limits>
 #include <stdexcept>
 
-#include "core/random.h"
-#include "core/units.h"
-
 namespace powbench::sim {
 namespace {
 
@@ -176,59 +173,6 @@ RungChoice choose_rung(std::span<const Rung> rungs, const Case& c, double accura
     }
   }
   return best;
-}
-
-std::vector<Case> random_scenes(const Specimen& specimen, int count, std::uint64_t seed) {
-  Random random(seed);
-  std::vector<Case> scenes;
-  for (int k = 0; k < count; ++k) {
-    Case c{specimen, {}};
-    c.conditions.closing_angle = 2 * pi * random.uniform();
-    c.conditions.supply_volts = 230 * (0.85 + 0.25 * random.uniform());
-    c.conditions.ambient = zero_celsius - 5 + 65 * random.uniform();
-    scenes.push_back(c);
-  }
-  return scenes;
-}
-
-double Coverage::share() const {
-  int in = 0;
-  int all = 0;
-  for (std::size_t q = 0; q < covered.size(); ++q) {
-    in += covered[q];
-    all += happened[q];
-  }
-  return all == 0 ? nan : static_cast<double>(in) / all;
-}
-
-std::vector<Coverage> estimator_coverage(std::span<const Rung> rungs, std::span<const Case> scenes,
-                                         const LadderOptions& o, const CpuClock& clock) {
-  check(rungs, o);
-  std::vector<Coverage> result;
-  for (std::size_t r = 0; r < rungs.size(); ++r) {
-    std::vector<Coverage> part;
-    for (const auto& scene : scenes) {
-      auto rows = rows_of(rungs, r, o, running(rungs, scene, o.duration, clock))->rows;
-      // the estimate of the last of a rung's own settings is made with the truth itself: it would always cover
-      if (!rungs[r].settings.empty()) rows.pop_back();
-      part.resize(rows.size());
-      for (std::size_t k = 0; k < rows.size(); ++k) {
-        auto& c = part[k];
-        c.rung = r;
-        c.tolerance = rows[k].run.tolerance;
-        c.cpu += rows[k].run.cpu / static_cast<double>(scenes.size());
-        for (std::size_t q = 0; q < c.covered.size(); ++q) {
-          const double error = rows[k].error[q];
-          if (std::isnan(error)) continue;
-          ++c.happened[q];
-          c.covered[q] += error <= rows[k].estimate[q];
-          c.worst_error[q] = std::max(c.worst_error[q], error);
-        }
-      }
-    }
-    result.insert(result.end(), part.begin(), part.end());
-  }
-  return result;
 }
 
 }  // namespace powbench::sim

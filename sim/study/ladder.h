@@ -103,20 +103,4 @@ struct RungChoice {
 RungChoice choose_rung(std::span<const Rung>, const Case&, double accuracy, double duration, const CpuClock&,
                        double coarsest = 1e-4, double finest = 1e-11);
 
-/// Seeded scenes for the calibration: any angle, 0.85 .. 1.1 of 230 V, coil at -5 .. 60 degC.
-std::vector<Case> random_scenes(const Specimen&, int count, std::uint64_t seed);
-
-/// Does the estimate cover the true error? One rung at one tolerance over many scenes.
-struct Coverage {
-  std::size_t rung = 0;
-  double tolerance = 0;
-  std::array<int, 3> happened{};        ///< scenes that have the time
-  std::array<int, 3> covered{};         ///< of those, error <= estimate
-  std::array<double, 3> worst_error{};  ///< s
-  double cpu = 0;                       ///< s, mean
-  double share() const;                 ///< covered of all that happened, three quantities together
-};
-std::vector<Coverage> estimator_coverage(std::span<const Rung>, std::span<const Case>, const LadderOptions&,
-                                         const CpuClock&);
-
 }  // namespace powbench::sim

@@ -23,7 +23,7 @@ Bench& armed(Bench& b) {
 
 double edge_error_deg(const Bench& b, const firmware::GateEdge& edge, CentiDegrees wanted) {
   const double sample = static_cast<double>(edge.at.sample) + edge.at.fraction / 65536.0;
-  return degrees(wrap_half_turn(b.phase_at(sample) - from_centi_degrees(wanted)));
+  return degrees(wrap_half_turn(b.phase_at(sample) - radians(wanted / 100.0)));
 }
 
 }  // namespace

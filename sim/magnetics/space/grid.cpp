@@ -1,10 +1,8 @@
 #include "sim/magnetics/space/grid.h"
 
 #include <algorithm>
-#include <array>
 #include <cassert>
 #include <cmath>
-#include <map>
 #include <stdexcept>
 #include <string>
 
@@ -105,46 +103,6 @@ Mesh grid_mesh(const std::vector<double>& x, const std::vector<double>& y, const
 
 void map_nodes(Mesh& mesh, const std::function<Vec3(const Vec3&)>& map) {
   for (auto& n : mesh.nodes) n = map(n);
-}
-
-Mesh join_meshes(const std::vector<Mesh>& parts, double tolerance) {
-  Mesh out;
-  std::map<std::array<long long, 3>, std::vector<int>> buckets;  // cubes of ten tolerances
-  const auto bucket = [&](const Vec3& p) {
-    std::array<long long, 3> key;
-    for (int r = 0; r < 3; ++r) key[r] = std::llround(p[r] / (10 * tolerance));
-    return key;
-  };
-  const auto find = [&](const Vec3& p) {
-    const auto centre = bucket(p);
-    for (int k = 0; k < 27; ++k) {
-      const auto found =
-          buckets.find({centre[0] + k % 3 - 1, centre[1] + k / 3 % 3 - 1, centre[2] + k / 9 - 1});
-      if (found == buckets.end()) continue;
-      for (const int n : found->second) {
-        const auto& q = out.nodes[static_cast<std::size_t>(n)];
-        if (std::hypot(p[0] - q[0], p[1] - q[1], p[2] - q[2]) < tolerance) return n;
-      }
-    }
-    return -1;
-  };
-  for (const auto& part : parts) {
-    assert(part.cell == parts.front().cell);
-    out.cell = part.cell;
-    std::vector<int> index;
-    for (const auto& p : part.nodes) {
-      int n = find(p);
-      if (n < 0) {
-        n = static_cast<int>(out.nodes.size());
-        out.nodes.push_back(p);
-        buckets[bucket(p)].push_back(n);
-      }
-      index.push_back(n);
-    }
-    for (const int n : part.cells) out.cells.push_back(index[static_cast<std::size_t>(n)]);
-    out.region.insert(out.region.end(), part.region.begin(), part.region.end());
-  }
-  return out;
 }
 
 }  // namespace powbench::sim::space

@@ -28,7 +28,4 @@ Mesh grid_mesh(const std::vector<double>& x, const std::vector<double>& y, const
 /// Moves every node.
 void map_nodes(Mesh&, const std::function<Vec3(const Vec3&)>&);
 
-/// One mesh of parts with the same kind of cell: nodes closer than `tolerance`, m, become one.
-Mesh join_meshes(const std::vector<Mesh>& parts, double tolerance);
-
 }  // namespace powbench::sim::space

@@ -18,13 +18,6 @@ Medium air() {
   return {mu0, nullptr, 0, 1};
 }
 
-Medium linear_medium(double relative_permeability) {
-  if (!(relative_permeability >= 1) || !std::isfinite(relative_permeability))
-    throw std::invalid_argument("medium: relative permeability " + std::to_string(relative_permeability) +
-                                ", allowed from 1");
-  return {mu0 * relative_permeability, nullptr, 0, 1};
-}
-
 Medium solid(const Steel& steel) {
   return {0, std::make_shared<const Steel>(steel), 0, 1};
 }

@@ -20,7 +20,6 @@ struct Medium {
 };
 
 Medium air();
-Medium linear_medium(double relative_permeability);
 Medium solid(const Steel&);
 
 /// Laminations with normal `axis` and this share of iron in (0, 1]. Along the sheets Steel::stacked; across them the

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdio>
 
+#include "bench/mechanics/reference_closing.h"
 #include "core/units.h"
 #include "sim/mechanics/bounce_study.h"
 #include "sim/models/rigid_closing.h"
@@ -19,7 +20,7 @@ BounceRun contactor(double stiffness, double end) {
     o.tolerance = tolerance;
     o.ledger = false;
     o.end = end;
-    return run_rigid(varied(reference_closing(stiffness), factor), {}, o).events;
+    return run_rigid(varied(powbench::bench::reference_closing(stiffness), factor), {}, o).events;
   };
 }
 

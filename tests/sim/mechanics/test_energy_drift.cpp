@@ -6,6 +6,7 @@
 #include <memory>
 
 #include "bench/mechanics/chain.h"
+#include "bench/mechanics/reference_closing.h"
 #include "sim/mechanics/rigid_contactor.h"
 
 namespace {
@@ -19,7 +20,7 @@ struct Drift {
 };
 
 Drift drift(double tolerance, long steps) {
-  Contactor c(without_losses(reference_closing()), {}, true);
+  Contactor c(powbench::bench::without_losses(powbench::bench::reference_closing()), {}, true);
   alignas(64) double y[EventSolver<Contactor>::capacity] = {};
   c.equilibrium(y);
   c.mark_energy(y);
@@ -80,7 +81,7 @@ TEST_CASE("undamped contactor: residual below 1e-9 over a million steps", "[mech
 
 TEST_CASE("a touch costs no energy, although the step that found it went beyond", "[mechanics]") {
   // taken from the dense output, each touch of the reference closing costs about 1e-9 J at this tolerance
-  Contactor c(reference_closing(), {}, true);
+  Contactor c(powbench::bench::reference_closing(), {}, true);
   alignas(64) double y[EventSolver<Contactor>::capacity] = {};
   c.equilibrium(y);
   const auto solver = std::make_unique<EventSolver<Contactor>>(c, 1e-8, 1e-3);
@@ -108,7 +109,7 @@ TEST_CASE("a touch costs no energy, although the step that found it went beyond"
 }
 
 TEST_CASE("one guard alone has the value and the rate that it has among all", "[mechanics]") {
-  Contactor c(reference_closing(), {}, true);
+  Contactor c(powbench::bench::reference_closing(), {}, true);
   alignas(64) double y[EventSolver<Contactor>::capacity] = {};
   c.equilibrium(y);
   const auto solver = std::make_unique<EventSolver<Contactor>>(c, 1e-8, 1e-3);

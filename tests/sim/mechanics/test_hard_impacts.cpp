@@ -6,6 +6,7 @@
 #include <cstdio>
 
 #include "bench/mechanics/chain.h"
+#include "bench/mechanics/reference_closing.h"
 #include "sim/mechanics/bounce_error.h"
 #include "sim/models/rigid_run.h"
 
@@ -94,8 +95,8 @@ std::vector<RigidEvent> close(const RigidParts& parts, double tolerance) {
 }  // namespace
 
 TEST_CASE("condition of the reference closing by a twin run", "[mechanics]") {
-  const auto base = close(reference_closing(), 1e-11);
-  auto changed = reference_closing();
+  const auto base = close(powbench::bench::reference_closing(), 1e-11);
+  auto changed = powbench::bench::reference_closing();
   changed.core_mass *= 1 + 1e-8;
   const auto c = bounce_condition(close(changed, 1e-11), base, 1e-8, 0.06);
   std::printf("  condition: %.4f s of event time per unit of relative mass\n", c.per_input);
@@ -106,8 +107,8 @@ TEST_CASE("condition of the reference closing by a twin run", "[mechanics]") {
 
 TEST_CASE("k = 1e10: the run ends, but its bounces are not computable and the numbers say so",
           "[mechanics]") {
-  const auto base = close(reference_closing(100), 1e-8);
-  auto changed = reference_closing(100);
+  const auto base = close(powbench::bench::reference_closing(100), 1e-8);
+  auto changed = powbench::bench::reference_closing(100);
   changed.core_mass *= 1 + 1e-8;
   const auto twin = close(changed, 1e-8);
   const auto e = bounce_error(twin, base, 0.06);

@@ -6,6 +6,7 @@
 #include <cstdio>
 #include <cstring>
 
+#include "bench/mechanics/reference_closing.h"
 #include "sim/mechanics/canonical_order.h"
 #include "sim/models/rigid_run.h"
 
@@ -58,7 +59,7 @@ void check_equal(const RigidRun& a, const RigidRun& b, const Order& order) {
 }  // namespace
 
 TEST_CASE("bridges and modes in any order: equal bits of every event", "[mechanics]") {
-  const auto parts = reference_closing();
+  const auto parts = powbench::bench::reference_closing();
   RigidOptions o;
   o.tolerance = 1e-7;
   const auto base = run_rigid(parts, {}, o);
@@ -73,10 +74,10 @@ TEST_CASE("bridges and modes in any order: equal bits of every event", "[mechani
 
 TEST_CASE("equal bits also where forces jump, the core rubs and the sequence is not computable",
           "[mechanics]") {
-  auto jumping = reference_closing();
+  auto jumping = powbench::bench::reference_closing();
   jumping.pad = {1e8, 1.5, DampingForm::linear, 50, 0};
   jumping.core_friction = 0.5;
-  auto chaotic = reference_closing(100);
+  auto chaotic = powbench::bench::reference_closing(100);
   const Order order{3, 1, 4, 0, 2};
   for (const auto& parts : {jumping, chaotic}) {
     RigidOptions o;
@@ -87,7 +88,7 @@ TEST_CASE("equal bits also where forces jump, the core rubs and the sequence is 
 }
 
 TEST_CASE("canonical order: by position first, ties by the other numbers and shapes", "[mechanics]") {
-  auto parts = reference_closing();
+  auto parts = powbench::bench::reference_closing();
   parts.bridges[3] = parts.bridges[1];  // exchangeable but for the shapes of the modes
   const auto a = in_canonical_order(parts);
   for (std::size_t j = 1; j < 5; ++j) CHECK(a.parts.bridges[j - 1].position <= a.parts.bridges[j].position);
@@ -102,7 +103,7 @@ TEST_CASE("canonical order: by position first, ties by the other numbers and sha
 }
 
 TEST_CASE("modes have one order: by their numbers and where those are equal by their shapes", "[mechanics]") {
-  auto parts = reference_closing();
+  auto parts = powbench::bench::reference_closing();
   for (int end = 0; end < 2; ++end)  // one shape, two frequencies
     for (std::size_t j = 0; j < 5; ++j) parts.modes[1].shape[j][end] = parts.modes[0].shape[j][end];
   parts.modes[3].hertz = parts.modes[2].hertz;  // one frequency, two shapes

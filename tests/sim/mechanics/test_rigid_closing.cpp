@@ -7,6 +7,7 @@
 #include <cstring>
 #include <memory>
 
+#include "bench/mechanics/reference_closing.h"
 #include "sim/mechanics/bounce_error.h"
 
 namespace {
@@ -32,7 +33,7 @@ std::vector<RigidEvent> close(const RigidParts& parts, double tolerance, double 
 }  // namespace
 
 TEST_CASE("the closing starts from static equilibrium", "[mechanics]") {
-  Contactor c(reference_closing());
+  Contactor c(powbench::bench::reference_closing());
   State s;
   const double left = c.equilibrium(s.y);
   std::printf("  largest acceleration at t = 0: %.1e m/s2\n", left);
@@ -45,13 +46,13 @@ TEST_CASE("the closing starts from static equilibrium", "[mechanics]") {
 }
 
 TEST_CASE("all 170 bounces of the reference closing, each within 3e-8 s", "[mechanics]") {
-  RigidContactor<long double> exact(reference_closing());
+  RigidContactor<long double> exact(powbench::bench::reference_closing());
   alignas(64) long double y[EventSolver<RigidContactor<long double>>::capacity] = {};
   exact.equilibrium(y);
   EventSolver<RigidContactor<long double>> solver(exact, 1e-12L, 1e-3L);
   solver.restart(0, y, 1e-6L);
   while (solver.end() < 0.06L) REQUIRE(solver.extend());
-  const auto events = close(reference_closing(), 1e-9);
+  const auto events = close(powbench::bench::reference_closing(), 1e-9);
   const auto e = bounce_error(events, exact.events(), 0.06);
   std::printf("  %d of %d events, largest dt %.1e s, contact states differ for %.1e s\n", e.matched,
               e.reference, e.largest_dt, e.distance);
@@ -69,7 +70,7 @@ TEST_CASE("all 170 bounces of the reference closing, each within 3e-8 s", "[mech
 }
 
 TEST_CASE("a restart from a snapshot continues bit for bit", "[mechanics]") {
-  Contactor c(reference_closing());
+  Contactor c(powbench::bench::reference_closing());
   State s;
   c.equilibrium(s.y);
   Solver solver(c, 1e-7, 1e-3);
@@ -90,7 +91,7 @@ TEST_CASE("a restart from a snapshot continues bit for bit", "[mechanics]") {
 }
 
 TEST_CASE("six pads that touch at once flip in one event", "[mechanics]") {
-  auto parts = reference_closing();
+  auto parts = powbench::bench::reference_closing();
   parts.bridges.resize(3);
   parts.modes.clear();
   for (auto& b : parts.bridges) {
@@ -110,7 +111,7 @@ TEST_CASE("six pads that touch at once flip in one event", "[mechanics]") {
 }
 
 TEST_CASE("a level bridge does not spin, a tilted one is turned back", "[mechanics]") {
-  auto parts = reference_closing();
+  auto parts = powbench::bench::reference_closing();
   parts.bridges = {parts.bridges[1]};
   parts.bridges[0].gap[0] = parts.bridges[0].gap[1] = 3e-3;
   parts.modes.clear();
@@ -131,7 +132,7 @@ TEST_CASE("a level bridge does not spin, a tilted one is turned back", "[mechani
 
 TEST_CASE("impossible parts are refused with key, value and range", "[mechanics]") {
   const auto refuses = [](auto change, const char* words) {
-    auto p = reference_closing();
+    auto p = powbench::bench::reference_closing();
     change(p);
     CHECK_THROWS_WITH(Contactor(p), Catch::Contains(words));
   };

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdio>
 
+#include "bench/mechanics/reference_closing.h"
 #include "sim/models/rigid_closing.h"
 #include "tests/sim/mechanics/gap_inductance.h"
 
@@ -14,7 +15,7 @@ TEST_CASE("the ledger of the reference closing", "[mechanics]") {
   for (const double tolerance : {1e-8, 1e-10}) {
     RigidOptions o;
     o.tolerance = tolerance;
-    const auto run = run_rigid(reference_closing(), {}, o);
+    const auto run = run_rigid(powbench::bench::reference_closing(), {}, o);
     REQUIRE(run.completed);
     std::printf("  closing at %.0e: energy residual %.1e\n", tolerance, run.energy_residual);
     CHECK(run.energy_residual < (tolerance < 1e-9 ? 1e-9 : 1e-7));
@@ -28,19 +29,20 @@ TEST_CASE("a ledger that passes its bound stops the run with a dump", "[mechanic
   RigidOptions o;
   o.tolerance = 1e-3;
   o.energy_bound = 1e-12;
-  const auto run = run_rigid(reference_closing(), {}, o);
+  const auto run = run_rigid(powbench::bench::reference_closing(), {}, o);
   CHECK_FALSE(run.completed);
   CHECK(run.reached < 0.06);
   CHECK_THAT(run.dump, Catch::Contains("energy ledger does not close") && Catch::Contains("y[33]") &&
                            Catch::Contains("contact 0: depth"));
   o.tolerance = 1;
-  CHECK_THROWS_WITH(run_rigid(reference_closing(), {}, o), Catch::Contains("tolerance = 1, allowed"));
+  CHECK_THROWS_WITH(run_rigid(powbench::bench::reference_closing(), {}, o),
+                    Catch::Contains("tolerance = 1, allowed"));
 }
 
 TEST_CASE("the six stages of the reference closing", "[mechanics]") {
   RigidOptions o;
   o.ledger = false;
-  const auto run = run_rigid(reference_closing(), {}, o);
+  const auto run = run_rigid(powbench::bench::reference_closing(), {}, o);
   REQUIRE(run.stages.size() == 6);
   for (const auto& s : run.stages)
     std::printf("  %-10s from %8.3f ms\n", std::string(stage_name(s.stage)).c_str(), s.begin * 1e3);
@@ -60,7 +62,7 @@ TEST_CASE("coil and magnetics in the same state vector: the ledger closes over s
   drive.supply.mains.volts = 230;
   RigidOptions o;
   o.tolerance = 1e-9;
-  const auto run = run_rigid(reference_closing(), drive, o);
+  const auto run = run_rigid(powbench::bench::reference_closing(), drive, o);
   REQUIRE(run.completed);
   std::printf("  with a coil: supplied %.4f J, residual %.1e, %zu events\n", run.energies.supplied,
               run.energy_residual, run.events.size());
@@ -77,7 +79,7 @@ TEST_CASE("every contact law closes its ledger", "[mechanics]") {
       {1e8, 1.5, DampingForm::linear, 50, 0},       {5e5, 1, DampingForm::linear, 20, 0},
       {1e10, 2, DampingForm::hunt_crossley, 0.6, 0}};
   for (const auto& law : laws) {
-    auto parts = reference_closing();
+    auto parts = powbench::bench::reference_closing();
     parts.pad = law;
     RigidOptions o;
     o.tolerance = 1e-9;
@@ -91,7 +93,7 @@ TEST_CASE("every contact law closes its ledger", "[mechanics]") {
 }
 
 TEST_CASE("core friction sticks without creep and slides with its exact loss", "[mechanics]") {
-  auto parts = reference_closing();
+  auto parts = powbench::bench::reference_closing();
   parts.core_friction = 0.5;
   RigidOptions o;
   o.tolerance = 1e-9;

@@ -9,6 +9,7 @@
 #include <memory>
 #include <thread>
 
+#include "bench/mechanics/reference_closing.h"
 #include "tests/sim/mechanics/gap_inductance.h"
 
 namespace {
@@ -19,7 +20,7 @@ using Solver = EventSolver<Contactor>;
 
 /// A core alone that flies with a constant pull against a static core that does not move.
 RigidParts core_alone(const ContactLaw& pole) {
-  auto p = reference_closing();
+  auto p = powbench::bench::reference_closing();
   p.bridges.clear();
   p.modes.clear();
   p.static_mass = 1e15;
@@ -130,7 +131,7 @@ TEST_CASE("force that jumps at the touch: it ends at F = 0 with a dent, and only
 }
 
 TEST_CASE("uneven bridges tilt the core, mirrored ones do not: not by one bit", "[mechanics]") {
-  auto even = reference_closing();
+  auto even = powbench::bench::reference_closing();
   even.modes.clear();
   for (auto& b : even.bridges) b.gap[0] = b.gap[1] = std::fabs(b.position) > 20e-3 ? 2.2e-3 : 3e-3;
   const auto poles = [](const RigidParts& p) {
@@ -186,7 +187,7 @@ void check_restart(const RigidParts& parts, const CoilDrive& drive, double when,
 
 TEST_CASE("restart at any time of the closing: dents, friction, coil and ledger go on bit for bit",
           "[mechanics]") {
-  auto rubbing = reference_closing();
+  auto rubbing = powbench::bench::reference_closing();
   rubbing.pad = {1e8, 1.5, DampingForm::linear, 50, 0};
   rubbing.core_friction = 0.5;
   GapInductance potential;
@@ -195,7 +196,7 @@ TEST_CASE("restart at any time of the closing: dents, friction, coil and ledger 
   coil.resistance = 60;
   for (int k = 1; k <= 12; ++k) {
     check_restart(rubbing, {}, 24e-3 + 0.7e-3 * k, 1e-7);
-    check_restart(reference_closing(), coil, 1.5e-3 * k, 1e-7);
+    check_restart(powbench::bench::reference_closing(), coil, 1.5e-3 * k, 1e-7);
   }
 }
 
@@ -203,11 +204,11 @@ TEST_CASE("closings side by side in two threads have the bits of one alone", "[m
   RigidOptions o;
   o.tolerance = 1e-7;
   o.end = 0.035;
-  const auto alone = run_rigid(reference_closing(100), {}, o);
+  const auto alone = run_rigid(powbench::bench::reference_closing(100), {}, o);
   std::array<RigidRun, 2> both;
   std::array<std::thread, 2> threads;
   for (std::size_t k = 0; k < 2; ++k)
-    threads[k] = std::thread([&, k] { both[k] = run_rigid(reference_closing(100), {}, o); });
+    threads[k] = std::thread([&, k] { both[k] = run_rigid(powbench::bench::reference_closing(100), {}, o); });
   for (auto& t : threads) t.join();
   for (const auto& run : both) {
     REQUIRE(run.events.size() == alone.events.size());
@@ -218,7 +219,7 @@ TEST_CASE("closings side by side in two threads have the bits of one alone", "[m
 
 TEST_CASE("options and parts out of range: one sentence with key, value and range", "[mechanics]") {
   const auto refuses = [](auto change, const char* words) {
-    auto p = reference_closing();
+    auto p = powbench::bench::reference_closing();
     RigidOptions o;
     change(p, o);
     CHECK_THROWS_WITH(run_rigid(p, {}, o), Catch::Contains(words));

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdio>
 
+#include "bench/mechanics/reference_closing.h"
 #include "bench/mechanics/smooth.h"
 #include "sim/mechanics/bounce_error.h"
 #include "sim/mechanics/stiff_solver.h"
@@ -40,7 +41,7 @@ TEST_CASE("the Rosenbrock method keeps its tolerance on a stiff equation with a 
 
 TEST_CASE("seats so damped that the settled phase is stiff: same events, a fraction of the work",
           "[mechanics]") {
-  auto parts = reference_closing();
+  auto parts = powbench::bench::reference_closing();
   parts.seat = {5e5, 1, DampingForm::linear, 2e4, 0};
   RigidOptions o;
   o.tolerance = 1e-7;
@@ -65,6 +66,6 @@ TEST_CASE("seats so damped that the settled phase is stiff: same events, a fract
 TEST_CASE("the reference closing never needs the fall-back", "[mechanics]") {
   RigidOptions o;
   o.ledger = false;
-  const auto run = run_rigid(reference_closing(), {}, o);
+  const auto run = run_rigid(powbench::bench::reference_closing(), {}, o);
   CHECK(run.stiff_steps == 0);
 }

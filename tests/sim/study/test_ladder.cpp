@@ -5,6 +5,7 @@
 #include <memory>
 #include <stdexcept>
 
+#include "bench/study/estimate_coverage.h"
 #include "core/units.h"
 #include "sim/models/mechanics.h"
 #include "sim/specimen/specimen_potential.h"
@@ -145,8 +146,8 @@ TEST_CASE("a coil that does not pull in has no times and no error", "[ladder]") 
 }
 
 TEST_CASE("the estimate covers the error in most of some random scenes, and scenes repeat", "[ladder]") {
-  const auto scenes = random_scenes({}, 25, 3);
-  const auto again = random_scenes({}, 25, 3);
+  const auto scenes = powbench::bench::random_scenes({}, 25, 3);
+  const auto again = powbench::bench::random_scenes({}, 25, 3);
   for (std::size_t k = 0; k < scenes.size(); ++k) {
     CHECK(scenes[k].conditions.closing_angle == again[k].conditions.closing_angle);
     CHECK((scenes[k].conditions.supply_volts >= 195.5 && scenes[k].conditions.supply_volts <= 253));
@@ -157,7 +158,7 @@ TEST_CASE("the estimate covers the error in most of some random scenes, and scen
   o.repeats = 1;
   int happened = 0;
   double covered = 0;
-  for (const auto& c : estimator_coverage(closing_rungs(), scenes, o, no_clock)) {
+  for (const auto& c : powbench::bench::estimator_coverage(closing_rungs(), scenes, o, no_clock)) {
     for (const int n : c.happened) happened += n;
     for (const int n : c.covered) covered += n;
   }

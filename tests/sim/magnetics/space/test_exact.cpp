@@ -39,7 +39,7 @@ double ball_solution(const std::vector<double>& radius, std::vector<sim::space::
 TEST_CASE("A ball of any permeability holds 3 mu / (mu + 2) of the field around it") {
   for (const double mu : {10.0, 100.0, 1000.0, 10000.0}) {
     CAPTURE(mu);
-    const double b = ball_solution({1, 4}, {sim::space::linear_medium(mu), sim::space::air()}, 1,
+    const double b = ball_solution({1, 4}, {powbench::bench::linear_medium(mu), sim::space::air()}, 1,
                                    (mu - 1) / (mu + 2), {0.2, 0.15, 0.3}, 3);
     CHECK(b == Approx(3 * mu / (mu + 2)).epsilon(1e-3));
   }
@@ -65,8 +65,8 @@ TEST_CASE("A permeable shell keeps the field from its cavity") {
   for (const double mu : {10.0, 1000.0}) {
     const auto exact = bench::shell_exact(mu, 1, 1.2);
     const double b =
-        ball_solution({1, 1.2, 4}, {sim::space::air(), sim::space::linear_medium(mu), sim::space::air()}, 1,
-                      exact.dipole, {0.2, 0.15, 0.3}, 3);
+        ball_solution({1, 1.2, 4}, {sim::space::air(), powbench::bench::linear_medium(mu), sim::space::air()},
+                      1, exact.dipole, {0.2, 0.15, 0.3}, 3);
     CAPTURE(mu, exact.cavity);
     CHECK(b == Approx(exact.cavity).epsilon(5e-3));
   }

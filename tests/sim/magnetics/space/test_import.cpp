@@ -2,6 +2,7 @@
 #include <cmath>
 #include <string>
 
+#include "bench/space/exact.h"
 #include "sim/magnetics/space/grid.h"
 #include "sim/magnetics/space/import.h"
 #include "sim/magnetics/space/newton.h"
@@ -58,7 +59,7 @@ sim::space::Mesh tetrahedra(const sim::space::Mesh& cubes) {
 double flux_of(const sim::space::Mesh& mesh) {
   sim::space::Problem p;
   p.mesh = mesh;
-  p.media = {sim::space::linear_medium(50), sim::space::air()};
+  p.media = {powbench::bench::linear_medium(50), sim::space::air()};
   for (std::size_t n = 0; n < mesh.nodes.size(); ++n) {
     if (mesh.nodes[n][2] < 1e-9) p.fixed.emplace_back(static_cast<int>(n), 0.0);
     if (mesh.nodes[n][2] > 0.02 - 1e-9) p.fixed.emplace_back(static_cast<int>(n), -1000.0);

@@ -1,0 +1,64 @@
+#include "bench/study/estimate_coverage.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "core/random.h"
+#include "core/units.h"
+
+namespace powbench::bench {
+
+std::vector<sim::Case> random_scenes(const sim::Specimen& specimen, int count, std::uint64_t seed) {
+  Random random(seed);
+  std::vector<sim::Case> scenes;
+  for (int k = 0; k < count; ++k) {
+    sim::Case c{specimen, {}};
+    c.conditions.closing_angle = 2 * pi * random.uniform();
+    c.conditions.supply_volts = 230 * (0.85 + 0.25 * random.uniform());
+    c.conditions.ambient = zero_celsius - 5 + 65 * random.uniform();
+    scenes.push_back(c);
+  }
+  return scenes;
+}
+
+double Coverage::share() const {
+  int in = 0;
+  int all = 0;
+  for (std::size_t q = 0; q < covered.size(); ++q) {
+    in += covered[q];
+    all += happened[q];
+  }
+  return all == 0 ? std::numeric_limits<double>::quiet_NaN() : static_cast<double>(in) / all;
+}
+
+std::vector<Coverage> estimator_coverage(std::span<const sim::Rung> rungs, std::span<const sim::Case> scenes,
+                                         const sim::LadderOptions& o, const sim::CpuClock& clock) {
+  std::vector<Coverage> result;
+  for (std::size_t r = 0; r < rungs.size(); ++r) {
+    std::vector<Coverage> part;
+    for (const auto& scene : scenes) {
+      auto rows = run_ladder(rungs.subspan(r, 1), scene, o, clock).rows;
+      // the estimate of the last of a rung's own settings is made with the truth itself: it would always cover
+      if (!rungs[r].settings.empty()) rows.pop_back();
+      part.resize(rows.size());
+      for (std::size_t k = 0; k < rows.size(); ++k) {
+        auto& c = part[k];
+        c.rung = r;
+        c.tolerance = rows[k].run.tolerance;
+        c.cpu += rows[k].run.cpu / static_cast<double>(scenes.size());
+        for (std::size_t q = 0; q < c.covered.size(); ++q) {
+          const double error = rows[k].error[q];
+          if (std::isnan(error)) continue;
+          ++c.happened[q];
+          c.covered[q] += error <= rows[k].estimate[q];
+          c.worst_error[q] = std::max(c.worst_error[q], error);
+        }
+      }
+    }
+    result.insert(result.end(), part.begin(), part.end());
+  }
+  return result;
+}
+
+}  // namespace powbench::bench
