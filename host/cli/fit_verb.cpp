@@ -216,10 +216,10 @@ Exit fit_specimen(const FitArgs& args) {
   Progress progress("fit", per_fit * blind + per_full * (searches + (args.finish > 0 ? 1 : 0)),
                     progress_style(args.progress));
   auto saved = std::chrono::steady_clock::now();
-  const auto watch = [&](std::size_t fit, std::size_t fits, long used, long, double best,
+  const auto watch = [&](std::size_t fit, std::size_t fits, long used, long of, double best,
                          const FitState& now) {
     const std::size_t before = std::min(fit, blind) * per_fit + (fit - std::min(fit, blind)) * per_full;
-    progress.update(before + static_cast<std::size_t>(used),
+    progress.update(before + static_cast<std::size_t>(std::min(used, of)),  // the last generation may be more
                     fmt::format("search {} of {}, misfit {:.2f}", fit + 1, fits, best));
     const bool asked = StopOnSignal::asked();
     const auto t = std::chrono::steady_clock::now();

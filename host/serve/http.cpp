@@ -14,6 +14,7 @@
 #include <boost/beast/websocket.hpp>
 #include <optional>
 #include <set>
+#include <vector>
 
 #include "host/serve/page.h"
 
@@ -123,6 +124,7 @@ struct HttpServer::Impl {
   }
 
   void accept();
+  void leave_silent_visitor();
   void send_news();
   void close_all();
 
@@ -133,7 +135,8 @@ struct HttpServer::Impl {
   std::chrono::steady_clock::time_point last_record{};  ///< when one was sent
   bool pausing = false, state_stale = false, record_stale = false;
   const std::size_t most = places();
-  std::set<std::shared_ptr<Client>> clients, visitors;
+  std::set<std::shared_ptr<Client>> clients;
+  std::vector<std::shared_ptr<Client>> visitors;  ///< oldest first
   std::set<std::shared_ptr<Listener>> listeners;
   asio::thread_pool workers{2}, stopper{1};
 };
@@ -204,10 +207,14 @@ class HttpServer::Impl::Client : public std::enable_shared_from_this<Client> {
       : server_(server), stream_(std::move(socket)), visitor_(visitor) {}
 
   void begin() {
-    (visitor_ ? server_.visitors : server_.clients).insert(shared_from_this());
+    if (visitor_)
+      server_.visitors.push_back(shared_from_this());
+    else
+      server_.clients.insert(shared_from_this());
     read();
   }
   void close() { stream_.close(); }
+  bool silent() const { return !heard_; }
 
  private:
   void read() {
@@ -221,6 +228,7 @@ class HttpServer::Impl::Client : public std::enable_shared_from_this<Client> {
           e != http::error::end_of_stream && e != http::error::partial_message)
         return self->write(refusal(400, "this is no HTTP request"), true);
       if (e) return self->drop();
+      self->heard_ = true;
       self->act();
     });
   }
@@ -263,12 +271,16 @@ class HttpServer::Impl::Client : public std::enable_shared_from_this<Client> {
   void drop() {
     error_code ignored;
     stream_.socket().shutdown(tcp::socket::shutdown_send, ignored);
-    (visitor_ ? server_.visitors : server_.clients).erase(shared_from_this());
+    if (visitor_)
+      std::erase(server_.visitors, shared_from_this());
+    else
+      server_.clients.erase(shared_from_this());
   }
 
   Impl& server_;
   beast::tcp_stream stream_;
   const bool visitor_;
+  bool heard_ = false;  ///< a whole request came
   beast::flat_buffer buffer_{65'536};
   std::optional<http::request_parser<http::string_body>> parser_;
   std::optional<HttpReply> reply_;
@@ -278,6 +290,7 @@ void HttpServer::Impl::accept() {
   acceptor.async_accept([this](error_code e, tcp::socket socket) {
     if (e == asio::error::operation_aborted) return;
     const bool full = clients.size() + listeners.size() >= most;
+    if (!e && full && visitors.size() >= most_visitors) leave_silent_visitor();
     if (!e && !(full && visitors.size() >= most_visitors)) {
       error_code ignored;
       socket.set_option(tcp::no_delay(true), ignored);
@@ -285,6 +298,14 @@ void HttpServer::Impl::accept() {
     }
     accept();
   });
+}
+
+/// The oldest visitor of whom no request has come makes room: a stop says what it wants at once.
+void HttpServer::Impl::leave_silent_visitor() {
+  const auto oldest = std::ranges::find_if(visitors, [](const auto& v) { return v->silent(); });
+  if (oldest == visitors.end()) return;
+  (*oldest)->close();
+  visitors.erase(oldest);
 }
 
 /// What has changed, to those who want it; then a pause.
@@ -307,8 +328,8 @@ void HttpServer::Impl::send_news() {
 void HttpServer::Impl::close_all() {
   error_code ignored;
   acceptor.close(ignored);
-  for (auto all : {clients, visitors})
-    for (const auto& one : all) one->close();
+  for (const auto& one : std::set(clients)) one->close();
+  for (const auto& one : std::vector(visitors)) one->close();
   const auto l = listeners;
   for (const auto& one : l) one->close();
   io.stop();

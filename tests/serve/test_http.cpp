@@ -216,6 +216,18 @@ TEST_CASE("HTTP: a stop has a place when all connections are taken, and nothing 
   wait_until("a place to fall free", [&] { return s.ask("GET", "/a").result_int() == 200; });
 }
 
+TEST_CASE("HTTP: a stop has a place behind any number of connections that say nothing", "[serve]") {
+  std::optional<FileLimit> few(292);  // leaves a hundred connections, and 64 that may only stop
+  Server s;
+  few.reset();
+  std::vector<tcp::socket> sockets;
+  for (int i = 0; i < 220; ++i) sockets.push_back(s.connect());
+  for (int i = 0; i < 3; ++i) {
+    CHECK(s.ask("POST", "/api/stop").body() == "POST /api/stop 0 ");
+    for (int k = 0; k < 70; ++k) sockets.push_back(s.connect());
+  }
+}
+
 TEST_CASE("WebSocket: the newest state, and only to those who may", "[serve]") {
   Server s;
   namespace websocket = beast::websocket;
