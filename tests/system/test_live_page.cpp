@@ -186,7 +186,8 @@ TEST_CASE("live page: closing at touch, pause, two campaigns, PDF, exports", "[.
   press(tab, "tab-documents");
   tab.until("document.querySelectorAll('#campaigns tr').length === 3");
   tab.value("document.querySelector('#compare button[type=submit]').click()");
-  tab.until("/of 18 comparisons differ/.test(document.getElementById('pair-title').textContent)");
+  tab.until("/of " + std::to_string(2 * powbench::quantity_table.size()) +
+            " comparisons differ/.test(document.getElementById('pair-title').textContent)");
   tab.until(
       "/4 shots of the second campaign hold the records of the first, bit for bit: simulated with one seed, "
       "so "
