@@ -8,6 +8,7 @@
 #include "bench/study/bounce_rules.h"
 #include "bench/study/channel_fit.h"
 #include "core/units.h"
+#include "host/compare/student.h"
 #include "sim/study/bounce_calibration.h"
 
 namespace powbench::bench {
@@ -189,10 +190,11 @@ void judge(const Campaign& campaign, const Channels& channels, const std::vector
     const auto fit = sim::pooled_bounce(std::exp(own), f.calibration, h.angle);
     const Blend blend = blended(known, logs, h.angle, at_held_out), data = blended(known, {}, h.angle, 0);
     const Shot middle = middle_of(f.at_held_out, place);
+    const double side = host::coverage_factor(fit.freedom, 0.68) * fit.deviation;
     for (const auto& shot : h.shots) {
       const double at = log_bounce(shot), of_blend = miss(blend.log_bounce, shot);
       t[0].add(miss(std::log(fit.value), shot));
-      t[1].add(std::fabs(std::log(fit.value) - at) <= fit.deviation);
+      t[1].add(std::fabs(std::log(fit.value) - at) <= side);
       t[2].add(miss(own, shot));
       t[3].add(of_blend);
       t[4].add(std::fabs(blend.log_bounce - at) <= blend.deviation);

@@ -19,6 +19,7 @@
 #include "bench/study/synthetic_device.h"
 #include "core/cpu_time.h"
 #include "core/units.h"
+#include "host/compare/student.h"
 #include "host/study/held_out.h"
 #include "host/study/problem.h"
 #include "sim/models/closing.h"
@@ -113,8 +114,9 @@ double rank(const std::vector<double>& samples, double relative, double value, R
   return (below + random.uniform()) / static_cast<double>(samples.size() + 1);
 }
 
-double normal_below(double z) {
-  return 0.5 * std::erfc(-z / std::sqrt(2.0));
+/// Share of Student's distribution below `z`.
+double share_below(double z, double freedom) {
+  return 0.5 * (1 + std::copysign(host::student_probability(std::fabs(z), freedom), z));
 }
 
 Result judged(bench::Model model, std::uint64_t seed, int number) {
@@ -143,9 +145,10 @@ Result judged(bench::Model model, std::uint64_t seed, int number) {
   }
   result.of[0] = {hidden.touch.value, p.touch, rank(touch, granted.touch, hidden.touch.value, random)};
   result.of[1] = {hidden.seat.value, p.seat, rank(seat, granted.seat, hidden.seat.value, random)};
-  const double deviation = std::log(p.bounce.high / p.bounce.median);
+  const double freedom = posterior.bounce.closings - 1;
+  const double deviation = std::log(p.bounce.high / p.bounce.median) / host::coverage_factor(freedom, 0.68);
   result.of[2] = {hidden.bounce.value, p.bounce,
-                  normal_below(std::log(hidden.bounce.value / p.bounce.median) / deviation)};
+                  share_below(std::log(hidden.bounce.value / p.bounce.median) / deviation, freedom)};
   return result;
 }
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "host/compare/student.h"
 #include "sim/study/closings_in_lanes.h"
 
 namespace powbench::host {
@@ -82,7 +83,7 @@ Prediction predict(std::span<const sim::Specimen> list, const Conditions& condit
   if (!calibration) return p;
   const auto pooled = sim::pooled_bounce(p.bounce.median, *calibration, conditions.closing_angle);
   if (std::isfinite(pooled.deviation)) {
-    const double side = std::exp(pooled.deviation);
+    const double side = std::exp(coverage_factor(pooled.freedom, 0.68) * pooled.deviation);
     p.bounce = {pooled.value / side, pooled.value, pooled.value * side};
   }
   p.settled = sum(p.touch, p.bounce);

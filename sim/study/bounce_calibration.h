@@ -29,6 +29,7 @@ struct BounceCalibration {
   };
   std::vector<AtAngle> line{};
   double line_deviation = nan;  ///< of each measured bounce from the line between the other angles
+  int closings = 0;             ///< measured bounces behind the deviations; 0: not told
 };
 
 /// `simulated`: for each sample the bounce of each closing, s; NaN where it does not close. `measured`: of each
@@ -38,9 +39,11 @@ BounceCalibration calibrate_bounce(std::span<const std::vector<double>> simulate
                                    std::span<const double> measured, std::span<const double> angles = {});
 
 /// What the measured bounces alone say of another closing: the line between the neighbouring angles where there is
-/// one, linear in the angle and the logarithm, else the plain median. s, and its deviation of the logarithm.
+/// one, linear in the angle and the logarithm, else the plain median. s, and its deviation of the logarithm, which few
+/// bounces tell only roughly: with so many degrees of freedom, as many as bounces less one.
 struct PooledBounce {
   double value = 0, deviation = 0;
+  double freedom = std::numeric_limits<double>::infinity();
 };
 PooledBounce without_model(const BounceCalibration&, double angle);
 

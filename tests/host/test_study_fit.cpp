@@ -52,7 +52,7 @@ FitJob small_job() {
 
 bool same(const sim::BounceCalibration& a, const sim::BounceCalibration& b) {
   return a.factors == b.factors && a.deviation == b.deviation && a.median == b.median &&
-         a.median_deviation == b.median_deviation && a.line == b.line;
+         a.median_deviation == b.median_deviation && a.closings == b.closings && a.line == b.line;
 }
 
 std::string hash(const std::string& store) {
