@@ -1,9 +1,10 @@
 #include "bench/mechanics/rigid_runs.h"
-#include "bench/mechanics/reference_closing.h"
 
 #include <algorithm>
 #include <ctime>
 #include <memory>
+
+#include "bench/mechanics/reference_closing.h"
 
 namespace powbench::bench {
 namespace {

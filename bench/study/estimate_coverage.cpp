@@ -22,7 +22,7 @@ std::vector<sim::Case> random_scenes(const sim::Specimen& specimen, int count, s
   return scenes;
 }
 
-double Coverage::share() const {
+double EstimateCoverage::share() const {
   int in = 0;
   int all = 0;
   for (std::size_t q = 0; q < covered.size(); ++q) {
@@ -32,11 +32,12 @@ double Coverage::share() const {
   return all == 0 ? std::numeric_limits<double>::quiet_NaN() : static_cast<double>(in) / all;
 }
 
-std::vector<Coverage> estimator_coverage(std::span<const sim::Rung> rungs, std::span<const sim::Case> scenes,
-                                         const sim::LadderOptions& o, const sim::CpuClock& clock) {
-  std::vector<Coverage> result;
+std::vector<EstimateCoverage> estimator_coverage(std::span<const sim::Rung> rungs,
+                                                 std::span<const sim::Case> scenes,
+                                                 const sim::LadderOptions& o, const sim::CpuClock& clock) {
+  std::vector<EstimateCoverage> result;
   for (std::size_t r = 0; r < rungs.size(); ++r) {
-    std::vector<Coverage> part;
+    std::vector<EstimateCoverage> part;
     for (const auto& scene : scenes) {
       auto rows = run_ladder(rungs.subspan(r, 1), scene, o, clock).rows;
       // the estimate of the last of a rung's own settings is made with the truth itself: it would always cover

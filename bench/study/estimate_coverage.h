@@ -15,7 +15,7 @@ namespace powbench::bench {
 std::vector<sim::Case> random_scenes(const sim::Specimen&, int count, std::uint64_t seed);
 
 /// Does the estimate cover the true error? One rung at one tolerance over many scenes.
-struct Coverage {
+struct EstimateCoverage {
   std::size_t rung = 0;
   double tolerance = 0;
   std::array<int, 3> happened{};        ///< scenes that have the time
@@ -24,7 +24,7 @@ struct Coverage {
   double cpu = 0;                       ///< s, mean
   double share() const;                 ///< covered of all that happened, three quantities together
 };
-std::vector<Coverage> estimator_coverage(std::span<const sim::Rung>, std::span<const sim::Case>,
-                                         const sim::LadderOptions&, const sim::CpuClock&);
+std::vector<EstimateCoverage> estimator_coverage(std::span<const sim::Rung>, std::span<const sim::Case>,
+                                                 const sim::LadderOptions&, const sim::CpuClock&);
 
 }  // namespace powbench::bench

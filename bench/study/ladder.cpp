@@ -76,8 +76,8 @@ Json ladder_table(const sim::Ladder& ladder, const std::vector<sim::Rung>& rungs
   return list;
 }
 
-Json coverage_table(const std::vector<powbench::bench::Coverage>& all, const std::vector<sim::Rung>& rungs,
-                    int scenes) {
+Json coverage_table(const std::vector<powbench::bench::EstimateCoverage>& all,
+                    const std::vector<sim::Rung>& rungs, int scenes) {
   std::printf("\nDoes the estimate cover the error? %d random scenes; must 85 .. 98 %%\n", scenes);
   std::printf(
       "rung             setting   CPU ms   covered %%: touch    seat  settled   all   "

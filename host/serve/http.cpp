@@ -124,7 +124,7 @@ struct HttpServer::Impl {
   }
 
   void accept();
-  void leave_silent_visitor();
+  void drop_silent_visitor();
   void send_news();
   void close_all();
 
@@ -290,7 +290,7 @@ void HttpServer::Impl::accept() {
   acceptor.async_accept([this](error_code e, tcp::socket socket) {
     if (e == asio::error::operation_aborted) return;
     const bool full = clients.size() + listeners.size() >= most;
-    if (!e && full && visitors.size() >= most_visitors) leave_silent_visitor();
+    if (!e && full && visitors.size() >= most_visitors) drop_silent_visitor();
     if (!e && !(full && visitors.size() >= most_visitors)) {
       error_code ignored;
       socket.set_option(tcp::no_delay(true), ignored);
@@ -301,7 +301,7 @@ void HttpServer::Impl::accept() {
 }
 
 /// The oldest visitor of whom no request has come makes room: a stop says what it wants at once.
-void HttpServer::Impl::leave_silent_visitor() {
+void HttpServer::Impl::drop_silent_visitor() {
   const auto oldest = std::ranges::find_if(visitors, [](const auto& v) { return v->silent(); });
   if (oldest == visitors.end()) return;
   (*oldest)->close();

@@ -154,8 +154,8 @@ std::string problem_hash(const FitJob& job) {
   for (const double angle : job.unseen) text += fmt::format(" {}", angle);
   if (job.next > 0) text += " all";
   const auto& q = job.posterior;
-  text += fmt::format(" posterior with bounce factors {} {} {} {} {}", q.evaluations, q.starts,
-                      q.further_starts, q.samples, q.tolerance);
+  text += fmt::format(" posterior with bounce factors and their number {} {} {} {} {}", q.evaluations,
+                      q.starts, q.further_starts, q.samples, q.tolerance);
   for (const auto& p : job.posterior_parameters)
     text += fmt::format(" {} {} {}", p.low, p.high, p.logarithmic);
   if (job.problem.prior_deviation != sim::FitProblem{}.prior_deviation)
