@@ -12,6 +12,7 @@
 #include "bench/dsp_methods.h"
 #include "bench/dsp_metrics.h"
 #include "bench/dsp_synth.h"
+#include "core/memory.h"
 #include "core/phase.h"
 #include "dsp/events/extract.h"
 
@@ -291,6 +292,7 @@ std::vector<Mark> marks(const std::vector<Row>& rows) {
 }  // namespace
 
 int main(int argc, char** argv) try {
+  powbench::keep_freed_memory();  // as the program does
   const Arguments a = parse(argc, argv);
   const std::vector<Row> rows = score_contacts(a);
   nlohmann::json out{{"contacts", nlohmann::json::array()}};

@@ -14,6 +14,7 @@
 #include "bench/dsp_rig_truth.h"
 #include "bench/events/scenes.h"
 #include "bench/events/tally.h"
+#include "core/memory.h"
 #include "core/units.h"
 #include "dsp/events/event_stream.h"
 #include "dsp/events/extract.h"
@@ -208,6 +209,7 @@ nlohmann::json streamed(const Arguments& a) {
 }  // namespace
 
 int main(int argc, char** argv) try {
+  powbench::keep_freed_memory();  // as the program does
   const Arguments a = parse(argc, argv);
   std::printf(
       "%d records a class from seed %llu; times in us; z: error over its stated standard uncertainty\n",

@@ -27,21 +27,30 @@ std::vector<double> gaussian_half_kernel(double sigma) {
 
 }  // namespace
 
-double median(std::span<const double> x) {
-  if (x.empty()) return std::numeric_limits<double>::quiet_NaN();
-  std::vector<double> v(x.begin(), x.end());
+namespace {
+
+/// Reorders; not empty.
+double median_of(std::vector<double>& v) {
   const std::size_t h = v.size() / 2;
   std::nth_element(v.begin(), v.begin() + static_cast<std::ptrdiff_t>(h), v.end());
   if (v.size() % 2) return v[h];
   return 0.5 * (v[h] + *std::max_element(v.begin(), v.begin() + static_cast<std::ptrdiff_t>(h)));
 }
 
+}  // namespace
+
+double median(std::span<const double> x) {
+  if (x.empty()) return std::numeric_limits<double>::quiet_NaN();
+  std::vector<double> v(x.begin(), x.end());
+  return median_of(v);
+}
+
 double robust_sigma(std::span<const double> x) {
   if (x.empty()) return 0.0;
-  const double m = median(x);
-  std::vector<double> d(x.size());
-  std::transform(x.begin(), x.end(), d.begin(), [m](double v) { return std::abs(v - m); });
-  return 1.4826 * median(d);
+  std::vector<double> v(x.begin(), x.end());
+  const double m = median_of(v);
+  for (double& d : v) d = std::abs(d - m);
+  return 1.4826 * median_of(v);
 }
 
 double reduced_chi2_quantile(double p, double dof) {

@@ -5,6 +5,7 @@
 
 #include <exception>
 
+#include "core/memory.h"
 #include "host/cli/commands.h"
 #include "host/cli/manual.h"
 #include "host/cli/program.h"
@@ -27,6 +28,7 @@ int leave(Exit code) {
 }  // namespace
 
 int main(int argc, char** argv) {
+  keep_freed_memory();
   CLI::App app{
       "powbench: point-on-wave test bench for AC contactors.\n"
       "Fires closings at commanded angles of the mains, extracts touch and bounce from the records, "

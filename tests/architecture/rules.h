@@ -49,6 +49,7 @@ inline const std::vector<Allowance>& allowances() {
       {"thread", "sim/team.cpp", true, "standard library"},
       {"cholmod.h", "sim/magnetics/plane/cholmod.h", false, "SuiteSparse"},
       {"dlfcn.h", "core/late_library.h", false, "standard library"},
+      {"malloc.h", "core/memory.h", false, "standard library"},
       {"fftw3.h", "dsp/signal/fft.cpp", true, "FFTW"},
       {"iio.h", "rigs/iio_link.cpp", true, "libiio"},
       {"boost/asio", "rigs/iiod_server.cpp", true, "Boost.Asio"},
