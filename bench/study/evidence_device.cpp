@@ -190,7 +190,7 @@ void judge(const Campaign& campaign, const Channels& channels, const std::vector
     const auto fit = sim::pooled_bounce(std::exp(own), f.calibration, h.angle);
     const Blend blend = blended(known, logs, h.angle, at_held_out), data = blended(known, {}, h.angle, 0);
     const Shot middle = middle_of(f.at_held_out, place);
-    const double side = host::coverage_factor(fit.freedom, 0.68) * fit.deviation;
+    const double side = sim::bounce_core * host::coverage_factor(sim::bounce_tail, 0.68) * fit.deviation;
     for (const auto& shot : h.shots) {
       const double at = log_bounce(shot), of_blend = miss(blend.log_bounce, shot);
       t[0].add(miss(std::log(fit.value), shot));

@@ -114,9 +114,11 @@ double rank(const std::vector<double>& samples, double relative, double value, R
   return (below + random.uniform()) / static_cast<double>(samples.size() + 1);
 }
 
-/// Share of Student's distribution below `z`.
-double share_below(double z, double freedom) {
-  return 0.5 * (1 + std::copysign(host::student_probability(std::fabs(z), freedom), z));
+/// Rank of `value` in the law that the band's sides are quantiles of.
+double bounce_rank(const host::Band& band, double value) {
+  const double deviation = std::log(band.high / band.median) / host::coverage_factor(sim::bounce_tail, 0.68);
+  const double z = std::log(value / band.median) / deviation;
+  return 0.5 * (1 + std::copysign(host::student_probability(std::fabs(z), sim::bounce_tail), z));
 }
 
 Result judged(bench::Model model, std::uint64_t seed, int number) {
@@ -145,10 +147,7 @@ Result judged(bench::Model model, std::uint64_t seed, int number) {
   }
   result.of[0] = {hidden.touch.value, p.touch, rank(touch, granted.touch, hidden.touch.value, random)};
   result.of[1] = {hidden.seat.value, p.seat, rank(seat, granted.seat, hidden.seat.value, random)};
-  const double freedom = posterior.bounce.closings - 1;
-  const double deviation = std::log(p.bounce.high / p.bounce.median) / host::coverage_factor(freedom, 0.68);
-  result.of[2] = {hidden.bounce.value, p.bounce,
-                  share_below(std::log(hidden.bounce.value / p.bounce.median) / deviation, freedom)};
+  result.of[2] = {hidden.bounce.value, p.bounce, bounce_rank(p.bounce, hidden.bounce.value)};
   return result;
 }
 

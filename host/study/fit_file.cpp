@@ -28,7 +28,6 @@ Json json_of(const sim::BounceCalibration& c) {
             {"deviation", c.deviation},
             {"median_s", c.median},
             {"median_deviation", c.median_deviation}};
-  if (c.closings > 0) j["closings"] = c.closings;
   if (c.line.empty()) return j;
   for (const auto& a : c.line) j["line"].push_back({{"angle_rad", a.angle}, {"bounce_s", a.bounce}});
   j["line_deviation"] = c.line_deviation;
@@ -41,8 +40,6 @@ sim::BounceCalibration calibration_of(const Json& j) {
                            number_from(j, "median_s", shortest), number_from(j, "median_deviation", 0)};
   for (const double f : c.factors)
     if (!(f > 0)) throw std::invalid_argument("a bounce factor is not above 0");
-  if (j.contains("closings")) c.closings = j.at("closings").get<int>();
-  if (c.closings < 0) throw std::invalid_argument("closings of a bounce is below 0");
   if (!j.contains("line")) return c;
   for (const Json& a : j.at("line")) {
     c.line.push_back({number_from(a, "angle_rad", 0), number_from(a, "bounce_s", shortest)});

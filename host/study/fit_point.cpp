@@ -63,7 +63,7 @@ sim::FitMember member_of(ByteReader& in, const sim::Misfit& misfit) {
 }  // namespace
 
 std::string basis_of(const sim::FitProblem& problem, const sim::PosteriorOptions& o) {
-  return "posterior, closings told\n" + problem_text(problem) +
+  return "posterior\n" + problem_text(problem) +
          fmt::format("\n{} {} {} {} {} {}", o.evaluations, o.starts, o.further_starts, o.samples, o.tolerance,
                      o.seed);
 }
@@ -93,7 +93,6 @@ std::string bytes_of(const FitFold& f) {
       .add(angles)
       .add(bounces)
       .add(b.line_deviation)
-      .add(static_cast<std::int64_t>(b.closings))
       .bytes();
 }
 
@@ -113,7 +112,6 @@ FitFold fold_of_bytes(const std::string& bytes) {
     throw std::invalid_argument("angles and bounces of a line differ in number");
   for (std::size_t k = 0; k < angles.size(); ++k) b.line.push_back({angles[k], bounces[k]});
   b.line_deviation = in.number();
-  b.closings = static_cast<int>(in.integer());
   if (with_bounce) f.bounce = b;
   return f;
 }

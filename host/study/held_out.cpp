@@ -83,7 +83,8 @@ Prediction predict(std::span<const sim::Specimen> list, const Conditions& condit
   if (!calibration) return p;
   const auto pooled = sim::pooled_bounce(p.bounce.median, *calibration, conditions.closing_angle);
   if (std::isfinite(pooled.deviation)) {
-    const double side = std::exp(coverage_factor(pooled.freedom, 0.68) * pooled.deviation);
+    const double law = sim::bounce_core * coverage_factor(sim::bounce_tail, 0.68);
+    const double side = std::exp(law * pooled.deviation);
     p.bounce = {pooled.value / side, pooled.value, pooled.value * side};
   }
   p.settled = sum(p.touch, p.bounce);

@@ -25,10 +25,9 @@ struct OneMeasured {
 
 /// Touch, seat and overtravel time: median over the specimens; 16 % and 84 % quantiles of the specimens' values, each
 /// spread normally by the deviation of one measured value. Bounce and settled time: by the specimens alone. With a
-/// calibration, of which each specimen has a factor, the bounce is pooled (sim/study/bounce_calibration.h); its sides
-/// are Student's quantiles, degrees of freedom the known bounces less one, for the deviation is theirs. Where the
-/// calibration has no deviations: quantiles of factor x simulated. Settled time is then touch and bounce added up, the
-/// sides as independent ones.
+/// calibration, of which each specimen has a factor, the bounce is pooled and its sides are quantiles of the law of its
+/// error (sim/study/bounce_calibration.h). Where the calibration has no deviations: quantiles of factor x simulated.
+/// Settled time is then touch and bounce added up, the sides as independent ones.
 struct Prediction {
   Band touch, bounce, settled, seat, overtravel_time;
 };

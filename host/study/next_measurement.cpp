@@ -16,9 +16,9 @@ namespace {
 constexpr int angles = 12;
 constexpr double pitch = 15;          // deg
 constexpr double window = 0.060;      // s
-constexpr double shortest = 20e-6;    // s: what bounces for less does not bounce
+constexpr double shortest = 20e-6;    // s: a bounce or overtravel of less counts as so long
 constexpr double of_velocity = 0.05;  // relative deviation of the model and a laser together
-constexpr std::array symbols{"t_ct1", "t_ct_bon", "t_xt1", "v_core"};
+constexpr std::array symbols{"t_ct1", "t_ct_bon", "t_xt1", "t_ot", "v_core"};
 constexpr std::size_t bounce = 1;
 
 struct Candidate {
@@ -54,17 +54,19 @@ NextMeasurements next_measurements(const FitJob& job, const FitFile& file, const
       const sim::ClosingTruth& t = truths[k * angles + a];
       if (!t.touch || !t.core_seat) break;
       for (const double v : {*t.touch, std::max(shortest, factor * (*t.settled - *t.touch)), *t.core_seat,
-                             std::fabs(t.seat_velocity)})
+                             std::max(shortest, *t.core_seat - *t.touch), std::fabs(t.seat_velocity)})
         values.push_back(std::log(v));
     }
     if (values.size() == angles * symbols.size()) logs.push_back(std::move(values));
   }
   if (logs.size() < 2) return {};
 
-  const std::array deviation{job.granted.touch, job.granted.bounce, job.granted.seat, of_velocity};
+  const std::array deviation{job.granted.touch, job.granted.bounce, job.granted.seat,
+                             job.granted.overtravel_time, of_velocity};
   const auto known_there = [&](double theta_deg, std::size_t quantity) {
     return std::any_of(job.problem.closings.begin(), job.problem.closings.end(), [&](const auto& m) {
-      const std::array<bool, 4> known{m.touch.known(), m.bounce.known(), m.seat.known(), false};
+      const std::array<bool, 5> known{m.touch.known(), m.bounce.known(), m.seat.known(),
+                                      m.overtravel_time.known(), false};
       return std::fabs(std::remainder(degrees(m.conditions.closing_angle) - theta_deg, 180)) < 0.01 &&
              known[quantity];
     });
@@ -97,7 +99,8 @@ NextMeasurements next_measurements(const FitJob& job, const FitFile& file, const
     squares += square / static_cast<double>(values.size() - 1);
   }
   next.bounce_spread = std::sqrt(squares / angles);
-  const std::array scatter{job.scatter.touch, job.scatter.bounce, job.scatter.seat, unknown};
+  const std::array scatter{job.scatter.touch, job.scatter.bounce, job.scatter.seat,
+                           job.scatter.overtravel_time, unknown};
   for (const auto& one : best) {
     const Candidate& c = candidates[one.candidate];
     double left = 0;

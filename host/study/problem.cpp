@@ -97,7 +97,7 @@ ShotScatter shot_scatter(std::span<const AngleGroup> groups) {
     }
     return freedom > 0 ? std::sqrt(squares / freedom) : unknown;
   };
-  return {pooled("t_ct1"), pooled("t_ct_bon"), pooled("t_xt1")};
+  return {pooled("t_ct1"), pooled("t_ct_bon"), pooled("t_xt1"), pooled("t_ot")};
 }
 
 std::vector<sim::MeasuredClosing> without(std::vector<sim::MeasuredClosing> list,

@@ -33,7 +33,7 @@ std::vector<sim::MeasuredClosing> campaign_closings(std::span<const AngleGroup>,
 /// Relative standard deviation of single shots about the mean of their angle, pooled over the angles; unknown without
 /// repeats.
 struct ShotScatter {
-  double touch = unknown, bounce = unknown, seat = unknown;
+  double touch = unknown, bounce = unknown, seat = unknown, overtravel_time = unknown;
 };
 ShotScatter shot_scatter(std::span<const AngleGroup>);
 

@@ -79,10 +79,6 @@ void add_line(BounceCalibration& c, std::span<const double> measured, std::span<
   c.line_deviation = deviation;
 }
 
-double freedom_of(const BounceCalibration& c) {
-  return c.closings > 1 ? c.closings - 1 : std::numeric_limits<double>::infinity();
-}
-
 }  // namespace
 
 BounceCalibration calibrate_bounce(std::span<const std::vector<double>> simulated,
@@ -105,7 +101,6 @@ BounceCalibration calibrate_bounce(std::span<const std::vector<double>> simulate
     const auto closings = static_cast<double>(plain.size());
     c.deviation = std::sqrt(sum / (closings * static_cast<double>(simulated.size())));
     c.median_deviation = std::sqrt(left_out(plain) / closings);
-    c.closings = static_cast<int>(plain.size());
   }
   c.median = std::exp(median_of(plain));
   if (!angles.empty()) add_line(c, measured, angles);
@@ -113,8 +108,8 @@ BounceCalibration calibrate_bounce(std::span<const std::vector<double>> simulate
 }
 
 PooledBounce without_model(const BounceCalibration& c, double angle) {
-  if (c.line.empty()) return {c.median, c.median_deviation, freedom_of(c)};
-  return {std::exp(on_line(c.line, folded(angle))), c.line_deviation, freedom_of(c)};
+  if (c.line.empty()) return {c.median, c.median_deviation};
+  return {std::exp(on_line(c.line, folded(angle))), c.line_deviation};
 }
 
 double weight_of_samples(const BounceCalibration& c) {
@@ -126,7 +121,7 @@ PooledBounce pooled_bounce(double own, const BounceCalibration& c, double angle)
   const double w = weight_of_samples(c);
   if (!std::isfinite(w)) return {own, BounceCalibration::nan};
   return {std::exp(w * log_of(own) + (1 - w) * std::log(without_model(c, angle).value)),
-          std::sqrt(w) * c.deviation, freedom_of(c)};
+          std::sqrt(w) * c.deviation};
 }
 
 }  // namespace powbench::sim

@@ -29,7 +29,6 @@ struct BounceCalibration {
   };
   std::vector<AtAngle> line{};
   double line_deviation = nan;  ///< of each measured bounce from the line between the other angles
-  int closings = 0;             ///< measured bounces behind the deviations; 0: not told
 };
 
 /// `simulated`: for each sample the bounce of each closing, s; NaN where it does not close. `measured`: of each
@@ -39,11 +38,9 @@ BounceCalibration calibrate_bounce(std::span<const std::vector<double>> simulate
                                    std::span<const double> measured, std::span<const double> angles = {});
 
 /// What the measured bounces alone say of another closing: the line between the neighbouring angles where there is
-/// one, linear in the angle and the logarithm, else the plain median. s, and its deviation of the logarithm, which few
-/// bounces tell only roughly: with so many degrees of freedom, as many as bounces less one.
+/// one, linear in the angle and the logarithm, else the plain median. s, and its deviation of the logarithm.
 struct PooledBounce {
   double value = 0, deviation = 0;
-  double freedom = std::numeric_limits<double>::infinity();
 };
 PooledBounce without_model(const BounceCalibration&, double angle);
 
@@ -58,5 +55,10 @@ double weight_of_samples(const BounceCalibration&);
 ///   ln b = w ln own + (1 - w) ln m,   deviation = sqrt(w) v,   w = weight_of_samples.
 /// If w is not known the result is `own`, without a deviation (NaN).
 PooledBounce pooled_bounce(double own, const BounceCalibration&, double angle);
+
+/// ln(measured / predicted) over its deviation is Student's variable with `bounce_tail` degrees of freedom, times
+/// `bounce_core`. Most bounces lie nearer than the deviation, one in ten beyond three of it: with one re-opening more
+/// or less a bounce is another one. Found on 400 drawn devices of two models (posterior_calibration, seed 3).
+inline constexpr double bounce_tail = 1.2, bounce_core = 0.63;
 
 }  // namespace powbench::sim

@@ -52,7 +52,7 @@ FitJob small_job() {
 
 bool same(const sim::BounceCalibration& a, const sim::BounceCalibration& b) {
   return a.factors == b.factors && a.deviation == b.deviation && a.median == b.median &&
-         a.median_deviation == b.median_deviation && a.closings == b.closings && a.line == b.line;
+         a.median_deviation == b.median_deviation && a.line == b.line;
 }
 
 std::string hash(const std::string& store) {
@@ -113,9 +113,7 @@ TEST_CASE("scatter of single shots: about the mean of their angle, over all angl
   const auto shot = [](double touch) {
     Events e;
     e.contact_voltage.present = true;
-    Contact c;
-    c.touch = {touch, 1e-6};
-    e.contact_voltage.contacts.push_back(c);
+    e.contact_voltage.contacts.emplace_back().touch = {touch, 1e-6};
     return e;
   };
   std::vector<AngleGroup> groups(3);
@@ -136,25 +134,27 @@ TEST_CASE("what to measure next: best first, nothing that was measured, and no c
   CHECK_FALSE(plain.posterior);
   job.problem.closings[3].conditions.closing_angle = radians(240);  // 60 deg of the other half-wave
   job.next = 5;
-  job.granted = {0.003, 0.003, 0.1};
-  job.scatter = {2 * 0.003, unknown, 0};
+  job.granted = {0.003, 0.003, 0.1, 0.6e-3, 1e-3};
+  job.scatter = {2 * 0.003, unknown, 0, 2e-3};
   const FitReport report = fits(job, team, always);
   CHECK(report.file.folds.size() == plain.file.folds.size());
   REQUIRE(report.posterior);
   CHECK_FALSE(report.posterior->held_out);
   const NextMeasurements next = next_measurements(job, report.file, *report.posterior, team);
   REQUIRE(next.list.size() == 5);
-  double bits = 1e9, bounce = next.bounce_spread;
+  double bits = 1e9, bounce = next.bounce_spread, overtravel = 0;
   for (const auto& n : next.list) {
     CHECK(n.bits <= bits);
     CHECK(n.bounce_left <= bounce * (1 + 1e-9));
     bits = n.bits, bounce = n.bounce_left;
-    if (n.quantity != "v_core") CHECK(n.theta_deg != 60);
-    CHECK(n.shots.has_value() == (n.quantity == "t_ct1" || n.quantity == "t_xt1"));
+    overtravel += n.quantity == "t_ot";
+    if (n.quantity != "v_core" && n.quantity != "t_ot") CHECK(n.theta_deg != 60);
+    CHECK(n.shots.has_value() == (n.quantity != "t_ct_bon" && n.quantity != "v_core"));
     // scatter of twice the deviation of a closing: 4 / 0.21
-    if (n.quantity == "t_ct1") CHECK(*n.shots == 20);
+    if (n.quantity == "t_ct1" || n.quantity == "t_ot") CHECK(*n.shots == 20);
     if (n.quantity == "t_xt1") CHECK(*n.shots == 1);
   }
+  CHECK(overtravel > 0);
   CHECK_THAT(next_text(next),
              Contains("what to measure next") && Contains("by 6 of 6 posterior samples") && !Contains("nan"));
   const auto cells = fit_cells(report.file, job.problem.closings);
