@@ -4,6 +4,7 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <set>
 #include <sstream>
 
 #include "host/cli/picture.h"
@@ -18,6 +19,7 @@
 #include "host/study/next_measurement.h"
 #include "host/study/problem.h"
 #include "host/study/study_svg.h"
+#include "sim/mechanics/contact_damping.h"
 
 namespace powbench::host {
 namespace {
@@ -79,6 +81,7 @@ void replace_file(const std::string& path, const std::string& text) {
 struct Source {
   FitJob job;
   std::vector<sim::MeasuredClosing> closings;  ///< also those that are held out
+  std::string from;                            ///< said of a campaign: a line each
 };
 
 /// Those of the command line, in percent, or `usual`.
@@ -102,9 +105,9 @@ Source published_source(const FitArgs& args) {
   return s;
 }
 
-Source campaign_source(const FitArgs& args) {
-  const Store store(args.database, Store::Mode::read_only);
-  const CampaignInfo info = store.campaign(args.campaign);
+/// Conditions of a campaign's closings: its plan's, or what an import measured.
+Conditions conditions_of(const FitArgs& args, const CampaignInfo& info,
+                         const std::vector<AngleGroup>& groups) {
   const Plan plan = stored_plan(info);
   Conditions conditions;
   conditions.supply_volts = plan.supply_volts;
@@ -115,7 +118,7 @@ Source campaign_source(const FitArgs& args) {
     // nobody asked for a voltage: what was measured counts, or nothing
     double sum = 0;
     int n = 0;
-    for (const AngleGroup& g : gather_angles(store, info.id))
+    for (const AngleGroup& g : groups)
       for (const Events& e : g.measured) sum += e.coil.supply_volts.value, ++n;
     conditions.supply_volts = n > 0 ? sum / n : std::nan("");
     if (!std::isfinite(conditions.supply_volts))
@@ -123,14 +126,30 @@ Source campaign_source(const FitArgs& args) {
           {args.database + ": campaign " + std::to_string(info.id) +
            ": the supply voltage of these imports is not known; a file needs mains_voltage for it"});
   }
+  return conditions;
+}
+
+Source campaign_source(const FitArgs& args) {
+  const Store store(args.database, Store::Mode::read_only);
   Source s;
-  const auto groups = gather_angles(store, info.id);
   s.job.granted = deviations(args, {0.002, 0.002, 0.02});
-  s.closings = campaign_closings(groups, conditions, s.job.granted);
-  s.job.scatter = shot_scatter(groups);
-  if (s.closings.empty())
-    throw BadInput({args.database + ": campaign " + std::to_string(info.id) + " holds no measured closing"});
-  s.job.problem.base = args.specimen_file.empty() ? stored_specimen(info) : read_specimen(args.specimen_file);
+  std::vector<CampaignInfo> campaigns;
+  for (const std::int64_t id : args.campaigns) campaigns.push_back(store.campaign(id));
+  if (campaigns.empty()) campaigns.push_back(store.campaign());
+  std::vector<AngleGroup> all;
+  for (const CampaignInfo& info : campaigns) {
+    const auto groups = gather_angles(store, info.id);
+    const auto closings = campaign_closings(groups, conditions_of(args, info, groups), s.job.granted);
+    if (closings.empty())
+      throw BadInput(
+          {args.database + ": campaign " + std::to_string(info.id) + " holds no measured closing"});
+    s.closings.insert(s.closings.end(), closings.begin(), closings.end());
+    all.insert(all.end(), groups.begin(), groups.end());
+    s.from += fmt::format("campaign {}: {}\n", info.id, counted(closings.size(), "measured angle"));
+  }
+  s.job.scatter = shot_scatter(all);
+  s.job.problem.base =
+      args.specimen_file.empty() ? stored_specimen(campaigns.front()) : read_specimen(args.specimen_file);
   s.job.problem.parameters = tolerances(s.job.problem.base);
   s.job.problem.edge = 0;
   return s;
@@ -141,11 +160,14 @@ void take_options(const FitArgs& args, Source& s) {
     s.job.problem.parameters.clear();
     s.job.posterior_parameters.clear();
   }
+  std::set<std::string> names;
   for (const auto& text : args.free) {
     const auto equals = text.find('=');
     const auto colon = text.find(':', equals == std::string::npos ? 0 : equals);
     if (equals == std::string::npos || colon == std::string::npos)
       throw BadInput({"--free " + text + ": allowed NAME=LOW:HIGH, such as core.friction_N=0.5:3"});
+    if (!names.insert(text.substr(0, equals)).second)
+      throw BadInput({"--free " + text + ": this number is free already; allowed once"});
     try {
       s.job.problem.parameters.push_back(
           sim::parameter(text.substr(0, equals), bound(text.substr(equals + 1, colon - equals - 1), text),
@@ -197,10 +219,15 @@ Exit fit_specimen(const FitArgs& args) {
   const bool published = args.database.empty();
   Source source = published ? published_source(args) : campaign_source(args);
   take_options(args, source);
+  if (const auto beyond = sim::rigid_only(source.job.problem.base); !beyond.empty())
+    throw BadInput(
+        {(args.specimen_file.empty() ? std::string("the campaign's specimen") : args.specimen_file) + ": " +
+         beyond});
   if (args.shards.slurm > 0) {
     fmt::print("{}", slurm_script(args.shards, args.shards.database));
     return Exit::pass;
   }
+  fmt::print(stderr, "{}", source.from);
   for (const std::string& file : {args.output, args.fit_file}) refuse_existing(file, args.overwrite);
   Points points = open_points(args.shards);
   FitState state;
@@ -239,7 +266,7 @@ Exit fit_specimen(const FitArgs& args) {
     return Exit::interrupted;
   }
   if (report.part) return Exit::pass;
-  const auto cells = fit_cells(report.file, source.closings);
+  const auto cells = fit_cells(report.file, source.closings, source.job.unseen);
   NextMeasurements next;
   if (report.posterior) next = next_measurements(source.job, report.file, *report.posterior, team);
   fmt::print("{}",

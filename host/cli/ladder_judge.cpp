@@ -69,7 +69,7 @@ std::vector<HeldOut> held_out_of(const LadderArgs& args, const Conditions& wante
   if (args.fit_file.empty()) return all;
   FitArgs source;
   source.database = args.database;
-  source.campaign = args.campaign;
+  if (args.campaign) source.campaigns = {*args.campaign};
   std::vector<sim::MeasuredClosing> closings = fit_closings(source);
   constexpr double share = 1e-3, kelvin = 1;
   std::erase_if(closings, [&](const auto& closing) {

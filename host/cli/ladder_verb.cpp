@@ -283,6 +283,8 @@ Exit show_ladder(const LadderArgs& args) {
     fmt::print("{}", slurm_script(args.shards, args.shards.database));
     return Exit::pass;
   }
+  if (!args.table_file.empty() && !std::filesystem::exists(args.table_file))
+    throw BadInput({args.table_file + ": no such file; `powbench field` makes a table"});
   std::vector<sim::Rung> rungs;
   try {
     rungs = rungs_of(args, c.specimen);

@@ -8,6 +8,7 @@
 #include "core/memory.h"
 #include "host/cli/commands.h"
 #include "host/cli/manual.h"
+#include "host/cli/not_a_number.h"
 #include "host/cli/program.h"
 #include "host/cli/unknown_verb.h"
 #include "host/config/bad_input.h"
@@ -59,6 +60,7 @@ int main(int argc, char** argv) {
   } catch (const CLI::ParseError& e) {
     return app.exit(e) == 0 ? leave(Exit::pass) : leave(Exit::bad_input);
   }
+  if (const auto wrong = not_a_number(app); !wrong.empty()) return ended(Exit::bad_input, wrong);
   try {
     return leave(chosen()());
   } catch (const BadInput& e) {

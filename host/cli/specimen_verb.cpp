@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <fstream>
 #include <memory>
 #include <nlohmann/json.hpp>
 
@@ -115,11 +116,16 @@ Exit describe_specimen(const SpecimenArgs& args) {
 }
 
 Exit convert_specimen(const SpecimenArgs& args) {
+  constexpr std::string_view mark = "# converted: a restitution is the rebound of a drop test";
   const sim::Specimen former = read_specimen(args.file);
-  fmt::print("{}", resolved_text(sim::with_rebounds(former)));
+  std::string first;
+  std::getline(std::ifstream(args.file), first);
+  if (first == mark) throw BadInput({args.file + ":1: is converted already; a second time would change it"});
+  fmt::print("{}\n{}", mark, resolved_text(sim::with_rebounds(former)));
   fmt::print(stderr,
              "{}: stop_restitution, contact_restitution and seat_damping converted; the closings stay as "
-             "they were\n",
+             "they were, if the file is of the former definition. One that is new already, such as a "
+             "template, would be changed: nothing in it tells\n",
              args.file);
   return Exit::pass;
 }

@@ -18,11 +18,11 @@ struct MeasuredClosing;
 namespace powbench::host {
 
 struct FitArgs {
-  std::string database;  ///< "" = the published tables
-  std::optional<std::int64_t> campaign;
-  std::string specimen_file;       ///< numbers that are not free; "" = built-in, or the campaign's
-  std::vector<std::string> free;   ///< NAME=LOW:HIGH
-  std::vector<std::string> start;  ///< specimen files that the search for everything begins from
+  std::string database;                 ///< "" = the published tables
+  std::vector<std::int64_t> campaigns;  ///< empty = the newest
+  std::string specimen_file;            ///< numbers that are not free; "" = built-in, or the campaign's
+  std::vector<std::string> free;        ///< NAME=LOW:HIGH
+  std::vector<std::string> start;       ///< specimen files that the search for everything begins from
   std::vector<double>
       deviations;       ///< percent of touch, seat, bounce, overtravel; empty = defaults of the source
   double prior = 0.35;  ///< deviation of each free number, as a share of its bounds; 0: none

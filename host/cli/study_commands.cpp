@@ -144,7 +144,9 @@ void add_fit_verb(CLI::App& app) {
       app, "fit", "Identify a specimen from a measured campaign or, without --db, from the published tables",
       fit, fit_specimen);
   v->add_option("--db", fit->database, "store with the measured campaign");
-  v->add_option("--campaign", fit->campaign, "campaign id; the newest if left out");
+  v->add_option("--campaign", fit->campaigns,
+                "campaign ids, such as 3,4,5: each import is a campaign of its own; the newest if left out")
+      ->delimiter(',');
   v->add_option("--specimen", fit->specimen_file, "specimen file (TOML) with the numbers that are not free");
   v->add_option("--free", fit->free,
                 "free parameter and its bounds, NAME=LOW:HIGH in the unit of the specimen file");
@@ -155,6 +157,7 @@ void add_fit_verb(CLI::App& app) {
                 "standard deviations of the model in percent of touch, seat and bounce, such as 1.0,1.1,5; a "
                 "fourth one makes the overtravel time a target of its own")
       ->delimiter(',')
+      ->type_name("FLOAT")
       ->expected(3, 4)
       ->check(CLI::Range(0.01, 100.0));
   v->add_option(
@@ -222,6 +225,7 @@ void add_sweep_verb(CLI::App& app) {
   v->add_option("--angle", args->angle_deg, "closing angle in degrees, if not varied")->capture_default_str();
   v->add_option("--volts", args->supply_volts, "supply, V rms, if not varied")->capture_default_str();
   v->add_option("--ambient", args->ambient_degC, "coil temperature, degC, if not varied")
+      ->check(CLI::Range(-50.0, 150.0))
       ->capture_default_str();
   v->add_option(
        "--metric", args->metric,
@@ -303,7 +307,7 @@ void add_ladder_verb(CLI::App& app) {
       "specimen file or plan (NAME.plan.toml, its first shot); the reference contactor if left out");
   v->add_option("--angle", args->angles_deg, "closing angle in degrees; several with --judge");
   v->add_option("--volts", args->supply_volts, "supply, V rms");
-  v->add_option("--ambient", args->ambient_degC, "coil temperature, degC");
+  v->add_option("--ambient", args->ambient_degC, "coil temperature, degC")->check(CLI::Range(-50.0, 150.0));
   v->add_option(
       "--judge", args->judge,
       "share, such as 1%: print for each pair its times, step, model and input errors, cost, and whether "

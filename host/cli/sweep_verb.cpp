@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <charconv>
 #include <chrono>
+#include <cmath>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <span>
@@ -51,6 +52,8 @@ sim::Axis axis(const std::string& text) {
   try {
     const std::string name = text.substr(0, mark);
     if (normal) return sim::normal_axis(name, list[0], list[1]);
+    if (list.size() > 2 && !(list[2] == std::floor(list[2])))
+      throw BadInput({fmt::format("--vary {}: {:g} steps: allowed a whole number", text, list[2])});
     return sim::uniform_axis(name, list[0], list[1], list.size() > 2 ? static_cast<int>(list[2]) : 5);
   } catch (const std::invalid_argument& e) {
     throw BadInput({std::string("--vary ") + e.what()});

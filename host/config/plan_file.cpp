@@ -154,6 +154,9 @@ void check(FileReader& reader, Plan& p) {
                 "1..100000 shots");
   check_rung(reader, "fields", p.fields, sim::all_fields());
   check_rung(reader, "mechanics", p.mechanics, sim::all_mechanics());
+  if (p.mechanics == "plant" && !p.fields.empty() && p.fields != "circuit")
+    reader.fail("wanted", "mechanics", "knows no fields but the circuit's, not " + p.fields,
+                "rigid, or fields = circuit");
   check_channels(reader, p.channels);
   dsp::ExtractOptions unused;
   if (const FilterMistake m = set_filter(unused, p.events); !m.key.empty())

@@ -18,6 +18,7 @@ Outcome campaign_verdict(const Store& store, const CampaignInfo& c) {
   const Plan plan = stored_plan(c);
   const RunOptions options = stored_options(c, plan);
   ReportInput input;
+  input.origin = c.origin;
   input.unplanned = unplanned(c, plan);
   input.planned = input.unplanned ? 0 : expand(plan, stored_specimen(c).name).size();
   input.most_from_simulation = plan.limits_vs_simulation;

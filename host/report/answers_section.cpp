@@ -27,7 +27,8 @@ void answer(Markup& out, std::string_view question, std::string_view main, const
 
 void verdict_answer(Markup& out, const ReportInput& input) {
   const Counts c = count(input);
-  std::string detail = input.unplanned
+  std::string detail = only_computed(input) ? std::string("no closing was measured")
+                       : input.unplanned
                            ? fmt::format("{} measured, none was planned", counted(c.done, "closing"))
                            : fmt::format("{} of {} measured", c.done, counted(c.planned, "planned closing"));
   const auto add = [&](std::size_t n, std::string_view what) {
@@ -43,7 +44,8 @@ void verdict_answer(Markup& out, const ReportInput& input) {
   if (const std::string why = verdict_reason(input); !why.empty()) detail += "Why: " + why + ". ";
   detail +=
       input.limits.empty() && !std::isfinite(input.most_from_simulation)
-          ? std::string(c.failed + c.not_observed > 0 ? "The plan sets no limit on a quantity."
+          ? std::string(only_computed(input)            ? meaning(input.origin)
+                        : c.failed + c.not_observed > 0 ? "The plan sets no limit on a quantity."
                         : input.angle_tolerance > 0
                             ? "The plan sets no limit on a quantity; only the closing angle has a tolerance."
                             : "The plan sets no limit, so nothing was judged.")

@@ -83,7 +83,10 @@ Case simulation_case(const ReportInput& input) {
 Case completeness_case(const ReportInput& input) {
   const Counts n = count(input);
   Case c{"all planned shots fired", "campaign", Outcome::pass, ""};
-  if (n.missing > 0 || n.planned == 0) {
+  if (only_computed(input)) {
+    c.outcome = Outcome::not_judged;
+    c.message = meaning(input.origin);
+  } else if (n.missing > 0 || n.planned == 0) {
     c.outcome = Outcome::aborted;
     c.message = fmt::format("{} of {} planned shots fired", n.planned - n.missing, n.planned);
     if (!input.course.empty()) c.message += "; " + last_of_course(input);

@@ -8,9 +8,13 @@
 
 namespace powbench::host {
 
+bool only_computed(const ReportInput& input) {
+  return input.origin == Origin::simulation && input.shots.empty();
+}
+
 Counts count(const ReportInput& input) {
   Counts c;
-  c.planned = std::max(input.planned, input.shots.size());
+  c.planned = only_computed(input) ? 0 : std::max(input.planned, input.shots.size());
   for (const auto& shot : input.shots) {
     c.passed += shot.outcome == Outcome::pass ? 1U : 0U;
     c.failed += shot.outcome == Outcome::fail ? 1U : 0U;
@@ -24,6 +28,7 @@ Counts count(const ReportInput& input) {
 }
 
 Outcome verdict(const ReportInput& input) {
+  if (only_computed(input)) return Outcome::not_judged;
   const Counts c = count(input);
   if (c.planned == 0) return Outcome::aborted;
   Outcome worst = c.missing > 0 ? Outcome::aborted : Outcome::pass;

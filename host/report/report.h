@@ -135,10 +135,12 @@ struct Counts {
   std::size_t errors = 0;   ///< ERROR, TIMEOUT, ABORTED
   std::size_t missing = 0;  ///< planned and never attempted
 };
+/// Nothing was to be fired: closings that were only simulated.
+bool only_computed(const ReportInput&);
 Counts count(const ReportInput&);
 
 /// The campaign in one word: the worst of its shots and limits, ABORTED when planned shots are missing or there is
-/// none. PASS only where at least one limit was judged.
+/// none. PASS only where at least one limit was judged. NOT JUDGED where closings were only computed.
 Outcome verdict(const ReportInput&);
 
 /// The first reason for a verdict that is none of PASS and NOT JUDGED, with how many more there are; or empty.

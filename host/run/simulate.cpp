@@ -224,8 +224,8 @@ std::int64_t keep_simulated(Store& store, StoredShot shot, const Record& record,
 SimulatedCount simulate_campaign(Store& store, std::int64_t campaign, std::span<const PlannedShot> plan,
                                  const sim::Specimen& specimen, const rigs::SimRigConfig& rig,
                                  const RunOptions& options, Progress& progress, const Simulation& how) {
-  std::map<double, std::string> known;  // what the stored ones came from
-  for (const StoredShot& s : store.shots(campaign, ShotKind::simulated)) known[s.angle_deg] = s.reason;
+  std::map<double, StoredShot> known;
+  for (const StoredShot& s : store.shots(campaign, ShotKind::simulated)) known[s.angle_deg] = s;
   std::map<double, std::vector<Events>> measured;
   std::map<double, std::vector<NumberedClosing>> alone;
   std::size_t closed = 0;
@@ -256,8 +256,10 @@ SimulatedCount simulate_campaign(Store& store, std::int64_t campaign, std::span<
     shot.conditions = in.conditions;
     shot.reason = basis(in, closings.size(), how.made_with);
     const auto before = known.find(angle);
-    if (before != known.end() && before->second == shot.reason) {
+    if (before != known.end() && before->second.reason == shot.reason) {
       ++count.kept;
+      const auto events = store.load_events(before->second.id);
+      count.beyond_fields += events && (events->flags & flag_beyond_fields) != 0;
       continue;
     }
     shots.push_back(shot), inputs.push_back(in), numbers.push_back(number - 1);
@@ -277,7 +279,7 @@ SimulatedCount simulate_campaign(Store& store, std::int64_t campaign, std::span<
     if (!result->prediction.empty()) store.store_prediction(id, result->prediction);
     ++count.stored;
     count.field_states += result->field_states, count.field_beyond += result->field_beyond;
-    if (result->field_beyond > 0) ++count.beyond_fields;
+    count.beyond_fields += (result->events.flags & flag_beyond_fields) != 0;
     if (known.contains(shots[i].angle_deg)) ++count.renewed;
   };
   const auto work = [&] {
@@ -292,7 +294,8 @@ SimulatedCount simulate_campaign(Store& store, std::int64_t campaign, std::span<
           const auto closing = at_the_step(make, shots[i].conditions, options, p.events);
           p.record = closing.record;
           p.field_states = closing.field_states, p.field_beyond = closing.field_beyond;
-          if (p.field_beyond > 0) p.events.flags |= flag_beyond_fields;
+          if (static_cast<double>(p.field_beyond) > few_beyond * static_cast<double>(p.field_states))
+            p.events.flags |= flag_beyond_fields;
           return bytes_of(p);
         };
         const auto bytes =

@@ -80,11 +80,14 @@ struct SimulatedCount {
   std::size_t stored = 0;   ///< simulated now
   std::size_t renewed = 0;  ///< of these: in the place of a simulation whose inputs have changed since
   std::size_t kept = 0;     ///< stored before from the same inputs
-  /// States of the magnet that the simulations looked at, where they had fields of their own; of these outside of
-  /// what the fields were made from; simulations with such states.
+  /// States of the magnet that the simulations made now looked at, where they had fields of their own; of these outside
+  /// of what the fields were made from.
   std::int64_t field_states = 0, field_beyond = 0;
-  std::size_t beyond_fields = 0;
+  std::size_t beyond_fields = 0;  ///< simulations, also kept ones, with more than `few_beyond` of such states
 };
+
+/// Share of the states outside of what the fields were made from, above which no time is one to rely on.
+inline constexpr double few_beyond = 0.01;
 
 /// One closing for each angle of the plan, stored with record and events. Where the campaign has measured closings
 /// and not `nominal`: under their conditions, with its uncertainty. Each is stored as soon as those of the angles

@@ -37,11 +37,18 @@ const Band& of(const Prediction& p, int quantity) {
   return *bands[quantity];
 }
 
-/// Median of the quantity over all closings but one.
-double median_of_others(const std::vector<sim::MeasuredClosing>& all, std::size_t without, int quantity) {
+bool is_one_of(std::span<const double> angles, const sim::MeasuredClosing& m) {
+  return std::ranges::any_of(angles, [&](double a) {
+    return std::fabs(std::remainder(degrees(a - m.conditions.closing_angle), 360)) < 1e-3;
+  });
+}
+
+/// Median of the quantity over the known closings but one.
+double median_of_others(const std::vector<sim::MeasuredClosing>& all, std::size_t without, int quantity,
+                        std::span<const double> unseen) {
   std::vector<double> values;
   for (std::size_t k = 0; k < all.size(); ++k)
-    if (k != without && std::isfinite(measured(all[k], quantity)))
+    if (k != without && !is_one_of(unseen, all[k]) && std::isfinite(measured(all[k], quantity)))
       values.push_back(measured(all[k], quantity));
   if (values.empty()) return unknown;
   std::sort(values.begin(), values.end());
@@ -111,11 +118,13 @@ struct Summary {
 
 Summary summary(const std::vector<FitCell>& cells, const char* quantity) {
   Summary s;
+  const bool blind =
+      std::ranges::any_of(cells, [](const FitCell& c) { return std::isfinite(c.held_out_percent); });
   for (const auto& c : cells) {
     if (c.quantity != quantity) continue;
     s.fitted.add(c.fitted_percent);
     s.held_out.add(c.held_out_percent);
-    s.others.add(c.others_percent);
+    if (!blind || std::isfinite(c.held_out_percent)) s.others.add(c.others_percent);
   }
   return s;
 }
@@ -193,7 +202,8 @@ OneMeasured of_one(const sim::MeasuredClosing& m) {
 
 }  // namespace
 
-std::vector<FitCell> fit_cells(const FitFile& file, const std::vector<sim::MeasuredClosing>& closings) {
+std::vector<FitCell> fit_cells(const FitFile& file, const std::vector<sim::MeasuredClosing>& closings,
+                               std::span<const double> unseen) {
   std::vector<FitCell> cells;
   std::vector<sim::Specimen> best;
   for (const auto& fold : file.folds)
@@ -201,7 +211,8 @@ std::vector<FitCell> fit_cells(const FitFile& file, const std::vector<sim::Measu
   for (std::size_t k = 0; k < closings.size(); ++k) {
     const auto& m = closings[k];
     const double theta = degrees(m.conditions.closing_angle);
-    const Prediction fitted = best.empty() ? Prediction{} : predict(best, m.conditions);
+    const bool is_fitted = !best.empty() && !is_one_of(unseen, m);
+    const Prediction fitted = is_fitted ? predict(best, m.conditions) : Prediction{};
     Prediction blind;
     for (const auto& fold : file.folds)
       if (fold.held_out && std::fabs(std::remainder(*fold.held_out - theta, 360)) < 1e-3)
@@ -215,7 +226,7 @@ std::vector<FitCell> fit_cells(const FitFile& file, const std::vector<sim::Measu
       c.held_out = of(blind, q);
       c.fitted_percent = relative_error_percent(c.fitted, c.measured);
       c.held_out_percent = relative_error_percent(c.held_out.median, c.measured);
-      c.others_percent = relative_error_percent(median_of_others(closings, k, q), c.measured);
+      c.others_percent = relative_error_percent(median_of_others(closings, k, q, unseen), c.measured);
       cells.push_back(c);
     }
   }

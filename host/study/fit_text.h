@@ -1,5 +1,6 @@
 #pragma once
 
+#include <span>
 #include <string>
 
 #include "host/study/fit_job.h"
@@ -22,8 +23,10 @@ struct FitCell {
       unknown;  ///< the same for the median of the other angles: what no model would reach
 };
 
-/// touch, bounce, settled and seat of every closing in `closings`; simulated anew from the file's members.
-std::vector<FitCell> fit_cells(const FitFile&, const std::vector<sim::MeasuredClosing>& closings);
+/// touch, bounce, settled and seat of every closing in `closings`; simulated anew from the file's members. At an angle
+/// of `unseen`, rad, nothing is fitted, and no median holds it.
+std::vector<FitCell> fit_cells(const FitFile&, const std::vector<sim::MeasuredClosing>& closings,
+                               std::span<const double> unseen = {});
 
 std::string fit_text(const FitJob&, const FitReport&, const std::vector<FitCell>&);
 std::string fit_json(const FitJob&, const FitReport&, const std::vector<FitCell>&,

@@ -52,7 +52,9 @@ double stop_rest_depth(const Specimen& s) {
 
 std::string rigid_only(const Specimen& s) {
   const auto sentence = [](const char* key, const char* allowed) {
-    return std::string(key) + ": allowed " + allowed + " on this rung; take rigid, which knows more";
+    return std::string(key) + ": allowed " + allowed +
+           " where the plant simulates (simulated rig, sweep, fit, describe); sim and ladder take rigid "
+           "mechanics, which know more";
   };
   if (s.bridges.contact_exponent != 1) return sentence("bridges.contact_exponent", "1");
   if (s.core.stop_exponent != 1) return sentence("core.stop_exponent", "1");

@@ -32,7 +32,7 @@ std::string no_elements(const Specimen& s) {
     return "the drawing '" + s.magnet.drawing + "' of the stored specimen '" + s.name +
            "' is not at hand; name its specimen file";
   return "allowed circuit, for specimen '" + s.name +
-         "' has no [shape]: whose magnet the fields are is not known";
+         "' has no [shape] with a key in it: whose magnet the fields are is not known";
 }
 
 std::string has_three_dimensions(const Specimen& s) {

@@ -27,6 +27,28 @@ TEST_CASE("all mistakes of a plan at once, with file, line, key, range and the n
   CHECK(run(folder, {"plan", "check", folder.file("none.toml")}).status == 2);
 }
 
+TEST_CASE("numbers of the command line that are none, or say a thing twice, are refused by name",
+          "[system]") {
+  Folder folder;
+  const std::string law = folder.write("a.specimen.toml", "[bridges]\ncontact_exponent = 1.5\n");
+  const std::vector<std::pair<std::vector<std::string>, const char*>> wrong{
+      {{"fit", "--deviations", "1,1,nan"}, "--deviations nan: not a number"},
+      {{"fit", "--prior", "nan"}, "--prior nan: not a number"},
+      {{"fit", "--free", "core.mass_g=100:160", "--free", "core.mass_g=90:160"}, "free already"},
+      {{"fit", "--specimen", law}, "contact_exponent: allowed 1"},
+      {{"sweep", "--vary", "supply_volts=220:240:2.5"}, "2.5 steps: allowed a whole number"},
+      {{"sweep", "--ambient", "900"}, "-50"},
+      {{"ladder", "--table", folder.file("none")}, "no such file"},
+      {{"specimen", "describe", "--volts", "nan"}, "--volts nan: not a number"}};
+  for (const auto& [words, says] : wrong) {
+    const Finished r = run(folder, words);
+    INFO(words[0] << " " << words[1] << "\n" << r.err);
+    CHECK(r.status == 2);
+    CHECK(r.out.empty());
+    CHECK_THAT(r.err, Contains(says));
+  }
+}
+
 TEST_CASE("words the command line does not know", "[system]") {
   Folder folder;
   CHECK(run(folder, {}).status == 2);

@@ -145,6 +145,9 @@ TEST_CASE("own magnet: a closing outside of its table, and one that never moves,
   CHECK_THAT(r.err, Contains("expected error: mesh") && Contains("exit code 1") &&
                         Contains("no contact closes") && !Contains("computable") &&
                         Contains("outside of what the fields were made from"));
+  const Finished again = run(e.folder, words);  // kept, and no better for it
+  CHECK(again.status == 1);
+  CHECK_THAT(again.err, Contains("1 kept") && Contains("outside of what the fields were made from"));
   const Finished shown = run(e.folder, {"show", "1", "--db", e.file("a.db")});
   CHECK_THAT(shown.out, Contains("beyond_fields"));
   const Finished shots = run(e.folder, {"shots", "--db", e.file("a.db")});

@@ -63,6 +63,43 @@ TEST_CASE("a scene by name and by accuracy: said, run through the sensors, store
   CHECK(nlohmann::json::parse(again.out)["simulated"] == 0);
 }
 
+TEST_CASE("an accuracy is judged at every angle of a plan, whatever their order", "[system]") {
+  Folder folder;
+  nlohmann::json before;
+  for (const char* angles : {"[0, 60, 90]", "[90, 0, 60]"}) {
+    const std::string plan = folder.write("p.plan.toml", std::string("repeats = 1\nangles_deg = ") + angles);
+    const auto r = run(folder, {"sim", plan, "--db", folder.file("a.db"), "--accuracy", "1%", "--json",
+                                "--progress", "none"});
+    INFO(angles << "\n" << r.err);
+    CHECK(r.status == 7);
+    CHECK_THAT(r.err, Contains("where it is furthest from what is wanted") &&
+                          Contains("by closing angle, degrees: not known at 0 60 90"));
+    auto models = nlohmann::json::parse(r.out)["models"];
+    REQUIRE(models["by_angle"].size() == 3);
+    double share = 0;
+    for (const auto& a : models["by_angle"]) share = std::max(share, a["share"].get<double>());
+    for (const auto& a : models["by_angle"])
+      if (a["share"] == share) CHECK(a["angle_deg"] == models["angle_deg"]);
+    for (const char* clock : {"cpu_ms_with_choosing", "looked_at"}) models.erase(clock);
+    if (!before.is_null()) CHECK(models == before);
+    before = models;
+  }
+}
+
+TEST_CASE("closings that were only simulated are not judged, and nothing of them is missing", "[system]") {
+  Folder folder;
+  const std::string plan = folder.write("p.plan.toml", "angles_deg = [0, 60]\nrepeats = 2\n"),
+                    db = folder.file("a.db");
+  REQUIRE(run(folder, {"sim", plan, "--db", db, "--progress", "none"}).status == 0);
+  CHECK(run(folder, {"compare", "--db", db}).status == 0);
+  const auto r = run(folder, {"report", "--db", db, "-o", folder.file("out"), "--json"});
+  CHECK(r.status == 0);
+  const auto summary = nlohmann::json::parse(r.out);
+  CHECK(summary["verdict"] == "NOT JUDGED");
+  CHECK(read_file(folder.file("out/junit.xml")).find("skipped=\"1\"") != std::string::npos);
+  CHECK_THAT(read_file(folder.file("out/report.html")), Contains("closings were only computed"));
+}
+
 TEST_CASE("wishes that cannot be granted are refused with what is allowed", "[system]") {
   Folder folder;
   const std::string plan = folder.write("p.plan.toml", one_angle_plan), db = folder.file("a.db");
@@ -74,13 +111,17 @@ TEST_CASE("wishes that cannot be granted are refused with what is allowed", "[sy
     return r.status;
   };
   CHECK(status({"--mechanics", "elastic"}, "plant, rigid, modal, deformable") == 2);
-  CHECK(status({"--fields", "field4d"}, "circuit, table, solved, ends") == 2);
+  CHECK(status({"--fields", "field4d"}, "circuit, table, solved, ends, auto") == 2);
   CHECK(status({"--accuracy", "many"}, "--accuracy = many") == 2);
   const std::string wrong =
       folder.write("w.plan.toml", std::string(one_angle_plan) + "[wanted]\nfields = \"tabel\"\n");
   const auto r = run(folder, {"sim", wrong, "--db", db, "--progress", "none"});
   CHECK(r.status == 2);
   CHECK_THAT(r.err, Contains("wanted") && Contains("tabel") && Contains("table"));
+  const std::string apart = folder.write(
+      "x.plan.toml", std::string(one_angle_plan) + "[wanted]\nfields = \"table\"\nmechanics = \"plant\"\n");
+  CHECK_THAT(run(folder, {"plan", "check", apart}).err,
+             Contains("x.plan.toml:5") && Contains("fields = circuit"));
 }
 
 TEST_CASE("what the numbers of a specimen make together, beside catalogue ranges; a former file is converted",
@@ -133,6 +174,9 @@ TEST_CASE("what the numbers of a specimen make together, beside catalogue ranges
   REQUIRE(now.status == 0);
   CHECK_THAT(now.out, Contains("stop_restitution = 0.13126") && Contains("contact_restitution = 0.51133") &&
                           Contains("seat_damping = 0.101926"));
+  const auto twice = run(folder, {"specimen", "convert", folder.write("c.specimen.toml", now.out)});
+  CHECK(twice.status == 2);
+  CHECK_THAT(twice.err, Contains("c.specimen.toml:1: is converted already"));
   const auto wrong = run(folder, {"specimen", "describe", "nowhere.toml"});
   CHECK(wrong.status == 2);
   CHECK_THAT(run(folder, {"specimen", "describe", "--help"}).out,
