@@ -4,6 +4,7 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <optional>
 #include <set>
 #include <sstream>
 
@@ -18,8 +19,10 @@
 #include "host/study/fit_text.h"
 #include "host/study/next_measurement.h"
 #include "host/study/problem.h"
+#include "host/study/scene_fields.h"
 #include "host/study/study_svg.h"
 #include "sim/mechanics/contact_damping.h"
+#include "sim/models/mechanics.h"
 
 namespace powbench::host {
 namespace {
@@ -199,6 +202,57 @@ void take_options(const FitArgs& args, Source& s) {
   s.job.options.seed = args.seed;
 }
 
+/// Whether a field made of the base specimen is that of every specimen with this number moved.
+bool leaves_field(const sim::Parameter& p) {
+  const std::string_view section = p.field->section;
+  return section == "core" || section == "bridges" || section == "base" || p.name() == "coil.resistance_ohm";
+}
+
+/// The model that simulates, where it is not the plant.
+void take_model(const FitArgs& args, sim::FitProblem& problem) {
+  const std::string of =
+      args.specimen_file.empty() ? std::string("the campaign's specimen") : args.specimen_file;
+  if (args.fields.empty() && args.mechanics.empty()) {
+    if (const auto beyond = sim::rigid_only(problem.base); !beyond.empty())
+      throw BadInput({of + ": " + beyond});
+    return;
+  }
+  const std::string fields = args.fields.empty() ? "circuit" : args.fields,
+                    mechanics = args.mechanics.empty() ? "rigid" : args.mechanics;
+  if (fields != "circuit") {
+    if (args.database.empty())
+      throw BadInput({"--fields " + fields +
+                      ": allowed with --db; the published tables tell of no magnet but its circuit"});
+    for (const auto& p : problem.parameters)
+      if (!leaves_field(p))
+        throw BadInput({"--free " + p.name() + ": allowed with --fields circuit; " + fields +
+                        " is made once, of the specimen as it is"});
+  }
+  if (!args.fit_file.empty())
+    throw BadInput(
+        {"--fit: allowed without --fields and --mechanics: what reads a fit file simulates with the plant"});
+  FieldCache cache;
+  cache.folder = args.cache;
+  cache.say = [](const std::string& text) { fmt::print(stderr, "{}\n", text); };
+  try {
+    const sim::Rung rung = sim::scene_rung(obtain_field(fields, problem.base, cache), mechanics);
+    if (rung.costly)
+      throw BadInput({"--mechanics " + mechanics + ": a closing takes seconds; allowed plant, rigid, modal"});
+    problem.model.name = rung.name();
+    problem.model.run = [rung](const sim::Specimen& s, const Conditions& c, double duration,
+                               double tolerance) {
+      try {
+        return rung.run({s, c, {}}, duration, rung.settings.empty() ? tolerance : rung.settings.back(), 0)
+            .truth;
+      } catch (const std::exception&) {
+        return sim::ClosingTruth{};  // as if nothing closed
+      }
+    };
+  } catch (const std::invalid_argument& e) {
+    throw BadInput({of + ": " + e.what()});
+  }
+}
+
 /// The circuit's numbers were moved and the shape is the default one, which nobody drew for this contactor.
 bool moves_default_magnet(const sim::FitProblem& problem) {
   return problem.base.shape == sim::MagnetShape{} &&
@@ -219,10 +273,7 @@ Exit fit_specimen(const FitArgs& args) {
   const bool published = args.database.empty();
   Source source = published ? published_source(args) : campaign_source(args);
   take_options(args, source);
-  if (const auto beyond = sim::rigid_only(source.job.problem.base); !beyond.empty())
-    throw BadInput(
-        {(args.specimen_file.empty() ? std::string("the campaign's specimen") : args.specimen_file) + ": " +
-         beyond});
+  take_model(args, source.job.problem);
   if (args.shards.slurm > 0) {
     fmt::print("{}", slurm_script(args.shards, args.shards.database));
     return Exit::pass;
@@ -266,7 +317,7 @@ Exit fit_specimen(const FitArgs& args) {
     return Exit::interrupted;
   }
   if (report.part) return Exit::pass;
-  const auto cells = fit_cells(report.file, source.closings, source.job.unseen);
+  const auto cells = fit_cells(report.file, source.closings, source.job.unseen, source.job.problem.model);
   NextMeasurements next;
   if (report.posterior) next = next_measurements(source.job, report.file, *report.posterior, team);
   fmt::print("{}",

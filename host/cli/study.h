@@ -20,6 +20,8 @@ namespace powbench::host {
 struct FitArgs {
   std::string database;                 ///< "" = the published tables
   std::vector<std::int64_t> campaigns;  ///< empty = the newest
+  std::string fields, mechanics;        ///< model that simulates; both "" = the plant
+  std::string cache = "field";          ///< folder of field tables
   std::string specimen_file;            ///< numbers that are not free; "" = built-in, or the campaign's
   std::vector<std::string> free;        ///< NAME=LOW:HIGH
   std::vector<std::string> start;       ///< specimen files that the search for everything begins from

@@ -148,6 +148,11 @@ void add_fit_verb(CLI::App& app) {
                 "campaign ids, such as 3,4,5: each import is a campaign of its own; the newest if left out")
       ->delimiter(',');
   v->add_option("--specimen", fit->specimen_file, "specimen file (TOML) with the numbers that are not free");
+  v->add_option(
+      "--fields", fit->fields,
+      "model that simulates: circuit, table, ends or solved, as for `sim`; the plant if both are left out");
+  v->add_option("--mechanics", fit->mechanics, "plant, rigid or modal; rigid if --fields is given alone");
+  v->add_option("--cache", fit->cache, "folder for field tables; made if missing")->capture_default_str();
   v->add_option("--free", fit->free,
                 "free parameter and its bounds, NAME=LOW:HIGH in the unit of the specimen file");
   v->add_option(

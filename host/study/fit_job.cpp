@@ -136,7 +136,7 @@ std::size_t blind_fits(const FitJob& job) {
 }
 
 std::string problem_hash(const FitJob& job) {
-  std::string text = resolved_text(job.problem.base);
+  std::string text = resolved_text(job.problem.base) + job.problem.model.name;
   for (const auto& p : job.problem.parameters)
     text += fmt::format("{} {} {} {}\n", p.name(), p.low, p.high, p.logarithmic);
   for (const auto& m : job.problem.closings) {

@@ -21,7 +21,7 @@ std::string plausible_text(const sim::Plausible& p) {
 }
 
 std::string problem_text(const sim::FitProblem& p) {
-  std::string text = resolved_text(p.base);
+  std::string text = resolved_text(p.base) + p.model.name;
   for (const auto& q : p.parameters)
     text += fmt::format("{} {} {} {}\n", q.name(), q.low, q.high, q.logarithmic);
   for (const auto& m : p.closings) {

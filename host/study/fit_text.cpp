@@ -203,7 +203,7 @@ OneMeasured of_one(const sim::MeasuredClosing& m) {
 }  // namespace
 
 std::vector<FitCell> fit_cells(const FitFile& file, const std::vector<sim::MeasuredClosing>& closings,
-                               std::span<const double> unseen) {
+                               std::span<const double> unseen, const sim::ClosingModel& model) {
   std::vector<FitCell> cells;
   std::vector<sim::Specimen> best;
   for (const auto& fold : file.folds)
@@ -212,11 +212,11 @@ std::vector<FitCell> fit_cells(const FitFile& file, const std::vector<sim::Measu
     const auto& m = closings[k];
     const double theta = degrees(m.conditions.closing_angle);
     const bool is_fitted = !best.empty() && !is_one_of(unseen, m);
-    const Prediction fitted = is_fitted ? predict(best, m.conditions) : Prediction{};
+    const Prediction fitted = is_fitted ? predict(best, m.conditions, {}, {}, model) : Prediction{};
     Prediction blind;
     for (const auto& fold : file.folds)
       if (fold.held_out && std::fabs(std::remainder(*fold.held_out - theta, 360)) < 1e-3)
-        blind = predict(specimens(file, fold), m.conditions, fold.bounce, of_one(m));
+        blind = predict(specimens(file, fold), m.conditions, fold.bounce, of_one(m), model);
     for (int q = 0; q < static_cast<int>(std::size(quantities)); ++q) {
       FitCell c;
       c.theta_deg = theta;

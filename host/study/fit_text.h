@@ -24,9 +24,9 @@ struct FitCell {
 };
 
 /// touch, bounce, settled and seat of every closing in `closings`; simulated anew from the file's members. At an angle
-/// of `unseen`, rad, nothing is fitted, and no median holds it.
+/// of `unseen`, rad, nothing is fitted, and no median holds it. `model`: that of the fit.
 std::vector<FitCell> fit_cells(const FitFile&, const std::vector<sim::MeasuredClosing>& closings,
-                               std::span<const double> unseen = {});
+                               std::span<const double> unseen = {}, const sim::ClosingModel& model = {});
 
 std::string fit_text(const FitJob&, const FitReport&, const std::vector<FitCell>&);
 std::string fit_json(const FitJob&, const FitReport&, const std::vector<FitCell>&,

@@ -62,12 +62,13 @@ Band sum(const Band& a, const Band& b) {
 }  // namespace
 
 Prediction predict(std::span<const sim::Specimen> list, const Conditions& conditions,
-                   const std::optional<sim::BounceCalibration>& calibration, const OneMeasured& one) {
+                   const std::optional<sim::BounceCalibration>& calibration, const OneMeasured& one,
+                   const sim::ClosingModel& model) {
   std::vector<double> touch, bounce, settled, seat, overtravel_time;
   std::vector<sim::Attempt> attempts;
   for (const auto& s : list) attempts.push_back({&s, &conditions, duration});
   sim::Team alone(1);
-  const auto truths = sim::tried_closings(attempts, sim::PlantOptions{}.relative_tolerance, alone);
+  const auto truths = sim::tried_closings(attempts, sim::PlantOptions{}.relative_tolerance, alone, model);
   for (std::size_t k = 0; k < list.size(); ++k) {
     const sim::ClosingTruth& t = truths[k];
     if (!t.touch || !t.core_seat) continue;

@@ -6,6 +6,7 @@
 #include "core/conditions.h"
 #include "host/paper/evaluate.h"
 #include "host/study/fit_file.h"
+#include "sim/models/closing.h"
 
 /// What an ensemble of identified specimens predicts.
 
@@ -32,7 +33,8 @@ struct Prediction {
   Band touch, bounce, settled, seat, overtravel_time;
 };
 Prediction predict(std::span<const sim::Specimen>, const Conditions&,
-                   const std::optional<sim::BounceCalibration>& = {}, const OneMeasured& = {});
+                   const std::optional<sim::BounceCalibration>& = {}, const OneMeasured& = {},
+                   const sim::ClosingModel& = {});
 
 /// At each angle, the prediction of the fold that has not seen it; the view is all NaN where there is none. Core
 /// bounce and forces are not predicted.

@@ -44,7 +44,8 @@ NextMeasurements next_measurements(const FitJob& job, const FitFile& file, const
   std::vector<sim::Attempt> attempts;
   for (const auto& s : list)
     for (const auto& c : conditions) attempts.push_back({&s, &c, window});
-  const auto truths = sim::tried_closings(attempts, sim::PlantOptions{}.relative_tolerance, team);
+  const auto truths =
+      sim::tried_closings(attempts, sim::PlantOptions{}.relative_tolerance, team, job.problem.model);
 
   std::vector<std::vector<double>> logs;  // of every quantity at every angle
   for (std::size_t k = 0; k < list.size(); ++k) {

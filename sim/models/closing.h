@@ -1,6 +1,8 @@
 #pragma once
 
+#include <functional>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "core/conditions.h"
@@ -70,6 +72,14 @@ Trajectory simulate(const Specimen&, const Conditions&, double duration, double 
 /// integration fails.
 ClosingTruth tried_closing(const Specimen&, const Conditions&, double duration,
                            double relative_tolerance = PlantOptions{}.relative_tolerance);
+
+/// Another model in the place of the plant, by its name: the truth of a specimen that a search tries, as
+/// `tried_closing` gives it. Called from several threads.
+struct ClosingModel {
+  std::string name;
+  std::function<ClosingTruth(const Specimen&, const Conditions&, double duration, double relative_tolerance)>
+      run;
+};
 
 /// The truth in a list of events; `off` is the time the coil was switched off, s.
 ClosingTruth closing_truth(std::span<const PlantEvent> events, double off);

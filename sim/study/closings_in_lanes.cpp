@@ -86,8 +86,16 @@ void closings_in_lanes(const std::function<std::optional<LaneClosing>()>& next,
   ClosingQueue(next, done, on_failure).run();
 }
 
-std::vector<ClosingTruth> tried_closings(std::span<const Attempt> list, double tolerance, Team& team) {
+std::vector<ClosingTruth> tried_closings(std::span<const Attempt> list, double tolerance, Team& team,
+                                         const ClosingModel& model) {
   std::vector<ClosingTruth> truths(list.size());
+  if (model.run) {
+    for_each_index(team, static_cast<int>(list.size()), [&](int i) {
+      const auto k = static_cast<std::size_t>(i);
+      truths[k] = model.run(*list[k].specimen, *list[k].conditions, list[k].duration, tolerance);
+    });
+    return truths;
+  }
   std::atomic<std::size_t> begun{0};
   team.run([&](int) {
     closings_in_lanes(

@@ -38,7 +38,8 @@ struct Attempt {
   const Conditions* conditions = nullptr;
   double duration = 0;  ///< s
 };
-/// `tried_closing` of each, in order.
-std::vector<ClosingTruth> tried_closings(std::span<const Attempt>, double tolerance, Team&);
+/// `tried_closing` of each, in order; with a `model`: its own, one by one.
+std::vector<ClosingTruth> tried_closings(std::span<const Attempt>, double tolerance, Team&,
+                                         const ClosingModel& model = {});
 
 }  // namespace powbench::sim

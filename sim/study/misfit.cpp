@@ -123,7 +123,7 @@ std::vector<std::vector<double>> Misfit::bounces(std::span<const std::vector<dou
   std::vector<Attempt> attempts;
   for (const auto& s : specimens)
     for (const auto& m : problem_.closings) attempts.push_back({&s, &m.conditions, problem_.duration});
-  const auto truths = tried_closings(attempts, tolerance, team);
+  const auto truths = tried_closings(attempts, tolerance, team, problem_.model);
   std::vector<std::vector<double>> lists(points.size());
   for (std::size_t k = 0; k < truths.size(); ++k) {
     const ClosingTruth& t = truths[k];
@@ -178,7 +178,7 @@ std::vector<std::vector<double>> residuals_of(std::span<const Misfit> problems,
     for (const auto& m : problem.closings)
       attempts.push_back({&specimens[k], &m.conditions, problem.duration});
   }
-  const auto truths = tried_closings(attempts, tolerance, team);
+  const auto truths = tried_closings(attempts, tolerance, team, problems.front().problem().model);
   std::vector<std::vector<double>> all(points.size());
   for_each_index(team, static_cast<int>(points.size()), [&](int i) {
     const auto k = static_cast<std::size_t>(i);

@@ -55,7 +55,8 @@ struct Plausible {
 Plausible catalogue_ranges();
 
 struct FitProblem {
-  Specimen base;  ///< numbers that are not free
+  Specimen base;         ///< numbers that are not free
+  ClosingModel model{};  ///< that simulates; empty: the plant, in lanes
   std::vector<Parameter> parameters;
   std::vector<MeasuredClosing> closings;
   Plausible plausible;
@@ -138,7 +139,7 @@ class Misfit {
   std::size_t per_closing_ = 4;
 };
 
-/// `Misfit::residuals` at points of several problems, all closings side by side.
+/// `Misfit::residuals` at points of several problems of one model, all closings side by side.
 std::vector<std::vector<double>> residuals_of(std::span<const Misfit>, std::span<const PointOf>,
                                               double tolerance, Team&);
 

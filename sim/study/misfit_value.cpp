@@ -104,14 +104,23 @@ class Misfit::Trial {
 
 double Misfit::value(std::span<const double> point, double give_up) const {
   Trial trial(*this, point, give_up);
-  while (const auto wanted = trial.next())
-    trial.take(tried_closing(trial.specimen(), wanted->conditions, wanted->duration, problem_.tolerance));
+  const auto& run = problem_.model.run;
+  while (const auto w = trial.next())
+    trial.take(run ? run(trial.specimen(), w->conditions, w->duration, problem_.tolerance)
+                   : tried_closing(trial.specimen(), w->conditions, w->duration, problem_.tolerance));
   return trial.sum();
 }
 
 std::vector<double> Misfit::values(std::span<const std::vector<double>> points,
                                    std::span<const double> give_up, Team& team) const {
   std::vector<double> values(points.size());
+  if (problem_.model.run) {
+    for_each_index(team, static_cast<int>(points.size()), [&](int i) {
+      const auto k = static_cast<std::size_t>(i);
+      values[k] = value(points[k], give_up[k]);
+    });
+    return values;
+  }
   std::atomic<std::size_t> begun{0};
   team.run([&](int) {
     struct Begun {
