@@ -25,10 +25,6 @@ std::vector<double> gaussian_half_kernel(double sigma) {
   return k;
 }
 
-}  // namespace
-
-namespace {
-
 /// Reorders; not empty.
 double median_of(std::vector<double>& v) {
   const std::size_t h = v.size() / 2;

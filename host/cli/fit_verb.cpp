@@ -4,7 +4,6 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
-#include <optional>
 #include <set>
 #include <sstream>
 
@@ -213,6 +212,9 @@ void take_model(const FitArgs& args, sim::FitProblem& problem) {
   const std::string of =
       args.specimen_file.empty() ? std::string("the campaign's specimen") : args.specimen_file;
   if (args.fields.empty() && args.mechanics.empty()) {
+    if (!problem.base.lumped)
+      throw BadInput(
+          {of + ": has a drawing and no circuit, so the plant cannot simulate it; take --fields table"});
     if (const auto beyond = sim::rigid_only(problem.base); !beyond.empty())
       throw BadInput({of + ": " + beyond});
     return;
@@ -238,16 +240,12 @@ void take_model(const FitArgs& args, sim::FitProblem& problem) {
     const sim::Rung rung = sim::scene_rung(obtain_field(fields, problem.base, cache), mechanics);
     if (rung.costly)
       throw BadInput({"--mechanics " + mechanics + ": a closing takes seconds; allowed plant, rigid, modal"});
-    problem.model.name = rung.name();
-    problem.model.run = [rung](const sim::Specimen& s, const Conditions& c, double duration,
-                               double tolerance) {
-      try {
-        return rung.run({s, c, {}}, duration, rung.settings.empty() ? tolerance : rung.settings.back(), 0)
-            .truth;
-      } catch (const std::exception&) {
-        return sim::ClosingTruth{};  // as if nothing closed
-      }
-    };
+    const sim::Case first{problem.base, problem.closings.front().conditions, {}};
+    for (const sim::Mechanics& m : sim::all_mechanics())
+      if (m.name == mechanics)
+        if (const std::string beyond = m.unknown(first); !beyond.empty())
+          throw BadInput({of + ": " + beyond});
+    problem.model = sim::closing_model(rung);
   } catch (const std::invalid_argument& e) {
     throw BadInput({of + ": " + e.what()});
   }

@@ -53,8 +53,8 @@ double stop_rest_depth(const Specimen& s) {
 std::string rigid_only(const Specimen& s) {
   const auto sentence = [](const char* key, const char* allowed) {
     return std::string(key) + ": allowed " + allowed +
-           " where the plant simulates (simulated rig, sweep, fit, describe); sim and ladder take rigid "
-           "mechanics, which know more";
+           " where the plant simulates (simulated rig, sweep, describe); sim, ladder and fit know more with "
+           "--mechanics rigid";
   };
   if (s.bridges.contact_exponent != 1) return sentence("bridges.contact_exponent", "1");
   if (s.core.stop_exponent != 1) return sentence("core.stop_exponent", "1");

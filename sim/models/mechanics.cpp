@@ -63,6 +63,18 @@ Rung scene_rung(const FieldRung& fields, std::string_view mechanics) {
   return m.rung(fields);
 }
 
+ClosingModel closing_model(const Rung& rung) {
+  return {rung.name(), [rung](const Specimen& s, const Conditions& c, double duration, double tolerance) {
+            try {
+              return rung
+                  .run({s, c, {}}, duration, rung.settings.empty() ? tolerance : rung.settings.back(), 0)
+                  .truth;
+            } catch (const std::exception&) {
+              return ClosingTruth{};
+            }
+          }};
+}
+
 std::vector<Rung> closing_rungs() {
   return {plant_mechanics().rung(circuit_field()), rigid_mechanics().rung(circuit_field())};
 }

@@ -39,6 +39,10 @@ inline constexpr double deformable_duration = 0.03;  // s
 /// do not take these fields.
 Rung scene_rung(const FieldRung&, std::string_view mechanics);
 
+/// A rung as a search calls it: at the tolerance it asks for, or at the finest of the rung's own settings. What cannot
+/// be simulated has the empty truth, as if nothing closed: ask `Mechanics::unknown` before.
+ClosingModel closing_model(const Rung&);
+
 /// The pairs of the circuit with `plant` and `rigid`: the same equations, they differ by their integrators alone.
 std::vector<Rung> closing_rungs();
 

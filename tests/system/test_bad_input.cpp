@@ -36,6 +36,7 @@ TEST_CASE("numbers of the command line that are none, or say a thing twice, are 
       {{"fit", "--prior", "nan"}, "--prior nan: not a number"},
       {{"fit", "--free", "core.mass_g=100:160", "--free", "core.mass_g=90:160"}, "free already"},
       {{"fit", "--specimen", law}, "contact_exponent: allowed 1"},
+      {{"fit", "--specimen", law, "--mechanics", "plant"}, "contact_exponent: allowed 1"},
       {{"fit", "--fields", "table"}, "--fields table: allowed with --db"},
       {{"fit", "--mechanics", "deformable"}, "allowed plant, rigid, modal"},
       {{"fit", "--mechanics", "elastic"}, "allowed"},

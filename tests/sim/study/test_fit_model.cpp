@@ -16,14 +16,7 @@ using namespace powbench::sim;
 namespace {
 
 ClosingModel rigid_model() {
-  const Rung rung = closing_rungs().back();
-  return {rung.name(), [rung](const Specimen& s, const Conditions& c, double duration, double tolerance) {
-            try {
-              return rung.run({s, c, {}}, duration, tolerance, 0).truth;
-            } catch (const std::exception&) {
-              return ClosingTruth{};
-            }
-          }};
+  return closing_model(closing_rungs().back());
 }
 
 /// Closings of `device` at four angles as `model` has them, worth 20 us each.
