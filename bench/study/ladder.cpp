@@ -1,5 +1,6 @@
 // The rungs of a simulated closing: cost against error at every tolerance, and the calibration of the estimate of the
-// error on random scenes (angle, 0.85 .. 1.1 of 230 V, coil at -5 .. 60 degC) against tolerance 1e-12.
+// error on random scenes (angle, 0.85 .. 1.1 of 230 V, coil at -5 .. 60 degC) against tolerance 1e-12. Then as many
+// closings of specimens over the catalogue's bounds: whether their times converge down to 1e-11.
 //   sim_ladder [--json PATH] [--svg PATH] [--scenes N] [--dear N]
 // --dear: scenes for the rungs that bend, minutes.
 // The picture of the documents: --svg docs/sim-ladder.svg
@@ -13,13 +14,17 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
+#include "bench/study/drawn_case.h"
 #include "bench/study/estimate_coverage.h"
+#include "bench/study/step_convergence.h"
 #include "core/cpu_time.h"
+#include "core/random.h"
 #include "core/units.h"
 #include "host/export/ladder_svg.h"
 #include "sim/magnetics/plane/table_build.h"
 #include "sim/models/mechanics.h"
 #include "sim/study/ladder.h"
+#include "sim/study/parameter.h"
 
 namespace {
 
@@ -111,6 +116,46 @@ Json coverage_table(const std::vector<powbench::bench::EstimateCoverage>& all,
   return list;
 }
 
+Json convergence_table(const std::vector<sim::Rung>& rungs, int scenes) {
+  constexpr double duration = 0.06;  // s
+  std::vector<sim::Case> drawn;
+  powbench::Random random(20261);
+  const auto parameters = sim::catalogue_parameters();
+  while (drawn.size() < static_cast<std::size_t>(scenes)) {
+    const auto c = bench::drawn_case(random, parameters);
+    if (sim::tried_closing(c.specimen, c.conditions, duration).core_seat) drawn.push_back(c);
+  }
+  std::printf(
+      "\nDo the times converge? %d closings of specimens over the catalogue's bounds; errors in us against "
+      "1e-12, median and largest\n",
+      scenes);
+  Json list = Json::array();
+  using powbench::bench::StepConvergence;
+  for (std::size_t r = 0; r < rungs.size(); ++r) {
+    const auto c = powbench::bench::step_convergence(rungs, r, drawn, duration, powbench::thread_cpu_seconds);
+    std::printf("%s: %d computable, %d not computable, %d stay open\n", rungs[r].name().c_str(), c.computable,
+                c.not_computable, c.open);
+    std::printf("tolerance       touch                 seat                  settled\n");
+    for (std::size_t t = 0; t < StepConvergence::tolerances.size(); ++t) {
+      std::printf("%9.0e", StepConvergence::tolerances[t]);
+      for (std::size_t q = 0; q < c.grew.size(); ++q)
+        std::printf("   %8.1e  %8.1e", c.median[t][q] * 1e6, c.largest[t][q] * 1e6);
+      std::printf("\n");
+    }
+    std::printf("above 1 ns and ten times the error of a coarser tolerance: touch %d, seat %d, settled %d\n",
+                c.grew[0], c.grew[1], c.grew[2]);
+    list.push_back({{"rung", rungs[r].name()},
+                    {"computable", c.computable},
+                    {"not_computable", c.not_computable},
+                    {"open", c.open},
+                    {"tolerances", StepConvergence::tolerances},
+                    {"median_s", c.median},
+                    {"largest_s", c.largest},
+                    {"grew", c.grew}});
+  }
+  return list;
+}
+
 Json choice_table(const std::vector<sim::Rung>& rungs, const std::vector<sim::Case>& scenes,
                   double duration) {
   std::printf("\nChoice by wanted accuracy (worst of the times, as a share of the touch time), %zu scenes\n",
@@ -179,6 +224,7 @@ int main(int argc, char** argv) {
   if (dear > 0)
     covered_dear = coverage_table(
         powbench::bench::estimator_coverage(slow, few, options, powbench::thread_cpu_seconds), slow, dear);
+  const Json converge = convergence_table(rungs, scenes);
   // the estimate speaks of one physics: it cannot choose between fields
   rungs.resize(same_physics);
   const Json chosen = choice_table(rungs, cases, options.duration);
@@ -199,6 +245,7 @@ int main(int argc, char** argv) {
                           {"ladder", rows},
                           {"coverage", covered},
                           {"coverage_dear", covered_dear},
+                          {"convergence", converge},
                           {"choice", chosen}}
                              .dump(2) +
                          "\n");
