@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <stdexcept>
 
 #include "core/random.h"
 #include "core/units.h"
@@ -34,12 +35,25 @@ double EstimateCoverage::share() const {
 
 std::vector<EstimateCoverage> estimator_coverage(std::span<const sim::Rung> rungs,
                                                  std::span<const sim::Case> scenes,
-                                                 const sim::LadderOptions& o, const sim::CpuClock& clock) {
+                                                 const sim::LadderOptions& o, const sim::CpuClock& clock,
+                                                 sim::Team& team) {
   std::vector<EstimateCoverage> result;
   for (std::size_t r = 0; r < rungs.size(); ++r) {
+    std::vector<std::vector<sim::LadderRow>> ladders(scenes.size());
+    sim::for_each_index(team, static_cast<int>(scenes.size()), [&](int k) {
+      const auto scene = static_cast<std::size_t>(k);
+      try {
+        ladders[scene] = run_ladder(rungs.subspan(r, 1), scenes[scene], o, clock).rows;
+      } catch (const std::runtime_error&) {  // a guard stopped it
+      }
+    });
     std::vector<EstimateCoverage> part;
-    for (const auto& scene : scenes) {
-      auto rows = run_ladder(rungs.subspan(r, 1), scene, o, clock).rows;
+    int stopped = 0;
+    for (auto& rows : ladders) {
+      if (rows.empty()) {
+        ++stopped;
+        continue;
+      }
       // the estimate of the last of a rung's own settings is made with the truth itself: it would always cover
       if (!rungs[r].settings.empty()) rows.pop_back();
       part.resize(rows.size());
@@ -57,6 +71,7 @@ std::vector<EstimateCoverage> estimator_coverage(std::span<const sim::Rung> rung
         }
       }
     }
+    for (auto& c : part) c.stopped = stopped;
     result.insert(result.end(), part.begin(), part.end());
   }
   return result;

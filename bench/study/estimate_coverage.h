@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "sim/study/ladder.h"
+#include "sim/team.h"
 
 /// Whether the estimate of a rung's step error is true, over random scenes.
 
@@ -21,10 +22,12 @@ struct EstimateCoverage {
   std::array<int, 3> happened{};        ///< scenes that have the time
   std::array<int, 3> covered{};         ///< of those, error <= estimate
   std::array<double, 3> worst_error{};  ///< s
+  int stopped = 0;                      ///< scenes that a guard stopped: no times
   double cpu = 0;                       ///< s, mean
   double share() const;                 ///< covered of all that happened, three quantities together
 };
+/// The scenes are shared by the team; the clock is that of a thread.
 std::vector<EstimateCoverage> estimator_coverage(std::span<const sim::Rung>, std::span<const sim::Case>,
-                                                 const sim::LadderOptions&, const sim::CpuClock&);
+                                                 const sim::LadderOptions&, const sim::CpuClock&, sim::Team&);
 
 }  // namespace powbench::bench

@@ -1,8 +1,8 @@
 // The rungs of a simulated closing: cost against error at every tolerance, and the calibration of the estimate of the
 // error on random scenes (angle, 0.85 .. 1.1 of 230 V, coil at -5 .. 60 degC) against tolerance 1e-12. Then as many
 // closings of specimens over the catalogue's bounds: whether their times converge down to 1e-11.
-//   sim_ladder [--json PATH] [--svg PATH] [--scenes N] [--dear N]
-// --dear: scenes for the rungs that bend, minutes.
+//   sim_ladder [--json PATH] [--svg PATH] [--scenes N] [--bending N] [--deformable N] [--threads N]
+// --bending, --deformable: scenes for the rungs of bending parts (a second each) and of deformable ones (a minute).
 // The picture of the documents: --svg docs/sim-ladder.svg
 
 #include <cmath>
@@ -12,7 +12,9 @@
 #include <fstream>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <span>
 #include <string>
+#include <thread>
 
 #include "bench/study/drawn_case.h"
 #include "bench/study/estimate_coverage.h"
@@ -48,12 +50,6 @@ sim::Rung table_rung(const sim::Specimen& s) {
       "rigid");
 }
 
-/// Rungs whose closings take a tenth of a second and more: calibrated on fewer scenes, at settings of their own.
-std::vector<sim::Rung> dear_rungs(int scenes) {
-  if (scenes == 0) return {};
-  return {sim::scene_rung(sim::circuit_field(), "modal")};
-}
-
 Json ladder_table(const sim::Ladder& ladder, const std::vector<sim::Rung>& rungs) {
   std::printf(
       "One closing of the reference contactor, 230 V, 60 degrees, 80 ms; errors in us against 1e-12\n");
@@ -82,7 +78,7 @@ Json ladder_table(const sim::Ladder& ladder, const std::vector<sim::Rung>& rungs
 }
 
 Json coverage_table(const std::vector<powbench::bench::EstimateCoverage>& all,
-                    const std::vector<sim::Rung>& rungs, int scenes) {
+                    std::span<const sim::Rung> rungs, int scenes) {
   std::printf("\nDoes the estimate cover the error? %d random scenes; must 85 .. 98 %%\n", scenes);
   std::printf(
       "rung             setting   CPU ms   covered %%: touch    seat  settled   all   "
@@ -94,9 +90,10 @@ Json coverage_table(const std::vector<powbench::bench::EstimateCoverage>& all,
       std::printf("%7.1f ", c.happened[q] > 0 ? 100.0 * c.covered[q] / c.happened[q] : std::nan(""));
     std::printf("%6.1f             ", c.share() * 100);
     for (const double e : c.worst_error) std::printf(" %9.2e", e * 1e6);
-    std::printf("\n");
+    std::printf(c.stopped > 0 ? "   %d stopped by a guard\n" : "\n", c.stopped);
     list.push_back({{"rung", rungs[c.rung].name()},
                     {"tolerance", c.tolerance},
+                    {"stopped", c.stopped},
                     {"cpu_ms", c.cpu * 1e3},
                     {"happened", c.happened},
                     {"covered", c.covered},
@@ -192,13 +189,17 @@ int main(int argc, char** argv) {
   std::string json_path;
   std::string svg_path;
   int scenes = 200;
-  int dear = 0;
+  int bending = 0, deformable = 0;
+  int threads = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
   for (int i = 1; i + 1 < argc; i += 2) {
     if (std::strcmp(argv[i], "--json") == 0) json_path = argv[i + 1];
     if (std::strcmp(argv[i], "--svg") == 0) svg_path = argv[i + 1];
     if (std::strcmp(argv[i], "--scenes") == 0) scenes = std::max(1, std::atoi(argv[i + 1]));
-    if (std::strcmp(argv[i], "--dear") == 0) dear = std::max(0, std::atoi(argv[i + 1]));
+    if (std::strcmp(argv[i], "--bending") == 0) bending = std::max(0, std::atoi(argv[i + 1]));
+    if (std::strcmp(argv[i], "--deformable") == 0) deformable = std::max(0, std::atoi(argv[i + 1]));
+    if (std::strcmp(argv[i], "--threads") == 0) threads = std::max(1, std::atoi(argv[i + 1]));
   }
+  sim::Team team(threads);
   auto rungs = sim::closing_rungs();
   const std::size_t same_physics = rungs.size();
   rungs.push_back(table_rung({}));
@@ -214,20 +215,22 @@ int main(int argc, char** argv) {
 
   options.repeats = 1;
   options.tolerances = {1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8};
-  const auto cases = powbench::bench::random_scenes({}, scenes, 23);
-  const Json covered =
-      coverage_table(powbench::bench::estimator_coverage(rungs, cases, options, powbench::thread_cpu_seconds),
-                     rungs, scenes);
-  const auto slow = dear_rungs(dear);
-  const auto few = powbench::bench::random_scenes({}, dear, 29);
-  Json covered_dear = Json::array();
-  if (dear > 0)
-    covered_dear = coverage_table(
-        powbench::bench::estimator_coverage(slow, few, options, powbench::thread_cpu_seconds), slow, dear);
+  const auto coverage = [&](std::span<const sim::Rung> of, int count, std::uint64_t seed) {
+    return count == 0 ? Json::array()
+                      : coverage_table(powbench::bench::estimator_coverage(
+                                           of, powbench::bench::random_scenes({}, count, seed), options,
+                                           powbench::thread_cpu_seconds, team),
+                                       of, count);
+  };
+  const Json covered = coverage(rungs, scenes, 23);
+  const sim::Rung bends = sim::scene_rung(sim::circuit_field(), "modal"),
+                  deforms = sim::scene_rung(sim::circuit_field(), "deformable");
+  const Json covered_bending = coverage({&bends, 1}, bending, 29);
+  const Json covered_deformable = coverage({&deforms, 1}, deformable, 31);
   const Json converge = convergence_table(rungs, scenes);
   // the estimate speaks of one physics: it cannot choose between fields
   rungs.resize(same_physics);
-  const Json chosen = choice_table(rungs, cases, options.duration);
+  const Json chosen = choice_table(rungs, powbench::bench::random_scenes({}, scenes, 23), options.duration);
 
   const auto write = [](const std::string& path, const std::string& text) {
     std::ofstream out(path);
@@ -244,7 +247,8 @@ int main(int argc, char** argv) {
                           {"estimator_factor", sim::estimator_factor},
                           {"ladder", rows},
                           {"coverage", covered},
-                          {"coverage_dear", covered_dear},
+                          {"coverage_bending", covered_bending},
+                          {"coverage_deformable", covered_deformable},
                           {"convergence", converge},
                           {"choice", chosen}}
                              .dump(2) +

@@ -25,11 +25,36 @@ std::vector<double> gaussian_half_kernel(double sigma) {
   return k;
 }
 
-/// Reorders; not empty.
+/// Shortens v to its values between two that enclose the middle by a sample of it, and `place` to the place among them;
+/// false where the sample was wrong. One pass that takes a quarter of v costs less than a selection among all.
+bool keep_middle(std::vector<double>& v, std::size_t& place) {
+  constexpr std::size_t sample = 63, middle = sample / 2, margin = 8;
+  double of[sample];
+  for (std::size_t k = 0; k < sample; ++k) of[k] = v[k * v.size() / sample];
+  std::sort(of, of + sample);
+  const double low = of[middle - margin], high = of[middle + margin];
+  std::size_t below = 0, kept = 0;
+  std::vector<double> between(v.size());
+  for (const double x : v) {
+    between[kept] = x;
+    kept += static_cast<std::size_t>(x >= low) & static_cast<std::size_t>(x <= high);
+    below += x < low;
+  }
+  // one more below the place: an even number of values has two in the middle
+  if (place <= below || place >= below + kept) return false;
+  place -= below;
+  between.resize(kept);
+  v.swap(between);
+  return true;
+}
+
+/// Reorders and shortens; not empty.
 double median_of(std::vector<double>& v) {
-  const std::size_t h = v.size() / 2;
+  const bool odd = v.size() % 2 != 0;
+  std::size_t h = v.size() / 2;
+  if (v.size() >= 512) keep_middle(v, h);
   std::nth_element(v.begin(), v.begin() + static_cast<std::ptrdiff_t>(h), v.end());
-  if (v.size() % 2) return v[h];
+  if (odd) return v[h];
   return 0.5 * (v[h] + *std::max_element(v.begin(), v.begin() + static_cast<std::ptrdiff_t>(h)));
 }
 
@@ -43,8 +68,8 @@ double median(std::span<const double> x) {
 
 double robust_sigma(std::span<const double> x) {
   if (x.empty()) return 0.0;
+  const double m = median(x);
   std::vector<double> v(x.begin(), x.end());
-  const double m = median_of(v);
   for (double& d : v) d = std::abs(d - m);
   return 1.4826 * median_of(v);
 }

@@ -9,6 +9,7 @@
 #include "dsp/filter/cascade.h"
 #include "dsp/filter/sos.h"
 #include "dsp/signal/spectrum.h"
+#include "dsp/signal/statistics.h"
 
 using namespace powbench;
 using namespace powbench::dsp;
@@ -257,4 +258,33 @@ TEST_CASE("the canceller takes 19 to 25 dB off the ringing, and refuses a refere
   CHECK_THROWS_AS(cancel_reference(c.force, c.reference, outside), std::invalid_argument);
   CHECK_THROWS_AS(cancel_reference(c.force, signal(noise(20000, 1), 2e6), o), std::invalid_argument);
   CHECK_THROWS_AS(cancel_reference(c.force, Signal{}, o), std::invalid_argument);
+}
+
+TEST_CASE("median and scatter of any series are those of the sorted one, to the bit", "[spectral]") {
+  Random random(91);
+  const auto sorted_median = [](std::vector<double> v) {
+    std::sort(v.begin(), v.end());
+    const std::size_t h = v.size() / 2;
+    return v.size() % 2 ? v[h] : 0.5 * (v[h] + v[h - 1]);
+  };
+  for (std::size_t n : {1u, 2u, 7u, 511u, 512u, 513u, 617u, 4001u, 8008u})
+    for (int shape = 0; shape < 6; ++shape) {
+      std::vector<double> x(n);
+      for (std::size_t i = 0; i < n; ++i) {
+        const double t = static_cast<double>(i), drawn = random.normal();
+        // noise; few levels; all equal; rising; a period of the sample that the selection takes; two far levels
+        x[i] = shape == 0   ? drawn
+               : shape == 1 ? std::round(drawn)
+               : shape == 2 ? 0.25
+               : shape == 3 ? t
+               : shape == 4 ? (i * 63 % n < 63 ? 100 + drawn : drawn)
+                            : (i < n / 2 ? -1e9 : 1e9) + drawn;
+      }
+      const double m = sorted_median(x);
+      CAPTURE(n, shape);
+      CHECK(median(x) == m);
+      std::vector<double> from(x);
+      for (double& v : from) v = std::abs(v - m);
+      CHECK(robust_sigma(x) == 1.4826 * sorted_median(from));
+    }
 }

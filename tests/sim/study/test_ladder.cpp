@@ -158,7 +158,8 @@ TEST_CASE("the estimate covers the error in most of some random scenes, and scen
   o.repeats = 1;
   int happened = 0;
   double covered = 0;
-  for (const auto& c : powbench::bench::estimator_coverage(closing_rungs(), scenes, o, no_clock)) {
+  Team team(1);
+  for (const auto& c : powbench::bench::estimator_coverage(closing_rungs(), scenes, o, no_clock, team)) {
     for (const int n : c.happened) happened += n;
     for (const int n : c.covered) covered += n;
   }
