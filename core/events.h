@@ -40,7 +40,7 @@ enum Flag : std::uint32_t {
   flag_resolution = 1U << 12,  ///< a later landing of the core, or a blow of the contacts: not told apart
   flag_chatter =
       1U
-      << 14,  ///< it had been closed for as long as it was at the end, and opened again: settled is unknown
+      << 14,  ///< the end came too early to tell whether it opens again, or the core still moved: settled is unknown
   flag_switch_on =
       1U << 13,  ///< the coil's voltage or current begins at another time than 0, from which all counts
   flag_beyond_fields =

@@ -14,7 +14,8 @@ namespace powbench::dsp {
   X(int, hum_harmonics, 3, "highest mains harmonic removed from the force channels")                        \
   X(double, crosstalk_a, 0.0, "share of film B's force that film A shows, from the calibration")            \
   X(double, crosstalk_b, 0.0, "share of film A's force that film B shows, from the calibration")            \
-  X(int, angle_harmonics, 7, "highest (odd) mains harmonic in the closing-angle fit")                       \
+  X(int, angle_harmonics, 7,                                                                                \
+    "highest mains harmonic in the closing-angle fit: all odd ones, even ones to 4")                        \
   X(double, detection_width, 12e-6, "s: standard deviation of the Gaussian used to detect contacts")        \
   X(double, detection_width_max, 60e-6, "s: the Gaussian widens up to here when the noise asks for it")     \
   X(double, touch_sigmas, 6.0, "detection level for a touch, in standard deviations of the smoothed noise") \

@@ -63,6 +63,13 @@ std::vector<Span> open_spans(const ContactTrain& t, double t_end) {
   return out;
 }
 
+std::vector<Span> closed_spans(const ContactTrain& t) {
+  std::vector<Span> out;
+  for (const Contact& c : t.contacts)
+    out.push_back({c.touch.known() ? c.touch.value : -1e300, c.release.known() ? c.release.value : 1e300});
+  return out;
+}
+
 bool overlaps(const std::vector<Span>& spans, double from, double to) {
   return std::any_of(spans.begin(), spans.end(), [&](const Span& s) { return s.from < to && s.to > from; });
 }
@@ -74,6 +81,15 @@ double allowance(const ContactTrain& a, const ContactTrain& b) {
       for (const Measured& m : {c.touch, c.release})
         if (std::isfinite(m.u)) u = std::max(u, std::min(m.u, 20e-6));
   return check_tolerance + 3 * u;
+}
+
+/// The sense voltage with the sign it should have: turned round where the open pole shows it negative.
+bool turn_upright(Signal& s) {
+  const auto quiet = std::span(s.value).first(s.index_at(0.0));
+  const bool inverted = !quiet.empty() && median(quiet) < -least_open_volts;
+  if (inverted)
+    for (double& v : s.value) v = -v;
+  return inverted;
 }
 
 /// V across the open pole: before switch-on, or, of a pole closed from the start, the largest; NaN: no sense voltage.
@@ -88,12 +104,15 @@ double open_voltage(const Signal& s) {
 }  // namespace
 
 double contact_level(const Record& record, const ExtractOptions& o) {
-  return o.open_share * open_voltage(to_signal(record, Channel::contact_a));
+  Signal s = to_signal(record, Channel::contact_a);
+  turn_upright(s);
+  return o.open_share * open_voltage(s);
 }
 
 ContactTrain contact_voltage_train(const Record& record, const ExtractOptions& o) {
   ContactTrain t;
   Signal s = to_signal(record, Channel::contact_a);
+  if (turn_upright(s)) t.flags |= flag_polarity;
   const double level = o.open_share * open_voltage(s);
   if (!std::isfinite(level)) return t;
   t.present = true;
@@ -127,12 +146,15 @@ bool cross_check(ContactTrain& voltage, ContactTrain& a, ContactTrain& b, double
   if (!voltage.present || (!a.present && !b.present)) return false;
   const double margin = std::max(allowance(a, b), 2 * voltage.resolution);
   bool contradiction = false;
-  // 1. Pole closed: no film may be open.
+  // 1. Pole closed: no film may be open, and however short it is, each film has a contact there.
   for (const Contact& c : voltage.contacts) {
-    const double from = (c.touch.known() ? c.touch.value : -1e300) + margin;
-    const double to = (c.release.known() ? c.release.value : t_end) - margin;
+    const double start = c.touch.known() ? c.touch.value : -1e300,
+                 stop = c.release.known() ? c.release.value : t_end;
+    const double from = start + margin, to = stop - margin;
     for (ContactTrain* film : {&a, &b}) {
-      if (!film->present || !(to > from) || !overlaps(open_spans(*film, t_end), from, to)) continue;
+      if (!film->present) continue;
+      const bool nothing = !overlaps(closed_spans(*film), start - margin, stop + margin);
+      if (!nothing && (!(to > from) || !overlaps(open_spans(*film, t_end), from, to))) continue;
       film->flags |= flag_contradiction;
       contradiction = true;
     }

@@ -12,7 +12,7 @@ namespace powbench::dsp {
 /// an unknown first touch.
 ContactTrain contact_voltage_train(const Record&, const ExtractOptions&);
 
-/// V: that level of a record, above which the pole counts as open; NaN without a sense voltage.
+/// V: that level of a record, beyond which to either side the pole counts as open; NaN without a sense voltage.
 double contact_level(const Record&, const ExtractOptions&);
 
 /// Sets flag_contradiction on the train of the pole and on the films when force and contact-voltage disagree

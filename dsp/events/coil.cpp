@@ -18,6 +18,9 @@ namespace powbench::dsp {
 
 namespace {
 
+constexpr double most_unlike =
+    0.1;  ///< of the coil voltage's square, that neither rest nor the mains explains
+constexpr double most_before = 0.005;  ///< the same of what comes before the step, where it is no noise
 constexpr double step_search = 12e-3;  ///< s after the gate edge in which the coil must start to conduct
 
 /// Sample k from which on the coil carries the mains: least sum of u^2 before k and (u - g m)^2 from k on.
@@ -25,14 +28,31 @@ constexpr double step_search = 12e-3;  ///< s after the gate edge in which the c
 struct Step {
   std::size_t sample = 0;
   double expected = 0;  ///< V: what the coil would show at `sample` when it is on all the time; 0 = not known
+  double mean = 0;      ///< s: over all steps by their likelihood, which is wide near a zero of the mains
+  double doubt = 0;     ///< s: standard deviation of the same
 };
+
+struct Posterior {
+  double mean = 0, deviation = 0;  ///< of the index
+};
+
+/// By exp(-(sum - lowest) / scale).
+Posterior posterior_of(const std::vector<double>& sums, double lowest, double scale) {
+  double weight = 0, first = 0, second = 0;
+  for (std::size_t k = 0; k < sums.size(); ++k) {
+    const double w = std::exp(-(sums[k] - lowest) / scale), at = static_cast<double>(k);
+    weight += w, first += w * at, second += w * at * at;
+  }
+  const double mean = first / weight;
+  return {mean, std::sqrt(std::max(second / weight - mean * mean, 0.0))};
+}
 
 std::optional<Step> step_sample(const Signal& coil, const Signal& mains, double noise) {
   const std::size_t i1 = coil.index_at(-1e-3), i2 = coil.index_at(step_search);
   if (i2 < i1 + 4) return std::nullopt;
   if (mains.empty()) {
     for (std::size_t i = i1; i < i2; ++i)
-      if (std::abs(coil.value[i]) > 8 * noise) return Step{i, 0.0};
+      if (std::abs(coil.value[i]) > 8 * noise) return Step{i, 0.0, coil.time(i), 0.0};
     return std::nullopt;
   }
   std::vector<double> m(i2 - i1);
@@ -49,18 +69,28 @@ std::optional<Step> step_sample(const Signal& coil, const Signal& mains, double 
   }
   const double gain = mm > 0 ? um / mm : 0.0;
   if (gain < 0.5 || gain > 1.5) return std::nullopt;  // the coil never saw the mains
-  double sum = 0, lowest = 0;
+  double sum = 0, lowest = 0, squares = 0;
   std::size_t best = i2;
+  std::vector<double> sums(m.size());
   for (std::size_t i = i2; i-- > i1;) {
-    const double e = coil.value[i] - gain * m[i - i1];
-    sum += e * e - coil.value[i] * coil.value[i];
+    const double e = coil.value[i] - gain * m[i - i1], u2 = coil.value[i] * coil.value[i];
+    squares += u2;
+    sum += e * e - u2;
+    sums[i - i1] = sum;
     if (sum < lowest) lowest = sum, best = i;
   }
   if (best == i2 || best == i1) return std::nullopt;
+  double rest = 0;
+  for (std::size_t i = i1; i < best; ++i) rest += coil.value[i] * coil.value[i];
+  const double quiet = 8 * noise * std::sqrt(static_cast<double>(best - i1));
+  if (squares + lowest > most_unlike * squares || (rest > quiet * quiet && rest > most_before * squares))
+    return std::nullopt;  // rectified, or of another phase
+  const Posterior when = posterior_of(sums, lowest, 2 * (1 + gain * gain) * noise * noise);
+  const double mean = coil.time(i1) + when.mean * coil.dt, doubt = when.deviation * coil.dt;
   // A converter that averages shows the step's sample in part; the share decides on which side of it the sum turned.
   const double before = coil.value[best - 1], there = gain * m[best - 1 - i1];
   if (std::abs(there) > 20 * noise && before / there > 0.05) --best;
-  return Step{best, gain * m[best - i1]};
+  return Step{best, gain * m[best - i1], mean, doubt};
 }
 
 Measured switch_on_time(const Record& record, const Signal& mains) {
@@ -75,17 +105,20 @@ Measured switch_on_time(const Record& record, const Signal& mains) {
   if (!k) return {};
   const double at = coil.time(k->sample),
                share = k->expected != 0 ? coil.value[k->sample] / k->expected : 1.0;
-  if (std::abs(k->expected) > 20 * noise && share > 0.02 && share < 0.98) {
-    // The sample is the mean over its interval and the coil was on for `share` of it.
-    const double u = std::hypot(coil.dt * noise / std::abs(k->expected), 0.02 * coil.dt);
-    return {at + (0.5 - share) * coil.dt, u};
+  // A solid-state switch conducts from the gate edge at time 0 on; that is the answer whenever the samples allow it.
+  const double doubt = k->doubt;
+  if (doubt < coil.dt && std::abs(k->expected) > 20 * noise && share > 0.02 && share < 0.98) {
+    // The sample is the mean of two or more over its interval, and the coil was on for `share` of them.
+    const double middle = at + (0.5 - share) * coil.dt, half = 0.25 * coil.dt;
+    const double u = std::hypot(coil.dt * noise / std::abs(k->expected), half / std::sqrt(3.0));
+    return {std::abs(middle) <= half ? 0.0 : middle, std::hypot(u, doubt)};
   }
-  // Whole: the switch closed somewhere between two samples, and not before the gate edge at time 0. A solid-state
-  // switch conducts from the edge on; that is the answer whenever the samples allow it.
-  const double from = at - coil.dt;
-  const bool edge = from <= 0 && at >= 0;
-  const double low = edge ? 0.0 : from;
-  return {edge ? 0.0 : 0.5 * (low + at), std::max(at - low, 1e-7) / std::sqrt(12.0)};
+  // Whole: the switch closed somewhere between two samples, and not before the gate edge.
+  const double from = std::min(at, k->mean) - coil.dt, reach = 3 * doubt, to = std::max(at, k->mean);
+  if (from - reach <= 0 && to + reach >= 0)
+    return {0.0, std::hypot(std::max(std::abs(at), 1e-7) / std::sqrt(12.0), doubt)};
+  return {doubt < coil.dt ? at - 0.5 * coil.dt : k->mean - 0.5 * coil.dt,
+          std::hypot(coil.dt / std::sqrt(12.0), doubt)};
 }
 
 Measured peak_current(const Record& record) {
@@ -154,6 +187,27 @@ std::optional<CoilSupply> coil_supply(const Record& record, const ExtractOptions
   return found;
 }
 
+/// Odd orders, and the even ones that mains have: what is left out turns the phase.
+std::vector<int> supply_orders(const ExtractOptions& o) {
+  std::vector<int> orders{1};
+  for (int k = 2; k <= o.angle_harmonics; ++k)
+    if (k % 2 == 1 || k <= 4) orders.push_back(k);
+  return orders;
+}
+
+/// rad: what the model of a steady mains leaves in the phase at `t`. The newer half of the record sees a mains that moves,
+/// or a tone beside it, with a quarter of the error (a parabola's), so the two are three quarters of it apart.
+double u_unsteady(const Record& record, const HarmonicFit& fit, double t, const ExtractOptions& o) {
+  const Signal s = to_signal(record, Channel::mains_voltage);
+  const double half = std::max(0.5 * -s.t0, 1.05 / fit.hertz);
+  const auto newer = fit_harmonics(s, -half, 0.0, supply_orders(o), fit.hertz, true, 1.0);
+  if (!newer) return 0;
+  const Measured late = newer->phase_at(t), all = fit.phase_at(t);
+  const double apart = wrap_half_turn(late.value - all.value);
+  const double excess = apart * apart - late.u * late.u;
+  return excess > 0 ? 4.0 / 3.0 * std::sqrt(excess) : 0;
+}
+
 /// Why there is no phase of the supply.
 std::string without_supply(const Record& record, const ExtractOptions& o) {
   const Signal s = to_signal(record, Channel::mains_voltage);
@@ -177,9 +231,7 @@ std::string without_supply(const Record& record, const ExtractOptions& o) {
 std::optional<HarmonicFit> supply_fit(const Record& record, const ExtractOptions& o) {
   const Signal s = to_signal(record, Channel::mains_voltage);
   if (s.empty()) return std::nullopt;
-  std::vector<int> orders;
-  for (int k = 1; k <= std::max(o.angle_harmonics, 1); k += 2) orders.push_back(k);
-  auto fit = fit_harmonics(s, s.t0, 0.0, orders, o.mains_hertz, true, o.min_hum_periods);
+  auto fit = fit_harmonics(s, s.t0, 0.0, supply_orders(o), o.mains_hertz, true, o.min_hum_periods);
   if (fit && fit->amplitude(0) < 10 * fit->sigma) return std::nullopt;
   return fit;
 }
@@ -187,7 +239,10 @@ std::optional<HarmonicFit> supply_fit(const Record& record, const ExtractOptions
 CoilEvents coil_events(const Record& record, const std::optional<HarmonicFit>& supply,
                        const ExtractOptions& o) {
   CoilEvents e;
-  e.switch_on = switch_on_time(record, to_signal(record, Channel::mains_voltage));
+  Signal mains = to_signal(record, Channel::mains_voltage);
+  if (supply)
+    for (double& v : mains.value) v -= supply->offset;  // a zero of the channel is no voltage at the coil
+  e.switch_on = switch_on_time(record, mains);
   e.peak_current = peak_current(record);
   if (!std::isnan(contradicted_switch_on(record))) e.flags |= flag_switch_on;
   if (!supply) {
@@ -209,12 +264,17 @@ CoilEvents coil_events(const Record& record, const std::optional<HarmonicFit>& s
   const double amplitude = supply->amplitude(0);
   e.supply_volts = {amplitude / std::sqrt(2.0), std::sqrt(supply->covariance[supply->parameters + 1] / 2.0)};
   if (!e.switch_on.known()) {
-    e.no_angle = record.find(Channel::coil_voltage) ? "the coil voltage shows no switching on"
-                                                    : "no coil-voltage channel";
+    e.no_angle = !record.find(Channel::coil_voltage) ? "no coil-voltage channel"
+                 : switch_on_time(record, {}).known()
+                     ? "the coil voltage does not follow the mains voltage: a "
+                       "probe is turned round, or it is rectified or of "
+                       "another phase"
+                     : "the coil voltage shows no switching on";
     return e;
   }
   e.closing_angle = supply->phase_at(e.switch_on.value);
-  e.closing_angle.u = std::hypot(e.closing_angle.u, 2 * pi * supply->hertz * e.switch_on.u);
+  e.closing_angle.u = std::hypot(std::hypot(e.closing_angle.u, 2 * pi * supply->hertz * e.switch_on.u),
+                                 u_unsteady(record, *supply, e.switch_on.value, o));
   return e;
 }
 

@@ -1,5 +1,7 @@
 #include "dsp/events/extract.h"
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <utility>
 
@@ -12,6 +14,7 @@
 #include "dsp/events/core_seat.h"
 #include "dsp/events/doubt.h"
 #include "dsp/events/film_paths.h"
+#include "dsp/events/lost_time.h"
 #include "dsp/events/requested.h"
 #include "dsp/filter/event_filter.h"
 #include "dsp/filter/force.h"
@@ -90,9 +93,18 @@ void conclude(Events& e, const Record& record, const ExtractOptions& o) {
   const Disagreement d = disagreement(e.pole.by_force, e.contact_voltage, closing_end(record));
   e.pole.disagreement = d.total;
   e.pole.longest_disagreement = d.longest;
-  for (ContactTrain* t : {&e.pvdf_a, &e.pvdf_b, &e.contact_voltage, &e.pole.by_force}) {
+  const double end = closing_end(record);
+  const bool moves = core_moves(record, end);
+  const std::array trains{std::pair(&e.pvdf_a, std::pair(Channel::pvdf_a, Channel::pvdf_a)),
+                          std::pair(&e.pvdf_b, std::pair(Channel::pvdf_b, Channel::pvdf_b)),
+                          std::pair(&e.contact_voltage, std::pair(Channel::contact_a, Channel::contact_a)),
+                          std::pair(&e.pole.by_force, std::pair(Channel::pvdf_a, Channel::pvdf_b))};
+  for (const auto& [t, from] : trains) {
     split_trains(*t, e.core.seat);
-    doubt_settled(*t, closing_end(record));
+    doubt_settled(
+        *t,
+        {end, std::min(unbroken_end(*t, record, from.first, end), unbroken_end(*t, record, from.second, end)),
+         moves});
   }
   for (const std::uint32_t f :
        {e.pvdf_a.flags, e.pvdf_b.flags, e.contact_voltage.flags, e.core.flags, e.coil.flags})

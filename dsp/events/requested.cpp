@@ -68,6 +68,13 @@ double least_low_pass(EventFilter f, double shortest, double rate) {
   return high;
 }
 
+/// Not below x, so that what is printed is not refused again.
+double up_to_three_digits(double x) {
+  if (!(x > 0)) return x;
+  const double digit = std::pow(10.0, std::floor(std::log10(x)) - 2);
+  return std::ceil(x / digit) * digit;
+}
+
 std::string refusal(const EventFilter& f, const FilmFilter& film, double rate) {
   char text[300];
   std::snprintf(text, sizeof text,
@@ -77,7 +84,7 @@ std::string refusal(const EventFilter& f, const FilmFilter& film, double rate) {
                 film.shortest * 1e3, most_taken_db);
   std::string out = text;
   if (f.kind != EventFilter::Kind::low) return out;
-  const double least = least_low_pass(f, film.shortest, rate);
+  const double least = up_to_three_digits(least_low_pass(f, film.shortest, rate));
   std::snprintf(text, sizeof text,
                 least > 0 ? ": a low-pass from %.3g kHz on" : ": no low-pass at this sample rate",
                 least * 1e-3);

@@ -70,7 +70,13 @@ std::string format_of(const ExportArgs& args) {
         {fmt::format("export --to {} -o {}: a file of that name is {}; leave --to out, or name another file",
                      args.to, args.file, format)});
   }
-  return args.to.empty() ? "csv" : args.to;
+  if (!args.to.empty()) return args.to;
+  if (!args.file.empty() && !extension.empty())
+    throw BadInput(
+        {fmt::format("export -o {}: no format has files of that name; known: .csv, .nc, .cfg, .xlsx, .arrow, "
+                     ".feather; another name needs --to",
+                     args.file)});
+  return "csv";
 }
 
 struct Numbers {

@@ -1,9 +1,11 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
-#include <filesystem>
-
+#include <cerrno>
+#include <cstdio>
 #include <exception>
+#include <filesystem>
+#include <system_error>
 
 #include "core/memory.h"
 #include "host/cli/commands.h"
@@ -62,7 +64,10 @@ int main(int argc, char** argv) {
   }
   if (const auto wrong = not_a_number(app); !wrong.empty()) return ended(Exit::bad_input, wrong);
   try {
-    return leave(chosen()());
+    const Exit exit = chosen()();
+    if (std::fflush(stdout) == 0 && std::ferror(stdout) == 0) return leave(exit);
+    return ended(Exit::bad_input, fmt::format("powbench: what was printed could not be written: {}",
+                                              std::error_code(errno, std::generic_category()).message()));
   } catch (const BadInput& e) {
     return ended(Exit::bad_input, e.what());
   } catch (const WrongStore& e) {

@@ -209,7 +209,9 @@ std::string no_bounce_reason(const Events& events) {
   if (!t.present) return "no channel shows the contact";
   if (t.shows != Shows::contact) return fmt::format("the channel shows {}", name(t.shows));
   if (t.contacts.empty()) return "the contact does not touch";
-  if (t.flags & flag_chatter) return "the contact still chatters at the end";
+  if (t.flags & flag_chatter)
+    return "the closing is seen for too short a time behind the last touch, or the core still moves";
+  if (t.flags & flag_gap) return "lost samples may hide an opening behind the last touch seen";
   if (const Measured& last = t.contacts.back().release; last.known())
     return fmt::format("the contact opens at {:.1f} ms and stays open: no settled touch", last.value * 1e3);
   return "no settled touch";

@@ -145,7 +145,8 @@ void add_fit_verb(CLI::App& app) {
       fit, fit_specimen);
   v->add_option("--db", fit->database, "store with the measured campaign");
   v->add_option("--campaign", fit->campaigns,
-                "campaign ids, such as 3,4,5: each import is a campaign of its own; the newest if left out")
+                "campaign ids, such as 3,4,5: imports with other calibration files are campaigns of their "
+                "own; the newest if left out")
       ->delimiter(',');
   v->add_option("--specimen", fit->specimen_file, "specimen file (TOML) with the numbers that are not free");
   v->add_option(

@@ -49,6 +49,14 @@ bool counts_of_step(const std::vector<double>& sorted, double step) {
   });
 }
 
+/// True where nearly every sample of the first twentieth differs from the one before it.
+bool noisy_beginning(const std::vector<std::int16_t>& raw, const std::vector<bool>& valid) {
+  std::size_t pairs = 0, differ = 0;
+  for (std::size_t i = 1; i < raw.size() / 20; ++i)
+    if (valid[i] && valid[i - 1]) ++pairs, differ += raw[i] != raw[i - 1];
+  return pairs >= 50 && 5 * differ > 4 * pairs;
+}
+
 /// Samples stuck at one end: they leave it again, and the counts next to it are rare. `end` +1: the largest count.
 std::size_t stuck(const std::vector<std::int16_t>& raw, const std::vector<bool>& valid, int end) {
   int extreme = end > 0 ? no_low : no_high;
@@ -63,8 +71,10 @@ std::size_t stuck(const std::vector<std::int16_t>& raw, const std::vector<bool>&
     if (depth == 0) ++at, last = i;
     if (depth >= 1 && depth <= 4) ++beside;
   }
-  const bool leaves = last + raw.size() / 20 < raw.size();
-  const bool few = at < raw.size() / 4;
+  const bool noisy = noisy_beginning(raw, valid);
+  // a force that is saturated for most of the record, to its end, is told from a made one without noise by the rest
+  const bool leaves = last + raw.size() / 20 < raw.size() || noisy;
+  const bool few = at < raw.size() / 4 || noisy;
   return longest >= 8 && leaves && few && static_cast<double>(at) > 5.0 * static_cast<double>(beside) ? at
                                                                                                       : 0;
 }

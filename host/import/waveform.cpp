@@ -164,11 +164,23 @@ class Importer {
     const bool film = channel == Channel::pvdf_a || channel == Channel::pvdf_b;
     const CountsNote counts = to_counts(s.value, s.valid, film, std::abs(k.step * gain), to);
     set_clip(to, (gain > 0 ? k.clip_low : k.clip_high) * gain, (gain > 0 ? k.clip_high : k.clip_low) * gain);
-    to.delay = k.delay + (table_.delay.empty() ? 0.0 : table_.delay[c]);
+    to.delay = delay_of(info(channel).name, k.delay, table_.delay.empty() ? 0.0 : table_.delay[c]);
     to.corner_hertz = k.corner_hertz;
     add_gaps(to, s.valid);
     tell(to, s, counts);
     out_.record.channels.push_back(std::move(to));
+  }
+
+  /// s: that of the sensor by the calibration and the channel's skew by the file are two delays, unless they are equal: an
+  /// exported file has the sensor's as its skew.
+  double delay_of(std::string_view name, double sensor, double skew) {
+    constexpr double same = 0.1e-6;  // the digits of a skew
+    if (sensor == 0.0 || skew == 0.0) return sensor + skew;
+    const bool once = std::abs(sensor - skew) < same;
+    note(fmt::format("{}: delay_us = {:g} in {} and a skew of {:g} us in the file are {}", name, sensor * 1e6,
+                     calibration_file_, -skew * 1e6,
+                     once ? "the same delay: it counts once" : "two delays: their sum counts"));
+    return once ? sensor : sensor + skew;
   }
 
   /// Cells to the ticks of an even clock; between the cells of a slower channel, straight lines.
@@ -276,10 +288,12 @@ class Importer {
     r.sample_rate = clock_.rate / m;
     const double t0 = clock_.t0 + 0.5 * (m - 1) / clock_.rate;
     const double fire = std::ceil((k_.switch_on - t0) * r.sample_rate - 1e-6);
-    if (!(std::abs(fire) < 1e15))
-      fail(table_.header_line,
-           fmt::format("switch_on_s = {:g}: the record starts at {:g} s; allowed a time near it",
-                       k_.switch_on, t0));
+    // a closing takes less than a second, and a recorder that is triggered by the contact may begin as late
+    const double first = t0 - 1.0, last = t0 + static_cast<double>(clock_.n) / clock_.rate;
+    if (!(k_.switch_on >= first && k_.switch_on <= last))
+      fail(table_.header_line, fmt::format("switch_on_s = {:g}: the record is from {:g} to {:g} s; allowed "
+                                           "{:g} to {:g} s, on its time column",
+                                           k_.switch_on, t0, last, first, last));
     r.fire_sample = static_cast<std::int64_t>(fire);
     r.fire_offset = std::max(0.0, t0 + fire / r.sample_rate - k_.switch_on);
     if (r.fire_offset * r.sample_rate < 1e-9) r.fire_offset = 0;  // rounding of the stamps

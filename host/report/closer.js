@@ -13,7 +13,7 @@
   function show(t, line) {
     if (!view) return;
     const travel = panels.at('travel', t), contact = panels.at('contact', t), level = closings[select.selectedIndex].contact_level_V;
-    const known = contact !== null && level !== null, shut = known && contact < level;
+    const known = contact !== null && level !== null, shut = known && Math.abs(contact) < level;
     time.value = String(t);
     view(travel === null ? 0 : travel, shut);
     says.textContent = t.toFixed(2) + ' ms after switch-on: travel ' + (travel === null ? 'not known' : travel.toFixed(2) + ' mm') + ', contacts ' +

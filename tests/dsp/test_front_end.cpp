@@ -265,13 +265,13 @@ TEST_CASE("a contact that chatters to the end of the record has not settled") {
   t.bounce_time = {0.05, 2e-6};
   for (const double end : {0.063, 0.066, 0.0709}) {
     ContactTrain seen = t;
-    doubt_settled(seen, end);
+    doubt_settled(seen, {end, end, false});
     CHECK_FALSE(seen.settled.known());
     CHECK_FALSE(seen.bounce_time.known());
     CHECK((seen.flags & flag_chatter) != 0);
   }
   ContactTrain longer = t;  // closed for 9 ms and more
-  doubt_settled(longer, 0.0711);
+  doubt_settled(longer, {0.0711, 0.0711, false});
   CHECK(longer.settled.known());
   CHECK((longer.flags & flag_chatter) == 0);
 }
