@@ -182,6 +182,8 @@ RigInfo IioLink::read_info(const std::string& uri) try {
   info.programmable_source = has_source();
   info.sample_rate = to_number(read(Device::daq, "sampling_frequency"), "sampling_frequency");
   info.calibration = read(Device::daq, "calibration");
+  if (iio_device_find_attr(impl_->daq, "config_crc32"))
+    info.configuration = read(Device::daq, "config_crc32");
   if (iio_device_find_attr(impl_->daq, "calibration_expires"))
     if (const std::string day = read(Device::daq, "calibration_expires"); day.size() == 8)  // else "none"
       info.calibration_expires = day.substr(0, 4) + "-" + day.substr(4, 2) + "-" + day.substr(6);

@@ -36,6 +36,7 @@ struct RigInfo {
   bool programmable_source = false;  ///< supply, frequency, ambient and seed can be set
   double sample_rate = 0.0;          ///< Hz
   std::string calibration;
+  std::string configuration;  ///< checksum of rate, lengths, ranges and limits, as every sealed shot names it
   std::string calibration_expires;  ///< last day, 2030-12-31; "" = no certificate is stored
   std::string phase;                ///< of the mains at this moment, in words
   struct ChannelLine {

@@ -57,6 +57,30 @@ std::vector<Run> low_runs(const Signal& force, std::size_t first, std::size_t en
   return runs;
 }
 
+/// Longest stretch, s, of [from, to] in which the mean of three samples stands below `level`.
+double longest_below(const Signal& force, double from, double to, double level) {
+  std::size_t longest = 0, run = 0;
+  const std::size_t first = std::max<std::size_t>(force.index_at(from), 1), end = force.index_at(to);
+  for (std::size_t i = first; i < end && i + 1 < force.size(); ++i) {
+    run = force.value[i - 1] + force.value[i] + force.value[i + 1] < 3 * level ? run + 1 : 0;
+    longest = std::max(longest, run);
+  }
+  return static_cast<double>(longest) * force.dt;
+}
+
+/// The force rests at zero between steep flanks. A dip that only grazes zero is narrower there than higher up: of the
+/// width at a height l1 a parabola has sqrt(l0 / l1) at l0, below 0.5 here; what keeps `flat` of it is an opening.
+bool rests_at_zero(const Signal& force, const Contact& a, const Contact& b, double noise, double wander) {
+  constexpr double high = 0.3, apart = 4, flat = 0.6, least = 60e-6, beside = 0.3e-3;  // of the peak; s
+  if (!a.peak.known() || !b.peak.known()) return false;
+  const double low = 3 * noise / std::sqrt(3.0) + 2 * wander,
+               top = high * std::min(a.peak.value, b.peak.value);
+  if (!(top > apart * low)) return false;
+  const double from = a.release.value - beside, to = b.touch.value + beside;
+  const double open = longest_below(force, from, to, low);
+  return open > least && open > flat * longest_below(force, from, to, top);
+}
+
 }  // namespace
 
 std::vector<Grazing> close_dips(std::vector<Contact>& contacts, const CalmForce& quiet, const Signal& force,
@@ -78,6 +102,7 @@ std::vector<Grazing> close_dips(std::vector<Contact>& contacts, const CalmForce&
           locate_extreme(force, a.release.value - margin, b.touch.value + margin, -1, noise);
       opened = least.known() && least.value > least.u + 2 * wander ? 0 : 1;
     }
+    if (opened < 1 && rests_at_zero(force, a, b, noise, wander)) opened = 1;
     if (const double moved = one_trough(quiet, force, a, b, vibration); moved > 0) {
       // an opening beyond doubt, though the vibration moves the zero of the dip, is no trough of it
       const Dip with =

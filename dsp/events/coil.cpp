@@ -195,8 +195,8 @@ std::vector<int> supply_orders(const ExtractOptions& o) {
   return orders;
 }
 
-/// rad: what the model of a steady mains leaves in the phase at `t`. The newer half of the record sees a mains that moves,
-/// or a tone beside it, with a quarter of the error (a parabola's), so the two are three quarters of it apart.
+/// rad: what the model of a steady mains leaves in the phase at `t`. The newer half of the record sees a mains that
+/// moves, or a tone beside it, with a quarter of the error (a parabola's), so the two are three quarters of it apart.
 double u_unsteady(const Record& record, const HarmonicFit& fit, double t, const ExtractOptions& o) {
   const Signal s = to_signal(record, Channel::mains_voltage);
   const double half = std::max(0.5 * -s.t0, 1.05 / fit.hertz);

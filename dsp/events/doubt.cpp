@@ -31,7 +31,8 @@ bool vague_time(const Measured& m) {
   return vague(m) || (m.known() && m.u > most_u);
 }
 
-/// Shorter than the film resolves, and of so few samples, or of edges less certain than it is long, that it has no shape.
+/// Shorter than the film resolves, and of so few samples, or of edges less certain than it is long, that it has no
+/// shape.
 bool spike(const Contact& c, double resolution, double tick) {
   constexpr double few = 5, share = 0.6;
   if (!c.touch.known() || !c.release.known()) return false;
@@ -57,11 +58,14 @@ void admit(Contact& c, double coarse, const Span& span) {
     if (vague(*m)) *m = {};
 }
 
-/// `tick`: s, of a film; a voltage's closure may be as short as a sample.
-void admit(ContactTrain& t, const Span& span, std::optional<double> tick) {
+/// `tick`: s, of a film; a voltage's closure may be as short as a sample. `switched_on`: the coil's channels show that
+/// it is switched on at time 0, so what has ended before is none of this closing.
+void admit(ContactTrain& t, const Span& span, std::optional<double> tick, bool switched_on) {
   const double coarse = std::max(t.resolution, 1e-6);
   const std::size_t before = t.contacts.size();
   std::erase_if(t.contacts, [&](const Contact& c) { return c.touch.known() && !span.holds(c.touch.value); });
+  if (switched_on)
+    std::erase_if(t.contacts, [](const Contact& c) { return c.release.known() && c.release.value < 0; });
   if (tick && std::erase_if(t.contacts, [&](const Contact& c) { return spike(c, t.resolution, *tick); }) > 0)
     t.flags |= flag_resolution;
   for (Contact& c : t.contacts) admit(c, coarse, span);
@@ -147,7 +151,8 @@ void admit_doubt(Events& e, const Record& record) {
   const std::array trains{std::pair(&e.pvdf_a, Channel::pvdf_a), std::pair(&e.pvdf_b, Channel::pvdf_b),
                           std::pair(&e.contact_voltage, Channel::contact_a)};
   for (const auto& [t, channel] : trains) {
-    admit(*t, span, channel == Channel::contact_a ? std::nullopt : std::optional(tick));
+    admit(*t, span, channel == Channel::contact_a ? std::nullopt : std::optional(tick),
+          e.coil.switch_on.known());
     admit_lost_time(*t, record, channel);
     admit_beginning(*t);
     e.flags |= t->flags;

@@ -35,7 +35,9 @@ void add_plan_verbs(CLI::App& app) {
   acquire->add_flag(
       "--resume", run->resume,
       "continue the newest campaign of this plan with its missing shots; start one if there is none");
-  acquire->add_flag("--dry-run", run->dry_run, "check everything, fire nothing");
+  acquire->add_flag(
+      "--dry-run", run->dry_run,
+      "check plan, specimen and rig file, and count the shots; no rig is asked, nothing is fired");
   acquire->add_option("--seed", run->seed, "seed instead of the plan's");
   acquire->add_option("--max-failures", run->max_failures, "shots without a record in a row before stopping")
       ->check(CLI::Range(1, 1'000'000))

@@ -87,7 +87,13 @@ Study prepare(const SweepArgs& args) {
   if (vary.empty() && args.best_angle) vary = usual_tolerances(args, s.base.specimen);
   if (vary.empty() && !args.sensitivity)
     throw BadInput({"--vary: name at least one variable, such as angle_deg=0:180:37"});
-  for (const auto& text : vary) s.axes.push_back(axis(text));
+  for (const auto& text : vary) {
+    s.axes.push_back(axis(text));
+    const auto same = [&](const sim::Axis& a) { return a.variable.name == s.axes.back().variable.name; };
+    if (std::count_if(s.axes.begin(), s.axes.end(), same) > 1)
+      throw BadInput(
+          {fmt::format("--vary {}: {} is varied twice; keep one", text, s.axes.back().variable.name)});
+  }
   const bool needs_forces = args.metric == "first_peak" || args.metric == "impulse";
   if (args.forces || needs_forces) s.options.sample_dt = 5e-6;
   return s;
@@ -259,6 +265,7 @@ Exit run_best_angle(const SweepArgs& args, const Study& s, sim::Team& team) {
   progress.finish();
   if (best.mean.empty()) return Exit::interrupted;
   fmt::print("{}", args.json ? best_angle_json(best, *s.metric) : best_angle_text(best, *s.metric));
+  if (best.closed[best.best] == 0) return Exit::outside_limits;
   if (!args.picture.empty()) write_picture(args.picture, best_angle_svg(best, *s.metric));
   return Exit::pass;
 }
@@ -266,6 +273,7 @@ Exit run_best_angle(const SweepArgs& args, const Study& s, sim::Team& team) {
 }  // namespace
 
 Exit sweep(const SweepArgs& args) {
+  if (args.sensitivity && args.best_angle) throw BadInput({"--sensitivity and --best-angle: one of them"});
   if ((args.shards.slurm > 0 || !args.shards.shard.empty()) && (args.sensitivity || args.best_angle))
     throw BadInput({"--shard and --slurm are of sweeps, not of --sensitivity and --best-angle"});
   const Study s = prepare(args);

@@ -19,7 +19,8 @@ void declare_rig(FileKind& kind, RigFile& r) {
             "file of the mounted contactor; without it the built-in reference contactor");
   kind.number("sample_rate_hertz", c.sample_rate, {10e3, 1e6}, "of every channel");
   kind.number("record_length_ms", c.record_length, {20, 2000}, "pre-trigger included");
-  kind.number("pretrigger_ms", c.pretrigger, {1, 1000}, "recorded before switch-on");
+  kind.number("pretrigger_ms", c.pretrigger, {1, 100},
+              "recorded before switch-on; the device is at rest for so long");
   kind.number("integrator_tolerance", c.integrator_tolerance, {1e-12, 1e-2},
               "relative, of the plant's integrator");
 }

@@ -1,5 +1,9 @@
 #include "host/gather/begin.h"
 
+#include <fmt/format.h>
+
+#include "rigs/sealed_shot.h"
+
 namespace powbench::host {
 
 /// Notes the rig's calibration and says what has expired.
@@ -11,6 +15,25 @@ static void check_calibrations(Store& store, std::int64_t campaign, const Scene&
         i.valid_until + "; the report says so on page 1");
 }
 
+/// The shots of a campaign are of one configuration: another rate or another range is another measurement. A new
+/// calibration changes it too; that is allowed, and said elsewhere.
+static void check_configuration(const Store& store, std::int64_t campaign,
+                                const std::vector<StoredShot>& recorded, const rigs::RigInfo& rig) {
+  for (const StoredShot& shot : recorded) {
+    const std::string text = store.sealed_text(shot.id);
+    if (text.empty() || rig.configuration.empty()) continue;
+    const rigs::SealedShot seal = rigs::parse_sealed_shot(text);
+    const std::string then = fmt::format("{:08x}", seal.config_crc32);
+    const bool same_rate = static_cast<double>(seal.sample_rate) == rig.sample_rate;
+    if (then == rig.configuration || (same_rate && seal.calibration != rig.calibration)) return;
+    throw rigs::RigError(
+        fmt::format("campaign {} was begun with the rig's configuration {}, now it is {}: sample rate, "
+                    "lengths, ranges or limits were changed; set them as they were, or start anew "
+                    "without --resume",
+                    campaign, then, rig.configuration));
+  }
+}
+
 std::int64_t begin_campaign(Store& store, const Scene& scene, const std::string& rig_uri,
                             const rigs::RigInfo& rig, bool resume,
                             const std::function<void(const std::string&)>& say) {
@@ -20,8 +43,11 @@ std::int64_t begin_campaign(Store& store, const Scene& scene, const std::string&
     if (begun->rig_identity != identity)
       throw rigs::RigError("campaign " + std::to_string(begun->id) + " was begun on '" + begun->rig_identity +
                            "', this rig is '" + identity + "'; use that rig, or start anew without --resume");
-    if (recorded_shots(store, begun->id).size() < scene.shots.size())  // else nothing more is measured
+    const auto recorded = recorded_shots(store, begun->id);
+    if (recorded.size() < scene.shots.size()) {  // else nothing more is measured
+      check_configuration(store, begun->id, recorded, rig);
       check_calibrations(store, begun->id, scene, rig, say);
+    }
     return begun->id;
   }
   if (begun && !begun->finished)

@@ -171,8 +171,8 @@ class Importer {
     out_.record.channels.push_back(std::move(to));
   }
 
-  /// s: that of the sensor by the calibration and the channel's skew by the file are two delays, unless they are equal: an
-  /// exported file has the sensor's as its skew.
+  /// s: that of the sensor by the calibration and the channel's skew by the file are two delays, unless they are
+  /// equal: an exported file has the sensor's as its skew.
   double delay_of(std::string_view name, double sensor, double skew) {
     constexpr double same = 0.1e-6;  // the digits of a skew
     if (sensor == 0.0 || skew == 0.0) return sensor + skew;
@@ -289,11 +289,13 @@ class Importer {
     const double t0 = clock_.t0 + 0.5 * (m - 1) / clock_.rate;
     const double fire = std::ceil((k_.switch_on - t0) * r.sample_rate - 1e-6);
     // a closing takes less than a second, and a recorder that is triggered by the contact may begin as late
-    const double first = t0 - 1.0, last = t0 + static_cast<double>(clock_.n) / clock_.rate;
-    if (!(k_.switch_on >= first && k_.switch_on <= last))
-      fail(table_.header_line, fmt::format("switch_on_s = {:g}: the record is from {:g} to {:g} s; allowed "
-                                           "{:g} to {:g} s, on its time column",
-                                           k_.switch_on, t0, last, first, last));
+    constexpr double beside = 1.0;  // s
+    const double end = t0 + static_cast<double>(clock_.n) / clock_.rate;
+    if (!(k_.switch_on >= t0 - beside && k_.switch_on <= end + beside))
+      fail(table_.header_line, fmt::format("switch_on_s = {:g}: the record is from {:g} to {:g} s on its "
+                                           "time column; allowed up to {:g} s "
+                                           "beside it",
+                                           k_.switch_on, t0, end, beside));
     r.fire_sample = static_cast<std::int64_t>(fire);
     r.fire_offset = std::max(0.0, t0 + fire / r.sample_rate - k_.switch_on);
     if (r.fire_offset * r.sample_rate < 1e-9) r.fire_offset = 0;  // rounding of the stamps

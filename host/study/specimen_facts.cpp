@@ -161,7 +161,10 @@ std::string facts_text(const sim::Specimen& s, const Conditions& rated,
   return out +
          "catalogues: three-pole contactors of the 25 .. 40 A frame. Frequencies: each body on its own "
          "spring, the others at "
-         "rest.\n"
+         "rest, but for the bridge on its seat and for impacts: those with the reduced mass of both.\n"
+         "Powers, voltages and pull: of the circuit in [magnet]; [shape] is not used. `powbench specimen "
+         "circuit` derives the "
+         "one from the other.\n"
          "Outside: a slip of unit or digit, or another kind of device; then the text behind it says what it "
          "may be.\n";
 }

@@ -119,6 +119,7 @@ std::string best_angle_svg(const sim::BestAngle& best, const sim::MetricInfo& me
   Range x{0, 180}, y;
   std::vector<XY> mean, low, high;
   for (std::size_t k = 0; k < best.angles.size(); ++k) {
+    if (best.closed[k] == 0) continue;
     const double at = degrees(best.angles[k]);
     mean.push_back({at, best.mean[k] * metric.per_si});
     low.push_back({at, best.low[k] * metric.per_si});
@@ -127,9 +128,10 @@ std::string best_angle_svg(const sim::BestAngle& best, const sim::MetricInfo& me
   }
   Plot p({left, 60, inner, 300}, x, y.padded(0.08));
   const Ticks across = ticks_every(x, 30), up = nice_ticks(y.padded(0.08), 6);
-  const double half = best.angles.size() > 1 ? 0.5 * (mean[1].x - mean[0].x) : 0.5;
-  for (std::size_t k = 0; k < mean.size(); ++k)
-    if (best.mode_count[k] > 1) p.shade_x(mean[k].x - half, mean[k].x + half, colour::simulated, 0.18);
+  const double half = 90.0 / static_cast<double>(best.angles.size());
+  for (std::size_t k = 0; k < best.angles.size(); ++k)
+    if (const double at = degrees(best.angles[k]); best.mode_count[k] > 1)
+      p.shade_x(at - half, at + half, colour::simulated, 0.18);
   p.grid(across, up);
   for (std::size_t k = 0; k < mean.size(); ++k)
     p.error_bar(mean[k], 0.5 * (high[k].y - low[k].y), {colour::frame, 1.5, 1.0, ""});

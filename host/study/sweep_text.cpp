@@ -133,12 +133,15 @@ std::string sensitivity_json(std::span<const sim::Sensitivity> rows, const sim::
 
 std::string best_angle_text(const sim::BestAngle& b, const sim::MetricInfo& metric) {
   const double s = metric.per_si;
-  std::string out = fmt::format("{:>8} {:>10} {:>10} {:>21} {:>6}\n", "theta",
-                                "mean " + std::string(metric.unit), "deviation", "95 % of the mean", "modes");
+  if (b.closed[b.best] == 0) return "no device closes at any angle: there is no best one\n";
+  std::string out =
+      fmt::format("{:>8} {:>10} {:>10} {:>21} {:>6} {:>8}\n", "theta", "mean " + std::string(metric.unit),
+                  "deviation", "95 % of the mean", "modes", "closing");
   for (std::size_t k = 0; k < b.angles.size(); ++k)
-    out += fmt::format("{:>8.1f} {:>10.3f} {:>10.3f} {:>21} {:>6}{}\n", degrees(b.angles[k]), b.mean[k] * s,
-                       b.deviation[k] * s, fmt::format("{:.3f} .. {:.3f}", b.low[k] * s, b.high[k] * s),
-                       b.mode_count[k], k == b.best ? "  best" : "");
+    out += fmt::format("{:>8.1f} {:>10.3f} {:>10.3f} {:>21} {:>6} {:>8}{}\n", degrees(b.angles[k]),
+                       b.mean[k] * s, b.deviation[k] * s,
+                       fmt::format("{:.3f} .. {:.3f}", b.low[k] * s, b.high[k] * s), b.mode_count[k],
+                       fmt::format("{}/{}", b.closed[k], b.draws), k == b.best ? "  best" : "");
   out += fmt::format(
       "\nbest closing angle for {}: {:.1f} deg (and + 180), {:.3f} {}; within {:.0f} deg of it in {:.0f} % "
       "of "
@@ -147,18 +150,27 @@ std::string best_angle_text(const sim::BestAngle& b, const sim::MetricInfo& metr
       100 * b.confidence, degrees(b.first), degrees(b.last));
   out += fmt::format("closing at random: {:.3f} {}; gain {:.1f} % (95 %: {:.1f} .. {:.1f} %)\n",
                      b.random_mean * s, metric.unit, 100 * b.gain, 100 * b.gain_low, 100 * b.gain_high);
+  if (std::ranges::any_of(b.closed, [&](std::size_t n) { return n < b.draws; }))
+    out +=
+        "closing: devices that do; all other numbers are of those, and an angle at which fewer close is not "
+        "the best\n";
   return out;
 }
 
 std::string best_angle_json(const sim::BestAngle& b, const sim::MetricInfo& metric) {
+  if (b.closed[b.best] == 0)
+    return Json{{"metric", metric.name}, {"draws", b.draws}, {"closed", 0}, {"best_deg", nullptr}}.dump(2) +
+           "\n";
   Json j{{"metric", metric.name},         {"best_deg", degrees(b.angles[b.best])},
          {"best_mean", b.mean[b.best]},   {"confidence", b.confidence},
          {"first_deg", degrees(b.first)}, {"last_deg", degrees(b.last)},
          {"random_mean", b.random_mean},  {"gain", b.gain},
          {"gain_low", b.gain_low},        {"gain_high", b.gain_high}};
+  j["draws"] = b.draws;
   j["angles"] = Json::array();
   for (std::size_t k = 0; k < b.angles.size(); ++k)
     j["angles"].push_back({{"theta_deg", degrees(b.angles[k])},
+                           {"closed", b.closed[k]},
                            {"mean", b.mean[k]},
                            {"deviation", b.deviation[k]},
                            {"low", b.low[k]},

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
+#include <limits>
 #include <mutex>
 #include <optional>
 
@@ -21,22 +22,34 @@ struct Sample {
   double at(std::size_t draw, std::size_t angle) const { return values[draw * angles + angle]; }
 };
 
-/// Mean at each angle over the draws listed.
-std::vector<double> means(const Sample& s, const std::vector<std::size_t>& rows) {
-  std::vector<double> m(s.angles, 0.0);
+/// At each angle, over the draws listed: the mean of those that close, NaN where none does, and how many do.
+struct Means {
+  std::vector<double> mean;
+  std::vector<std::size_t> closed;
+};
+Means means(const Sample& s, const std::vector<std::size_t>& rows) {
+  Means m{std::vector<double>(s.angles, 0.0), std::vector<std::size_t>(s.angles, 0)};
   for (const std::size_t r : rows)
-    for (std::size_t a = 0; a < s.angles; ++a) m[a] += s.at(r, a) / static_cast<double>(rows.size());
+    for (std::size_t a = 0; a < s.angles; ++a)
+      if (std::isfinite(s.at(r, a))) m.mean[a] += s.at(r, a), ++m.closed[a];
+  for (std::size_t a = 0; a < s.angles; ++a) m.mean[a] /= static_cast<double>(m.closed[a]);
   return m;
 }
 
+/// Of those that are numbers.
 double mean_of(const std::vector<double>& v) {
-  double sum = 0;
-  for (const double x : v) sum += x;
-  return sum / static_cast<double>(v.size());
+  double sum = 0, n = 0;
+  for (const double x : v)
+    if (std::isfinite(x)) sum += x, n += 1;
+  return sum / n;
 }
 
-std::size_t smallest(const std::vector<double>& v) {
-  return static_cast<std::size_t>(std::min_element(v.begin(), v.end()) - v.begin());
+/// The smallest mean of the angles at which most devices close.
+std::size_t best_of(const Means& m) {
+  std::size_t best = 0;
+  for (std::size_t a = 1; a < m.mean.size(); ++a)
+    if (m.closed[a] > m.closed[best] || (m.closed[a] == m.closed[best] && m.mean[a] < m.mean[best])) best = a;
+  return best;
 }
 
 /// Signed distance on the half circle, rad.
@@ -53,18 +66,22 @@ void bootstrap(const Sample& s, const BestAngleOptions& options, BestAngle& b) {
   for (int k = 0; k < options.bootstraps; ++k) {
     for (auto& r : rows) r = random.below(s.draws);
     const auto m = means(s, rows);
-    for (std::size_t a = 0; a < s.angles; ++a) at_angle[a].push_back(m[a]);
-    const std::size_t best = smallest(m);
+    for (std::size_t a = 0; a < s.angles; ++a)
+      if (m.closed[a] > 0) at_angle[a].push_back(m.mean[a]);
+    const std::size_t best = best_of(m);
     const double offset = half_turn(b.angles[best] - b.angles[b.best]);
     offsets.push_back(offset);
     near += std::fabs(offset) <= options.near + 1e-12 ? 1 : 0;
-    gains.push_back(1 - m[b.best] / mean_of(m));
+    if (m.closed[b.best] > 0) gains.push_back(1 - m.mean[b.best] / mean_of(m.mean));
   }
+  constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
   for (auto& values : at_angle) {
+    if (values.empty()) values.push_back(unknown);
     std::sort(values.begin(), values.end());
     b.low.push_back(quantile_of_sorted(values, 0.025));
     b.high.push_back(quantile_of_sorted(values, 0.975));
   }
+  if (gains.empty()) gains.push_back(unknown);
   std::sort(gains.begin(), gains.end());
   std::sort(offsets.begin(), offsets.end());
   b.gain_low = quantile_of_sorted(gains, 0.025);
@@ -180,8 +197,7 @@ BestAngle best_angle(const Case& base, const std::vector<Axis>& tolerances, cons
     };
     const auto results = run_cases(count, closing, metric_options, team);
     for (std::size_t k = 0; k < count; ++k) {
-      const double value = results[k].*metric.member;
-      s.values[first * angles + k] = std::isfinite(value) ? value : options.penalty;
+      s.values[first * angles + k] = results[k].*metric.member;
     }
     if (go_on &&
         !go_on(static_cast<std::int64_t>(first * angles + count), static_cast<std::int64_t>(draws * angles)))
@@ -189,18 +205,22 @@ BestAngle best_angle(const Case& base, const std::vector<Axis>& tolerances, cons
   }
   std::vector<std::size_t> all(draws);
   for (std::size_t d = 0; d < draws; ++d) all[d] = d;
-  b.mean = means(s, all);
+  const Means m = means(s, all);
+  b.mean = m.mean, b.closed = m.closed, b.draws = draws;
   for (std::size_t a = 0; a < angles; ++a) {
     std::vector<double> column;
     double squares = 0;
     for (std::size_t d = 0; d < draws; ++d) {
+      if (!std::isfinite(s.at(d, a))) continue;
       column.push_back(s.at(d, a));
       squares += std::pow(s.at(d, a) - b.mean[a], 2);
     }
-    b.deviation.push_back(draws > 1 ? std::sqrt(squares / static_cast<double>(draws - 1)) : 0.0);
-    b.mode_count.push_back(modes(column).size());
+    b.deviation.push_back(column.size() > 1 ? std::sqrt(squares / static_cast<double>(column.size() - 1))
+                                            : 0.0);
+    b.mode_count.push_back(column.empty() ? 0 : modes(column).size());
   }
-  b.best = smallest(b.mean);
+  b.best = best_of(m);
+  if (b.closed[b.best] == 0) return b;
   b.random_mean = mean_of(b.mean);
   b.gain = 1 - b.mean[b.best] / b.random_mean;
   bootstrap(s, options, b);

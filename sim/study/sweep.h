@@ -39,10 +39,13 @@ std::vector<Sensitivity> sensitivities(const Case& base, std::span<const double>
                                        const MetricOptions&, Team&);
 
 /// The closing angle with the smallest mean of a metric over draws of a device with tolerances; the same draws serve
-/// every angle. A closing that fails counts as `penalty`.
+/// every angle. Means are of the devices that close; an angle at which fewer close is not the best. Where none closes
+/// at any angle there is no best: `closed` is 0 everywhere.
 struct BestAngle {
   std::vector<double> angles;           ///< rad, over half a mains period
-  std::vector<double> mean;             ///< of the metric at each; SI
+  std::size_t draws = 0;                ///< devices
+  std::vector<std::size_t> closed;      ///< of them at each angle
+  std::vector<double> mean;             ///< of the metric at each; SI; NaN where none closes
   std::vector<double> deviation;        ///< of single closings
   std::vector<double> low, high;        ///< 95 % of the mean, bootstrap over draws
   std::vector<std::size_t> mode_count;  ///< at each angle
@@ -59,7 +62,6 @@ struct BestAngleOptions {
   int draws = 60;
   int bootstraps = 1000;
   double near = 0.0873;  ///< rad, 5 deg
-  double penalty = 0.05;
   std::uint64_t seed = 1;
 };
 BestAngle best_angle(const Case& base, const std::vector<Axis>& tolerances, const MetricInfo&,

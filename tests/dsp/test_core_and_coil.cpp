@@ -188,8 +188,8 @@ TEST_CASE("a core that never moves has no seat") {
 
 namespace {
 
-/// Mains of 325 V and the coil behind a switch that closes at the time 0, both with noise; `mains` and `coil` say what the
-/// channels show.
+/// Mains of 325 V and the coil behind a switch that closes at the time 0, both with noise; `mains` and `coil` say what
+/// the channels show.
 Record coil_record(double angle_deg, double noise, double (*mains)(double phase),
                    double (*coil)(double phase), std::uint64_t seed) {
   bench::Random random(seed);

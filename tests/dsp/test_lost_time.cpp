@@ -168,3 +168,24 @@ TEST_CASE("a sense voltage turned round is turned back, and closures no film sho
     CHECK(has(e.pvdf_a, flag_contradiction));
   }
 }
+
+TEST_CASE("a force that rests at zero between steep flanks is open, however clean", "[lost]") {
+  const auto box = [](double t, double from, double to, double newton, double flank) {
+    return newton * std::clamp((t - from) / flank, 0.0, 1.0) * std::clamp((to - t) / flank, 0.0, 1.0);
+  };
+  for (const double open : {0.15e-3, 0.2e-3, 0.3e-3, 0.45e-3})
+    for (const double flank : {5e-6, 20e-6, 50e-6})
+      for (const double noise : {0.01, 0.05, 0.5}) {
+        Record r;
+        r.sample_rate = rate;
+        r.fire_sample = static_cast<std::int64_t>(std::lround(before * rate));
+        add(r, Channel::pvdf_a, 2e-3, noise, 0.06, [&](double t) {
+          return box(t, 10e-3, 10.7e-3, 20, flank) + box(t, 10.7e-3 + open, 1, 15, flank);
+        });
+        const ContactTrain t = extract_events(r).pvdf_a;
+        CAPTURE(open, flank, noise);
+        REQUIRE(t.contacts.size() == 2);
+        CHECK(t.contacts[1].touch.value - t.contacts[0].release.value == Approx(open).margin(30e-6));
+        CHECK(t.bounce_time.u < 20e-6);
+      }
+}

@@ -318,17 +318,18 @@ TEST_CASE("rig files set the simulated rig, and their mistakes are told", "[conf
   CHECK(r.config.faults.mains_dip == 0.6);
   CHECK(r.config.device.gap == -0.1e-3);
 
-  CHECK(rig_errors("listen = \"bench7\"\npretrigger_ms = 200\n[ring]\nmode_hertz = [1, "
-                   "2]\n[faults]\ncoil_open = 1\n[force]\ncorner_hertz = 2000\n") ==
-        Errors{
-            "r.toml:1: listen = \"bench7\": is no IPv4 address; for example 127.0.0.7",
-            "r.toml:2: pretrigger_ms = 200: leaves nothing of the record after switch-on; allowed less than "
-            "record_length_ms",
-            "r.toml:4: [ring] mode_hertz = [1, 2]: has 2 items, must be a list of 3 numbers; allowed "
-            "1..1000000 Hz",
-            "r.toml:6: [faults] coil_open = 1: is a whole number, must be true or false; allowed true, false",
-            "r.toml:8: [force] corner_hertz = 2000: out of range; allowed 0.0001..1000 Hz",
-        });
+  CHECK(
+      rig_errors("listen = \"bench7\"\nrecord_length_ms = 60\npretrigger_ms = 100\n[ring]\nmode_hertz = [1, "
+                 "2]\n[faults]\ncoil_open = 1\n[force]\ncorner_hertz = 2000\n") ==
+      Errors{
+          "r.toml:1: listen = \"bench7\": is no IPv4 address; for example 127.0.0.7",
+          "r.toml:3: pretrigger_ms = 100: leaves nothing of the record after switch-on; allowed less than "
+          "record_length_ms",
+          "r.toml:5: [ring] mode_hertz = [1, 2]: has 2 items, must be a list of 3 numbers; allowed "
+          "1..1000000 Hz",
+          "r.toml:7: [faults] coil_open = 1: is a whole number, must be true or false; allowed true, false",
+          "r.toml:9: [force] corner_hertz = 2000: out of range; allowed 0.0001..1000 Hz",
+      });
 }
 
 TEST_CASE("a file that cannot be read is bad input", "[config]") {

@@ -35,6 +35,8 @@ TEST_CASE("pictures of studies are whole SVG files that show every point and ang
 
   sim::BestAngle best;
   best.angles = {0, 1, 2};
+  best.draws = 4;
+  best.closed = {4, 4, 4};
   best.mean = {0.006, 0.005, 0.007};
   best.low = {0.0055, 0.0045, 0.0065};
   best.high = {0.0065, 0.0055, 0.0075};

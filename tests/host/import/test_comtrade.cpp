@@ -163,5 +163,18 @@ TEST_CASE("a relay's recording becomes a record", "[import][comtrade]") {
     CHECK(in.record.channels[0].channel == Channel::mains_voltage);
     CHECK(in.record.channels[0].delay == Approx(-250e-6));
   }
+  // an exported file has the sensor's delay as its skew, and its calibration file names it, too
+  const auto delay_with = [&](const std::string& more) {
+    std::ofstream(folder / "fault.toml")
+        << "[columns]\ntime = \"time\"\nmains_voltage = \"Ua\"\n[mains_voltage]\n" + more;
+    const Imported in = import_file(file, std::nullopt);
+
+    return in.record.channels[0].delay;
+  };
+  CHECK(delay_with("delay_us = -250\n") == Approx(-250e-6));
+  CHECK(delay_with("delay_us = 40\n") == Approx(-210e-6));
+  std::ofstream(folder / "fault.toml")
+      << "switch_on_s = 5\n[columns]\ntime = \"time\"\nmains_voltage = \"Ua\"\n";
+  CHECK_THROWS_WITH(import_file(file, std::nullopt), Catch::Contains("switch_on_s = 5: the record is from"));
   std::filesystem::remove_all(folder);
 }

@@ -86,6 +86,17 @@ TEST_CASE("saturation is seen, a round peak and a plateau are not taken for it")
   CHECK(c.raw[1500] <= c.clip_low);
 }
 
+TEST_CASE("a force that is saturated to the end of its record is told from one without noise") {
+  Random random(3);
+  for (const bool noise : {true, false}) {
+    std::vector<double> v;
+    for (int i = 0; i < 4000; ++i)
+      v.push_back(std::min(10.0, (i > 1500 ? 12.0 : 0.0) + (noise ? 0.05 * random.normal() : 0)));
+    ChannelRecord c;
+    CHECK((to_counts(v, all(4000), true, NAN, c).clipped > 2400) == noise);
+  }
+}
+
 TEST_CASE("stated limits are kept") {
   ChannelRecord c;
   std::vector<double> v;

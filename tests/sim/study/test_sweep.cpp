@@ -135,3 +135,29 @@ TEST_CASE("best closing angle: between the extremes it was made of, with a gain 
   // reproducible
   CHECK(best_angle({}, tolerances, *find_metric("bounce"), {}, options, team).mean == b.mean);
 }
+
+TEST_CASE("devices that do not close are counted, and make no angle the best", "[sweep]") {
+  Team team(2);
+  BestAngleOptions options;
+  options.angles = 6;
+  options.draws = 40;
+  options.bootstraps = 50;
+  Case weak;
+  weak.conditions.supply_volts = 150;
+  const auto none =
+      best_angle(weak, {normal_axis("core.mass_g", 200, 2)}, *find_metric("bounce"), {}, options, team);
+  REQUIRE(none.closed.size() == 6);
+  for (const std::size_t n : none.closed) CHECK(n == 0);
+  for (const double m : none.mean) CHECK(std::isnan(m));
+  options.angles = 12;
+  for (const char* metric : {"bounce", "seat_velocity"}) {
+    const auto some =
+        best_angle({}, {normal_axis("supply_volts", 177, 4)}, *find_metric(metric), {}, options, team);
+    const auto [least, most] = std::minmax_element(some.closed.begin(), some.closed.end());
+    CAPTURE(metric, *least, *most);
+    CHECK(*least < *most);
+    CHECK(some.closed[some.best] == *most);
+    for (std::size_t a = 0; a < some.angles.size(); ++a)
+      if (some.closed[a] > 0) CHECK((some.low[a] <= some.mean[a] && some.mean[a] <= some.high[a]));
+  }
+}
