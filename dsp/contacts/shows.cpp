@@ -100,7 +100,7 @@ Verdict verdict_of(const Force& f, const std::vector<Contact>& contacts, double 
     return {Shows::vibration, text.data()};
   }
   if (contacts.empty() && deepest > -faint * calm.noise)
-    return {Shows::nothing, "nothing stands out of the noise that could be a contact"};
+    return {Shows::nothing, "before switch-off nothing stands out of the noise that could be a contact"};
   if (!contacts.empty() && below <= most_below * above) return {Shows::contact, {}};
   std::snprintf(text.data(), text.size(),
                 "swings below zero as above: impulse %.3g N s below, %.3g N s above; a contact only presses",

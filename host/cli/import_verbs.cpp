@@ -62,10 +62,13 @@ std::string wrong_zero(const Imported& in, const Events& e) {
   if ((e.coil.flags & flag_switch_on) == 0) return "";
   const double at = dsp::contradicted_switch_on(in.record);
   return fmt::format(
-      "time 0 is not the switch-on: the coil {} {}. All times count from time 0, so they are wrong; write "
-      "switch_on_s, on the time column, into the calibration file",
+      "time 0 is not the switch-on: the coil {} {}. {}; write switch_on_s, on the time column, into the "
+      "calibration file",
       in.record.find(Channel::coil_voltage) ? "voltage begins" : "current begins",
-      std::isfinite(at) ? fmt::format("at about {:.1f} ms", at * 1e3) : std::string("before the record"));
+      std::isfinite(at) ? fmt::format("at about {:.1f} ms", at * 1e3) : std::string("before the record"),
+      e.coil.switch_on.known()
+          ? "t_ct1, t_ct2, t_xt1 and t_xt2 count from its step, listed contacts from time 0"
+          : "All times count from time 0, so they are wrong");
 }
 
 /// What a record without bounce time needs where it seems to go on behind a switch-off that no coil channel shows; ""

@@ -208,7 +208,8 @@ std::string no_bounce_reason(const Events& events) {
   if (t.bounce_time.known()) return "";
   if (!t.present) return "no channel shows the contact";
   if (t.shows != Shows::contact) return fmt::format("the channel shows {}", name(t.shows));
-  if (t.contacts.empty()) return "the contact does not touch";
+  if (t.contacts.empty())
+    return "the contact does not touch before the coil is switched off, or the record ends";
   if (t.flags & flag_chatter)
     return "the closing is seen for too short a time behind the last touch, or the core still moves";
   if (t.flags & flag_gap) return "lost samples may hide an opening behind the last touch seen";
@@ -282,6 +283,9 @@ Exit show_events(const EventsArgs& args) {
   if (error != std::errc() || rest != end) return show_file_events(args);
   const Store store(args.database, Store::Mode::read_only);
   const StoredShot shot = store.shot(id);
+  if (args.campaign && *args.campaign != shot.campaign)
+    throw BadInput({fmt::format("--campaign {}: shot {} is of campaign {}; leave --campaign out",
+                                *args.campaign, id, shot.campaign)});
   const CampaignInfo campaign = store.campaign(shot.campaign);
   RunOptions options = stored_options(campaign, stored_plan(campaign));
   const LabRule rule{args.force_percent, args.voltage_percent, args.min_opening_us};

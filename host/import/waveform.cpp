@@ -370,6 +370,9 @@ Imported import_file(const std::filesystem::path& path,
   const std::string name = path.string();
   std::error_code ignored;
   if (std::filesystem::is_directory(path, ignored)) throw BadInput({name + ": is a directory, not a file"});
+  if (std::filesystem::exists(path, ignored) && !std::filesystem::is_regular_file(path, ignored))
+    throw BadInput(
+        {name + ": is no file but a pipe or a device, and is read twice; write it to a file first"});
   const std::filesystem::path beside = calibration.value_or(calibration_path(path));
   const bool given = calibration || std::filesystem::exists(beside, ignored);
   Calibration k = given && beside != path ? read_calibration(beside) : Calibration{};

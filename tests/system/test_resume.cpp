@@ -116,6 +116,32 @@ TEST_CASE("killed once and resumed", "[system]") {
   check_complete(db, 8);
 }
 
+TEST_CASE("a campaign is not resumed with another configuration of the rig", "[system]") {
+  Folder folder;
+  const std::string plan = folder.write("p.toml", std::string(plan_text) + "pause_s = 0.3\n"),
+                    slow = folder.write("slow.rig.toml", "sample_rate_hertz = 50000\n"),
+                    db = folder.file("a.db");
+  const auto begun = [&] {
+    try {
+      const host::Store store(db, host::Store::Mode::read_only);
+      return store.campaigns().size() == 1 && !store.shots(1).empty();
+    } catch (const host::StoreError&) {
+      return false;  // not made yet
+    }
+  };
+  {
+    Program program(folder, {"run", plan, "--rig", "sim:", "--db", db, "--progress", "none"});
+    wait_until("a stored shot", begun);
+    program.send(SIGKILL);
+    program.wait();
+  }
+  const Finished other = run(folder, {"run", plan, "--rig", "sim:" + slow, "--db", db, "--resume"});
+  CHECK(other.status == 3);
+  CHECK_THAT(other.err, Catch::Contains("was begun with the rig's configuration"));
+  CHECK(run(folder, {"run", plan, "--rig", "sim:", "--db", db, "--resume"}).status == 0);
+  check_complete(db, 8);
+}
+
 TEST_CASE("Ctrl-C ends after the shot in flight, with exit 130, and the rest can be resumed", "[system]") {
   Folder folder;
   Bench bench;
