@@ -69,9 +69,9 @@ double longest_below(const Signal& force, double from, double to, double level) 
 }
 
 /// The force rests at zero between steep flanks. A dip that only grazes zero is narrower there than higher up: of the
-/// width at a height l1 a parabola has sqrt(l0 / l1) at l0, below 0.36 here; what keeps `flat` of it is an opening.
+/// width at a height l1 a parabola has sqrt(l0 / l1) at l0, below 0.45 here; what keeps `flat` of it is an opening.
 bool rests_at_zero(const Signal& force, const Contact& a, const Contact& b, double noise, double wander) {
-  constexpr double high = 0.3, apart = 8, flat = 0.75, least = 60e-6, beside = 0.3e-3;  // of the peak; s
+  constexpr double high = 0.3, apart = 5, flat = 0.75, least = 60e-6, beside = 0.3e-3;  // of the peak; s
   if (!a.peak.known() || !b.peak.known()) return false;
   const double low = 3 * noise / std::sqrt(3.0) + 2 * wander,
                top = high * std::min(a.peak.value, b.peak.value);
