@@ -84,7 +84,7 @@ bool rests_at_zero(const Signal& force, const Contact& a, const Contact& b, doub
 }  // namespace
 
 std::vector<Grazing> close_dips(std::vector<Contact>& contacts, const CalmForce& quiet, const Signal& force,
-                                double noise, double vibration, double wander) {
+                                double noise, double vibration, double wander, bool still) {
   constexpr double beside = 40e-6;  // s
   constexpr double loud = 0.03, trough = 0.3;
   std::vector<Grazing> out;
@@ -102,7 +102,7 @@ std::vector<Grazing> close_dips(std::vector<Contact>& contacts, const CalmForce&
           locate_extreme(force, a.release.value - margin, b.touch.value + margin, -1, noise);
       opened = least.known() && least.value > least.u + 2 * wander ? 0 : 1;
     }
-    if (opened < 1 && !(vibration > 0) && rests_at_zero(force, a, b, noise, wander)) opened = 1;
+    if (opened < 1 && still && rests_at_zero(force, a, b, noise, wander)) opened = 1;
     if (const double moved = one_trough(quiet, force, a, b, vibration); moved > 0) {
       // an opening beyond doubt, though the vibration moves the zero of the dip, is no trough of it
       const Dip with =

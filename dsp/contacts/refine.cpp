@@ -159,7 +159,8 @@ std::vector<Grazing> refine_contacts(std::vector<Contact>& contacts, const EdgeF
   const CalmForce calm = calm_force(force, noise, o);
   const CalmForce quiet{calm.value, calm.noise * white / noise};  // swings stand out of this
   std::vector<Grazing> grazing =
-      close_dips(contacts, quiet, force, noise, noise > 2 * white ? 1.4 * noise : 0.0, film.wander);
+      close_dips(contacts, quiet, force, noise, noise > 2 * white ? 1.4 * noise : 0.0, film.wander,
+                 film.vibrating == nullptr && noise < 1.2 * white);
   doubt_dips(contacts, grazing, force, noise, film.wander);
   std::vector<Beside> beside(contacts.size());
   Agreement agreement;
