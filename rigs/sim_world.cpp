@@ -63,6 +63,10 @@ sim::Specimen device_for_shot(sim::Specimen s, const SimRigConfig& rig, Random& 
 
 }  // namespace
 
+std::string_view rig_config_error(const SimRigConfig& rig) {
+  return firmware::config_error(controller_config(rig, "none"), std::size_t{1} << 32);
+}
+
 SimWorld::SimWorld(const SimRigConfig& config, const sim::Specimen& specimen, const BoardOptions& options)
     : config_(config),
       specimen_(specimen),

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <memory>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "rigs/board.h"
@@ -16,6 +17,9 @@
 /// everything into a state that the seed fixes, so that equal shots give equal records bit for bit.
 
 namespace powbench::rigs {
+
+/// Why the firmware refuses the configuration that this makes; empty: it does not.
+std::string_view rig_config_error(const SimRigConfig&);
 
 class SimWorld {
  public:

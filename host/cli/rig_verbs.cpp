@@ -74,6 +74,7 @@ Exit show_rig(const InfoArgs& args) {
 
 Exit serve_rig(const ServeArgs& args) {
   const RigFile file = args.rig_file.empty() ? RigFile{} : read_rig(args.rig_file);
+  refuse_unfit(file, args.rig_file);
   const sim::Specimen specimen =
       args.specimen_file.empty() ? load_specimen(file) : read_specimen(args.specimen_file);
   const std::string address = args.address.empty() ? file.listen : args.address;

@@ -17,7 +17,7 @@ void declare_rig(FileKind& kind, RigFile& r) {
             "IPv4 address to serve on; the IIO port 30431 is fixed, so rigs differ by address");
   kind.text("specimen", r.specimen,
             "file of the mounted contactor; without it the built-in reference contactor");
-  kind.number("sample_rate_hertz", c.sample_rate, {10e3, 1e6}, "of every channel");
+  kind.number("sample_rate_hertz", c.sample_rate, {20e3, 1e6}, "of every channel, a whole number");
   kind.number("record_length_ms", c.record_length, {20, 2000}, "pre-trigger included");
   kind.number("pretrigger_ms", c.pretrigger, {1, 100},
               "recorded before switch-on; the device is at rest for so long");

@@ -1,9 +1,13 @@
 #include "host/gather/scene.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 
 #include "core/version.h"
+#include "host/config/bad_input.h"
 #include "host/store/hash.h"
+#include "rigs/sim_world.h"
 
 namespace powbench::host {
 
@@ -25,10 +29,27 @@ Scene make_scene(Plan plan) {
   return scene;
 }
 
+void refuse_unfit(const RigFile& rig, const std::string& file) {
+  const std::string why(rigs::rig_config_error(rig.config));
+  if (why.empty()) return;
+  const auto names = [&](const char* word) { return why.find(word) != std::string::npos; };
+  const std::string key = names("sample") ? "sample_rate_hertz, allowed whole numbers"
+                          : names("amplitude")
+                              ? "[electrical] voltage_full_scale_V, allowed 326 and more: the peak of "
+                                "230 V"
+                          : names("current") ? "[electrical] current_full_scale_A, allowed 1 and more"
+                                             : "";
+  throw BadInput({fmt::format("{}: the rig's program would refuse this configuration: {}{}{}", file, why,
+                              key.empty() ? "" : "; see ", key)});
+}
+
 RigFile rig_file(const std::string& uri) {
   if (!rigs::is_simulated(uri)) return {};
   const std::string file = uri.substr(uri.find(':') + 1);
-  return file.empty() ? RigFile{} : read_rig(file);
+  if (file.empty()) return RigFile{};
+  RigFile rig = read_rig(file);
+  refuse_unfit(rig, file);
+  return rig;
 }
 
 std::unique_ptr<rigs::Rig> open_rig(const std::string& uri, const sim::Specimen& specimen) {

@@ -30,6 +30,9 @@ Scene make_scene(Plan);
 
 /// Rig file behind a `sim:` URI, or the built-in one; other URIs have none.
 RigFile rig_file(const std::string& uri);
+/// Throws BadInput where the firmware of the simulated rig would not energise a coil with what `file` says, although
+/// each key is within its range.
+void refuse_unfit(const RigFile&, const std::string& file);
 
 /// Opens a rig by its URI; `specimen` sits on a simulated one unless its rig file names another.
 std::unique_ptr<rigs::Rig> open_rig(const std::string& uri, const sim::Specimen& specimen);
