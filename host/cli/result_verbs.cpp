@@ -228,8 +228,9 @@ void print_events(const Events& events, std::string_view u_of, const Shown* stor
                shown_unit(unit), time ? micro(2 * m.u) : shown(2 * m.u, unit, 2 * m.u),
                time ? "us" : shown_unit(unit), q.meaning);
   }
+  // of the hum each film says itself whether it was removed; of the supply, the closing angle's line does
   constexpr std::uint32_t of_record =
-      flag_no_calibration | flag_angle_off | flag_switch_on | flag_no_hum_fit | flag_beyond_fields;
+      flag_no_calibration | flag_angle_off | flag_switch_on | flag_beyond_fields;
   if (const std::uint32_t flags = events.flags & of_record; flags != 0)
     fmt::print("  record [{}]\n", flag_names(flags));
   if (!events.coil.no_angle.empty()) fmt::print("  no closing angle: {}\n", events.coil.no_angle);
