@@ -195,9 +195,30 @@ std::vector<int> supply_orders(const ExtractOptions& o) {
   return orders;
 }
 
+/// V rms: what the fit leaves before switch-on in means over 3 ms, beyond what white noise leaves there. A tone beside
+/// the fundamental is there, harmonics that were not fitted are not.
+double slow_rest(const Signal& s, const HarmonicFit& fit) {
+  Signal rest = s;
+  fit.subtract_from(rest);
+  const std::size_t n = s.index_at(0.0), block = static_cast<std::size_t>(3e-3 / s.dt);
+  if (block < 4 || n < 4 * block) return 0;
+  double steps = 0, squares = 0, blocks = 0;
+  for (std::size_t i = 1; i < n; ++i)
+    steps += (rest.value[i] - rest.value[i - 1]) * (rest.value[i] - rest.value[i - 1]);
+  for (std::size_t i = 0; i + block <= n; i += block) {
+    double mean = 0;
+    for (std::size_t k = i; k < i + block; ++k) mean += rest.value[k] / static_cast<double>(block);
+    squares += mean * mean, blocks += 1;
+  }
+  const double white = steps / 2 / static_cast<double>(n - 1) / static_cast<double>(block);
+  return std::sqrt(std::max(squares / blocks - 2 * white, 0.0));
+}
+
 /// rad: what the model of a steady mains leaves in the phase at `t`. The newer half of the record sees a mains that
 /// moves, or a tone beside it, with a quarter of the error (a parabola's), so the two are three quarters of it apart.
 double u_unsteady(const Record& record, const HarmonicFit& fit, double t, const ExtractOptions& o) {
+  constexpr double turned =
+      3;  // by a tone, over what the fit leaves of it, which takes up most of one close by
   const Signal s = to_signal(record, Channel::mains_voltage);
   const double half = std::max(0.5 * -s.t0, 1.05 / fit.hertz);
   const auto newer = fit_harmonics(s, -half, 0.0, supply_orders(o), fit.hertz, true, 1.0);
@@ -205,7 +226,8 @@ double u_unsteady(const Record& record, const HarmonicFit& fit, double t, const 
   const Measured late = newer->phase_at(t), all = fit.phase_at(t);
   const double apart = wrap_half_turn(late.value - all.value);
   const double excess = apart * apart - late.u * late.u;
-  return excess > 0 ? 4.0 / 3.0 * std::sqrt(excess) : 0;
+  return std::hypot(excess > 0 ? 4.0 / 3.0 * std::sqrt(excess) : 0,
+                    turned * slow_rest(s, fit) / fit.amplitude(0));
 }
 
 /// Why there is no phase of the supply.

@@ -129,6 +129,7 @@ void doubt_settled(ContactTrain& t, const Seen& seen) {
 bool core_moves(const Record& record, double end) {
   constexpr double window = 0.2e-3, share = 0.01, clear = 6;
   const Signal s = to_signal(record, Channel::laser);
+  if (s.empty()) return false;
   const std::size_t quiet = s.index_at(0.0), last = s.index_at(end);
   const auto n = static_cast<std::size_t>(window / 2 / s.dt);
   if (quiet < 10 || n < 2 || last < quiet + 2 * n) return false;

@@ -22,7 +22,12 @@ static void check_configuration(const Store& store, std::int64_t campaign,
   for (const StoredShot& shot : recorded) {
     const std::string text = store.sealed_text(shot.id);
     if (text.empty() || rig.configuration.empty()) continue;
-    const rigs::SealedShot seal = rigs::parse_sealed_shot(text);
+    rigs::SealedShot seal;
+    try {
+      seal = rigs::parse_sealed_shot(text);
+    } catch (const rigs::SealError&) {
+      continue;  // of a former program: it says nothing that is known here
+    }
     const std::string then = fmt::format("{:08x}", seal.config_crc32);
     const bool same_rate = static_cast<double>(seal.sample_rate) == rig.sample_rate;
     if (then == rig.configuration || (same_rate && seal.calibration != rig.calibration)) return;

@@ -137,11 +137,17 @@ std::string best_angle_text(const sim::BestAngle& b, const sim::MetricInfo& metr
   std::string out =
       fmt::format("{:>8} {:>10} {:>10} {:>21} {:>6} {:>8}\n", "theta", "mean " + std::string(metric.unit),
                   "deviation", "95 % of the mean", "modes", "closing");
-  for (std::size_t k = 0; k < b.angles.size(); ++k)
-    out += fmt::format("{:>8.1f} {:>10.3f} {:>10.3f} {:>21} {:>6} {:>8}{}\n", degrees(b.angles[k]),
-                       b.mean[k] * s, b.deviation[k] * s,
-                       fmt::format("{:.3f} .. {:.3f}", b.low[k] * s, b.high[k] * s), b.mode_count[k],
-                       fmt::format("{}/{}", b.closed[k], b.draws), k == b.best ? "  best" : "");
+  for (std::size_t k = 0; k < b.angles.size(); ++k) {
+    const std::string closing = fmt::format("{}/{}", b.closed[k], b.draws);
+    if (b.closed[k] == 0)
+      out += fmt::format("{:>8.1f} {:>10} {:>10} {:>21} {:>6} {:>8}\n", degrees(b.angles[k]), "-", "-", "-",
+                         "-", closing);
+    else
+      out += fmt::format("{:>8.1f} {:>10.3f} {:>10.3f} {:>21} {:>6} {:>8}{}\n", degrees(b.angles[k]),
+                         b.mean[k] * s, b.deviation[k] * s,
+                         fmt::format("{:.3f} .. {:.3f}", b.low[k] * s, b.high[k] * s), b.mode_count[k],
+                         closing, k == b.best ? "  best" : "");
+  }
   out += fmt::format(
       "\nbest closing angle for {}: {:.1f} deg (and + 180), {:.3f} {}; within {:.0f} deg of it in {:.0f} % "
       "of "

@@ -168,7 +168,6 @@ TEST_CASE("a relay's recording becomes a record", "[import][comtrade]") {
     std::ofstream(folder / "fault.toml")
         << "[columns]\ntime = \"time\"\nmains_voltage = \"Ua\"\n[mains_voltage]\n" + more;
     const Imported in = import_file(file, std::nullopt);
-
     return in.record.channels[0].delay;
   };
   CHECK(delay_with("delay_us = -250\n") == Approx(-250e-6));
