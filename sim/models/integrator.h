@@ -12,6 +12,13 @@
 
 namespace powbench::sim {
 
+/// A guard that dips between two samples may dip below zero: the parabola through them reaches an eighth of its
+/// curvature below the middle one at most; where that one is above the whole curvature there is no need to look.
+template <class T>
+inline auto dips_low(T before, T at, T after) {
+  return (at < before) & (at <= after) & (at < before - 2 * at + after);
+}
+
 /// Event-locating integrator over a `System` with
 ///   `static constexpr int capacity, guard_capacity`   largest number of states and of guards (<= 64)
 ///   `int size()`, `int guard_count()`, `double scale(int i)`   the tolerance is `tolerance * scale(i)` for
@@ -107,10 +114,10 @@ class EventIntegrator {
     next_step_ = std::max(h * std::clamp(std::isfinite(error) ? factor : 0.1, 0.1, 0.9), smallest_step);
     return false;
   }
-  /// What a step taken elsewhere led to: its dense output and the state at its end.
-  void take(const DenseOutput<System::capacity>& dense, const State& y) {
-    dense_ = dense;
-    y_ = y;
+  /// What a step taken elsewhere led to: `fill` writes its dense output and the state at its end, of size() states.
+  template <class Fill>
+  void take(Fill fill) {
+    fill(dense_, y_);
     first_slope_known_ = false;
   }
   static constexpr int parts = 4;  ///< of a step, between which guards are looked at
@@ -191,7 +198,7 @@ class EventIntegrator {
         }
       for (int p = 1; p < parts && high > 1;
            ++p)  // a dip between the samples: look at the vertex of the parabola
-        if (value(p) < value(p - 1) && value(p) <= value(p + 1)) {
+        if (dips_low(value(p - 1), value(p), value(p + 1))) {
           const double curvature = value(p - 1) - 2 * value(p) + value(p + 1);
           const double shift = 0.5 * (value(p - 1) - value(p + 1)) / curvature;
           const double vertex = (p + std::clamp(shift, -0.5, 0.5)) / parts;

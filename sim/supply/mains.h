@@ -60,11 +60,15 @@ struct MainsPiece {
 /// The piece that `t` lies in, for dips that count from `origin`; a piece contains its beginning. Both in s.
 MainsPiece mains_piece(const Mains&, double t, double origin);
 
-/// Of the fundamental, rad.
+/// Of the fundamental: its angle is mains_rate t + mains_phase, rad.
 template <class Real>
-Real mains_angle(const Mains& m, const MainsPiece& piece, Real t) {
+Real mains_rate(const Mains& m) {
   constexpr Real two_pi = static_cast<Real>(2 * 3.14159265358979323846264338327950288L);
-  return two_pi * static_cast<Real>(m.hertz) * t + static_cast<Real>(m.phase + piece.jump);
+  return two_pi * static_cast<Real>(m.hertz);
+}
+template <class Real>
+Real mains_phase(const Mains& m, const MainsPiece& piece) {
+  return static_cast<Real>(m.phase + piece.jump);
 }
 /// V.
 template <class Real>
@@ -76,7 +80,7 @@ Real mains_amplitude(const Mains& m, const MainsPiece& piece) {
 template <class Real>
 Real mains_voltage(const Mains& m, const MainsPiece& piece, Real t) {
   if (m.kind == Mains::Kind::dc) return static_cast<Real>(m.volts * piece.share);
-  const Real angle = mains_angle(m, piece, t);
+  const Real angle = mains_rate<Real>(m) * t + mains_phase<Real>(m, piece);
   Real wave = sine(angle);
   for (const auto& h : m.harmonics)
     if (h.share != 0)

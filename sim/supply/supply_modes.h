@@ -85,12 +85,13 @@ class SupplyModes {
   Real voltage(Real t) const {
     return mains_voltage(supply_.mains, piece_, t);
   }
-  /// Of a piece that is one sine in every bit: its angle at `t`, rad, and its amplitude, V.
+  /// Of a piece that is one sine in every bit: amplitude() sin(rate() t + phase()), V.
   bool one_sine() const {
     return std::all_of(supply_.mains.harmonics.begin(), supply_.mains.harmonics.end(),
                        [](const Harmonic& h) { return h.share == 0; });
   }
-  double angle(double t) const { return mains_angle(supply_.mains, piece_, t); }
+  double rate() const { return mains_rate<double>(supply_.mains); }
+  double phase() const { return mains_phase<double>(supply_.mains, piece_); }
   double amplitude() const { return mains_amplitude<double>(supply_.mains, piece_); }
   /// At any time, V.
   double voltage_at(double t) const {

@@ -204,11 +204,13 @@ TEST_CASE("the mains' sine is that of the library to 2.5e-16", "[lanes]") {
 
 #ifdef __x86_64__
 TEST_CASE("every instruction set gives the same bits", "[lanes]") {
+  const int shape = GENERATE(0, 1, 2, 3);
+  INFO("shape " << shape);
   Random random(9);
   LaneLayout layout;
   auto start = std::make_unique<LaneBlock>();
   for (int k = 0; k < lane_width; ++k) {
-    const Scene s = drawn(random, 1);
+    const Scene s = drawn(random, shape);
     const Mains mains = closing_mains(s.conditions, s.bench.mains);
     ContactorModel model(s.specimen, mains, closing_options(s.conditions));
     ContactorModel::State y = model.rest();
@@ -225,6 +227,9 @@ TEST_CASE("every instruction set gives the same bits", "[lanes]") {
     }
     start->one_sine[lane] = k % 2 == 0 ? -1 : 0;
     start->amplitude[lane] = 325;
+    start->begin[lane] = random.uniform();
+    start->rate[lane] = 300 + 80 * random.uniform();
+    start->phase[lane] = 7 * random.uniform();
     for (auto& source : start->source) source[lane] = 300 * random.uniform();
   }
   const auto stepped = [&](LaneKernel kernel) {

@@ -6,6 +6,7 @@
 
 #include "sim/models/contactor_model.h"
 #include "sim/models/integrator.h"
+#include "sim/models/lanes/plant_lanes.h"
 
 /// Contactors side by side: number k of every array below is of lane k. The equations are those of a single one: where
 /// the compiler fuses no products and sums, the results are the same bits.
@@ -13,6 +14,8 @@
 namespace powbench::sim {
 
 inline constexpr int lane_width = 8;
+/// Of the stages 0 .. 5 of a step, as shares of it; 6 is 5.
+inline constexpr std::array<double, 6> stage_times{0, 1.0 / 5, 3.0 / 10, 4.0 / 5, 8.0 / 9, 1.0};
 using Lane = std::array<double, lane_width>;
 using LaneMask = std::array<std::int64_t, lane_width>;  ///< -1 or 0
 
@@ -38,11 +41,11 @@ struct alignas(64) LaneBlock {
 
   // a step: asked for
   LaneMask accepted;  ///< of the last call: `result` and its slope are the beginning of the next step
-  Lane step;          ///< h, s
-  LaneMask one_sine;  ///< its source is `amplitude` V times the sine of `source`
-  Lane amplitude;
-  std::array<Lane, 6> source;  ///< at stages 0 .. 5: that angle, rad, or V; 0 is not read, 6 is 5
-  std::array<Lane, states> y, first_slope;  ///< at its beginning
+  Lane begin, step;   ///< t and h, s
+  LaneMask one_sine;  ///< its source is amplitude sin(rate t + phase), V
+  Lane amplitude, rate, phase;
+  std::array<Lane, stage_times.size()> source;  ///< V at the stages, of any other source; 0 is not read
+  std::array<Lane, states> y, first_slope;      ///< at its beginning
 
   // and what came of it
   std::array<Lane, states> result, last_slope;
@@ -52,12 +55,8 @@ struct alignas(64) LaneBlock {
   LaneMask interesting;  ///< a guard is below zero, or dips between two samples
 };
 
-/// One try of a step in all lanes.
-using LaneKernel = void (*)(const LaneLayout&, LaneBlock&);
 void portable_lane_kernel(const LaneLayout&, LaneBlock&);
 void avx2_lane_kernel(const LaneLayout&, LaneBlock&);    ///< built on x86-64 only
 void avx512_lane_kernel(const LaneLayout&, LaneBlock&);  ///< built on x86-64 only
-/// The fastest this processor can run.
-LaneKernel best_lane_kernel();
 
 }  // namespace powbench::sim

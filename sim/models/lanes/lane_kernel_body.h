@@ -64,9 +64,11 @@ struct LaneNumber {
 template <int first>
 struct Lanes : LaneNumber<first> {
   using Own = LaneNumber<first>;
-  Lanes(const LaneLayout& l, const LaneBlock& b) : block(b), layout(l), numbers(b.numbers) {}
+  Lanes(const LaneLayout& l, int power, const LaneBlock& b)
+      : block(b), layout(l), even_power(power), numbers(b.numbers) {}
   const LaneBlock& block;
   const LaneLayout& layout;
+  const int even_power;
   const ContactorNumbers<Lane>& numbers;
   POWBENCH_LANES M pressed(int k) const { return Own::at(block.pressed[static_cast<std::size_t>(k)]); }
   POWBENCH_LANES V friction_net(V driving) const {
@@ -74,7 +76,7 @@ struct Lanes : LaneNumber<first> {
   }
   POWBENCH_LANES V friction_loss(V speed) const { return -Own::at(block.sliding_force) * speed; }
   POWBENCH_LANES IronOf<Own> iron(V b) const {
-    return law_iron<Own>(numbers.circuit, even_power_of<Own>(layout.even_power, b), b);
+    return law_iron<Own>(numbers.circuit, even_power_of<Own>(even_power, b), b);
   }
 };
 
@@ -129,11 +131,25 @@ POWBENCH_LANES void combine(int n, V h, const V* y, const Slopes& slope, V* resu
   }
 }
 
-/// The step in lanes `first` .. `first + at_once - 1`.
-template <int first>
-void step_of(const LaneLayout& layout, LaneBlock& b) {
+/// Of most contactors: all bridges alike and level, the static core part of the base, a shading ring.
+constexpr LaneLayout usual_layout = [] {
+  LaneLayout l;
+  l.group[0] = {l.first_group, 2, false};
+  l.groups = 1;
+  l.contacts = 4;
+  l.ledger = l.first_group + 2;
+  l.size = l.ledger + 4;
+  l.has_ring = true;
+  return l;
+}();
+
+/// The step in lanes `first` .. `first + at_once - 1`. The compiler knows the numbers of the usual layout, but for the
+/// law of the iron: no loop is left.
+template <int first, bool usual>
+void step_of(const LaneLayout& given, LaneBlock& b) {
+  const LaneLayout& layout = usual ? usual_layout : given;
   const int n = layout.size;
-  const Lanes<first> lanes(layout, b);
+  const Lanes<first> lanes(layout, given.even_power, b);
   V y[most_states], result[most_states];
   Slopes k;
   const M accepted = lanes.at(b.accepted);
@@ -144,13 +160,14 @@ void step_of(const LaneLayout& layout, LaneBlock& b) {
     lanes.at(b.y[j]) = y[i];
     lanes.at(b.first_slope[j]) = k[0][i];
   }
+  const V h = lanes.at(b.step);
   V emf[7];
-  for (std::size_t stage = 1; stage < 6; ++stage) {
-    const V given = lanes.at(b.source[stage]);
-    emf[stage] = lanes.at(b.one_sine) ? lanes.at(b.amplitude) * bounded_sine<V, M>(given) : given;
+  for (std::size_t stage = 1; stage < stage_times.size(); ++stage) {
+    const V t = lanes.at(b.begin) + stage_times[stage] * h, angle = lanes.at(b.rate) * t + lanes.at(b.phase);
+    emf[stage] =
+        lanes.at(b.one_sine) ? lanes.at(b.amplitude) * bounded_sine<V, M>(angle) : lanes.at(b.source[stage]);
   }
   emf[6] = emf[5];
-  const V h = lanes.at(b.step);
   combine(n, h, y, k, result, 1.0 / 5);
   derivative(lanes, emf[1], result, k[1]);
   combine(n, h, y, k, result, 3.0 / 40, 9.0 / 40);
@@ -204,14 +221,19 @@ void step_of(const LaneLayout& layout, LaneBlock& b) {
   for (int i = 0; i <= layout.contacts; ++i) {
     const auto g = [&](int p) { return guard[p][i]; };
     for (int p = 1; p < LaneBlock::samples; ++p) interesting |= g(p) < 0.0;
-    for (int p = 1; p < LaneBlock::samples - 1; ++p) interesting |= (g(p) < g(p - 1)) & (g(p) <= g(p + 1));
+    for (int p = 1; p < LaneBlock::samples - 1; ++p) interesting |= dips_low(g(p - 1), g(p), g(p + 1));
   }
   lanes.at(b.interesting) = interesting;
 }
 
 template <int first = 0>
 POWBENCH_LANES void lane_step(const LaneLayout& layout, LaneBlock& b) {
-  step_of<first>(layout, b);
+  LaneLayout usual = usual_layout;
+  usual.even_power = layout.even_power;
+  if (layout == usual)
+    step_of<first, true>(layout, b);
+  else
+    step_of<first, false>(layout, b);
   if constexpr (first + at_once < lane_width) lane_step<first + at_once>(layout, b);
 }
 

@@ -11,18 +11,12 @@
 #include "sim/models/plant_impl.h"
 
 namespace powbench::sim {
-namespace {
-
-constexpr std::array<double, 6> stage_times{0,       1.0 / 5, 3.0 / 10,
-                                            4.0 / 5, 8.0 / 9, 1.0};  // of 0 .. 5; 6 is 5
-
-}  // namespace
 
 class PlantLanes {
  public:
   PlantLanes(const std::function<LaneRun()>& next, const std::function<void(Plant&)>& done,
-             const LaneFailure& failed)
-      : next_(next), done_(done), failed_(failed) {}
+             const LaneFailure& failed, LaneKernel kernel)
+      : next_(next), done_(done), failed_(failed), kernel_(kernel) {}
 
   void run() {
     while (true) {
@@ -106,15 +100,11 @@ class PlantLanes {
       load(k);
     }
     s.step = block_->step[lane] = p.integrator.next_step();
-    const SupplyModes& supply = p.model.supply();
-    const double last = p.integrator.begin() + s.step;
-    const bool one_sine = supply.one_sine() && std::fabs(supply.angle(last)) < sine_bound - 1;
-    block_->one_sine[lane] = one_sine ? -1 : 0;
-    block_->amplitude[lane] = supply.amplitude();
-    for (std::size_t stage = 1; stage < stage_times.size(); ++stage) {
-      const double t = p.integrator.begin() + stage_times[stage] * s.step;
-      block_->source[stage][lane] = one_sine ? supply.angle(t) : supply.voltage(t);
-    }
+    block_->begin[lane] = p.integrator.begin();
+    if (block_->one_sine[lane] != 0) return true;
+    for (std::size_t stage = 1; stage < stage_times.size(); ++stage)
+      block_->source[stage][lane] =
+          p.model.supply().voltage(p.integrator.begin() + stage_times[stage] * s.step);
     return true;
   }
 
@@ -128,8 +118,19 @@ class PlantLanes {
     for (std::size_t i = 0; i < static_cast<std::size_t>(layout_.size); ++i)
       block_->y[i][lane] = y[i], block_->first_slope[i][lane] = slope[i];
     p.model.put_modes(*block_, k);
+    put_source(p.model.supply(), k);
     block_->accepted[lane] = 0;
     s.loaded = true;
+  }
+
+  void put_source(const SupplyModes& supply, int k) {
+    const auto lane = static_cast<std::size_t>(k);
+    const double rate = supply.rate(), phase = supply.phase();
+    const bool bounded = std::fabs(rate * seat(k).t_end + phase) < sine_bound - 1;  // a step may pass the end
+    block_->one_sine[lane] = supply.one_sine() && bounded ? -1 : 0;
+    block_->amplitude[lane] = supply.amplitude();
+    block_->rate[lane] = rate;
+    block_->phase[lane] = phase;
   }
 
   void judge(int k) {
@@ -176,12 +177,12 @@ class PlantLanes {
   /// The step taken, out of the lane.
   void unload(int k) {
     const auto lane = static_cast<std::size_t>(k);
-    ContactorModel::State y{};
-    for (std::size_t i = 0; i < static_cast<std::size_t>(layout_.size); ++i) {
-      y[i] = block_->result[i][lane];
-      for (std::size_t c = 0; c < dense_.c.size(); ++c) dense_.c[c][i] = block_->dense[c][i][lane];
-    }
-    inside(*seat(k).plant).integrator.take(dense_, y);
+    inside(*seat(k).plant).integrator.take([&](auto& dense, auto& y) {
+      for (std::size_t i = 0; i < static_cast<std::size_t>(layout_.size); ++i) {
+        y[i] = block_->result[i][lane];
+        for (std::size_t c = 0; c < dense.c.size(); ++c) dense.c[c][i] = block_->dense[c][i][lane];
+      }
+    });
   }
 
   /// The guards of its step as the kernel found them, and those that it does not know.
@@ -227,20 +228,19 @@ class PlantLanes {
   const std::function<LaneRun()>& next_;
   const std::function<void(Plant&)>& done_;
   const LaneFailure& failed_;
-  const LaneKernel kernel_ = best_lane_kernel();
+  const LaneKernel kernel_;
   std::unique_ptr<LaneBlock> block_ = std::make_unique<LaneBlock>();
   std::array<Seat, lane_width> seats_{};
   std::vector<Waiting> waiting_;
   LaneLayout layout_;
-  DenseOutput<ContactorModel::capacity> dense_{};
   EventIntegrator<ContactorModel>::Samples samples_{};
   int taken_ = 0;
   bool all_taken_ = false;  ///< there is none until one more has ended
 };
 
 void advance_in_lanes(const std::function<LaneRun()>& next, const std::function<void(Plant&)>& done,
-                      const LaneFailure& failed) {
-  PlantLanes(next, done, failed).run();
+                      const LaneFailure& failed, LaneKernel kernel) {
+  PlantLanes(next, done, failed, kernel).run();
 }
 
 }  // namespace powbench::sim

@@ -17,11 +17,17 @@ struct LaneRun {
   Plant* plant = nullptr;  ///< null: there is none
   double t_end = 0;        ///< s, to advance it to
 };
+struct LaneLayout;
+struct LaneBlock;
+/// One try of a step in all lanes (lane_block.h).
+using LaneKernel = void (*)(const LaneLayout&, LaneBlock&);
+/// The fastest this processor can run.
+LaneKernel best_lane_kernel();
 /// A plant that could not be advanced.
 using LaneFailure = std::function<void(Plant&)>;
 /// `done` is called when its plant is there; where nothing was left, `next` is asked again after it. A plant that
 /// Plant::advance would end with a std::runtime_error goes to `failed`; without `failed` that is thrown.
 void advance_in_lanes(const std::function<LaneRun()>& next, const std::function<void(Plant&)>& done,
-                      const LaneFailure& failed = {});
+                      const LaneFailure& failed = {}, LaneKernel kernel = best_lane_kernel());
 
 }  // namespace powbench::sim
