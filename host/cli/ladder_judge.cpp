@@ -31,7 +31,10 @@ constexpr double judged_span = 0.06;  ///< s simulated, as `sim` judges
 /// Fields and mechanics of the table, cheap ones first.
 sim::SceneAxes axes_of(const LadderArgs& args, const sim::Specimen& specimen) {
   sim::SceneAxes axes;
-  axes.fields = args.fields.empty() ? sim::automatic_fields(specimen) : args.fields;
+  const auto all = sim::automatic_fields(specimen);
+  axes.fields = args.fields.empty() ? all : args.fields;
+  if (!all.empty() && sim::place_of_fields(axes.fields.back()) < sim::place_of_fields(all.back()))
+    axes.fields_left_out = all.back();
   axes.mechanics = args.mechanics.empty() ? sim::automatic_mechanics({specimen, {}, {}}, args.all)
                                           : std::vector{args.mechanics};
   FieldCache cache;

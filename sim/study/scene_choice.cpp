@@ -222,20 +222,24 @@ class Chooser {
       s.unknown.push_back(time + ": does not happen");
     } else {
       if (std::isnan(s.step_error[q]) && !compared) s.unknown.push_back(time + ": error of the step");
-      const auto judge_axis = [&](const AxisError& error, const char* axis, std::string_view rung) {
+      const auto judge_axis = [&](const AxisError& error, const char* axis, std::string_view rung,
+                                  bool by_increment) {
         if (!std::isnan(error.above[q])) return;
         const double last = error.below[q];
         const std::string of =
             time + ": error of " + axis + ", nothing to compare " + std::string(rung) + " with";
         if (std::isnan(last))
           s.unknown.push_back(of);
-        else if (sum + last > allowed)
+        else if (!by_increment || sum + last > allowed)
           s.unknown.push_back(of + " but the rung below, which differs by " + microseconds(last));
         else
           sum += last;
       };
-      judge_axis(s.fields, "the fields", s.name.substr(0, s.name.find('+')));
-      judge_axis(s.mechanics, "the mechanics", s.name.substr(s.name.find('+') + 1));
+      judge_axis(s.fields, "the fields", s.name.substr(0, s.name.find('+')), false);
+      const bool measured = !std::isnan(axes_.measured[q]) || !std::isnan(axes_.held_out_error[q]);
+      if (!std::isnan(s.fields.above[q]) && !axes_.fields_left_out.empty() && !measured)
+        s.unknown.push_back(time + ": error of the fields, " + axes_.fields_left_out + " is left out");
+      judge_axis(s.mechanics, "the mechanics", s.name.substr(s.name.find('+') + 1), true);
     }
     return too_large ? Reached::not_met : s.unknown.size() == before ? Reached::met : Reached::not_known;
   }

@@ -28,6 +28,8 @@ using WantedTimes = LadderTimes;
 struct SceneAxes {
   std::vector<std::string> fields, mechanics;
   std::function<Rung(std::size_t field, std::size_t mechanics)> rung;
+  /// The highest fields that the case has, where they are none of `fields`: what those are worth is not known then.
+  std::string fields_left_out{};
   /// A measurement of the case, and what the first fields missed it by when it had no part in their identification,
   /// s. NaN: none. The larger of that and of the distance to the measurement is evidence of these fields' error.
   LadderTimes measured{nan_times}, held_out_error{nan_times};
@@ -47,8 +49,9 @@ struct AxisError {
   /// To the rungs above, the largest: the next one may err in the same direction. A choice looks at no further ones
   /// once it is larger than what is wanted.
   LadderTimes above{nan_times};
-  LadderTimes below{
-      nan_times};  ///< from the rung below; at the top it stands for the error where it is within what is wanted
+  /// From the rung below. At the top of the mechanics it stands for the error where it is within what is wanted; of
+  /// fields it is no bound: the plane table is on the other side of the circuit than the ends of three dimensions.
+  LadderTimes below{nan_times};
 };
 
 /// An input (`variable` of sim/study/axis.h) and its standard uncertainty in the unit of its name.

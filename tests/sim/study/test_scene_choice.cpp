@@ -92,6 +92,37 @@ TEST_CASE("a next rung that errs in the same direction is no proof", "[scene]") 
   CHECK(all[1].by_time[0] == Reached::not_met);
 }
 
+TEST_CASE("the last increment of the fields bounds nothing, and left out fields are an unknown", "[scene]") {
+  // as the plane table lies beside the circuit: near each other, and both 3 ms from the fields above
+  SceneAxes axes = known_axes(3, 2);
+  axes.rung = [axes](std::size_t f, std::size_t m) {
+    Rung r = axes.rung(f, m);
+    r.run = [f](const Case&, double, double, double) {
+      Trajectory t;
+      t.truth.touch = std::array{0.0100, 0.0101, 0.0130}[f];
+      return t;
+    };
+    return r;
+  };
+  const WantedTimes wanted{0.05, unwanted, unwanted};
+  const auto all = look_at_all(axes, at(0), wanted, 0.08, no_clock);
+  CHECK(all[0].by_time[0] == Reached::not_met);
+  CHECK(all[2].by_time[0] == Reached::not_met);
+  // without the highest: what is below agrees, and proves nothing
+  SceneAxes two = axes;
+  two.fields.pop_back();
+  const auto foretold = look_at_all(two, at(0), wanted, 0.08, no_clock);
+  CHECK(foretold[2].fields.below[0] == Approx(1e-4).margin(1e-9));
+  CHECK(foretold[2].by_time[0] == Reached::not_known);
+  CHECK(foretold[3].by_time[0] == Reached::not_known);
+  CHECK(foretold[0].by_time[0] == Reached::met);  // nobody has said that there are others
+  two.fields_left_out = "field2";
+  const auto told = look_at_all(two, at(0), wanted, 0.08, no_clock);
+  CHECK(told[0].by_time[0] == Reached::not_known);
+  REQUIRE_FALSE(told[0].unknown.empty());
+  CHECK_THAT(told[0].unknown.front(), Catch::Contains("field2 is left out"));
+}
+
 TEST_CASE("bending that matters with other fields alone is part of the total", "[scene]") {
   // with field0 the mechanics agree; with field1 the finer ones are 2 ms later, and so is the best pair
   SceneAxes axes = known_axes(2, 2);
