@@ -197,11 +197,15 @@ Record select_record(const Database& db, std::int64_t shot) {
   r.sealed = s.text(15);
 
   Statement c(db,
-              "SELECT name, scale, offset, delay, corner_hertz, clip_low, clip_high FROM channel WHERE "
+              "SELECT name, scale, offset, delay, corner_hertz, clip_low, clip_high, unit FROM channel WHERE "
               "record_id = ? ORDER BY position");
   c.bind(s.integer(0));
-  while (c.step())
-    r.channels.push_back({.channel = channel_named(c.text(0)),
+  while (c.step()) {
+    const Channel channel = channel_named(c.text(0));
+    if (c.text(7) != info(channel).unit)
+      throw StoreError(where + ": " + c.text(0) + " has the unit '" + c.text(7) + "' instead of " +
+                       std::string(info(channel).unit) + ": the file is damaged");
+    r.channels.push_back({.channel = channel,
                           .raw = {},
                           .scale = c.real(1),
                           .offset = c.real(2),
@@ -209,6 +213,7 @@ Record select_record(const Database& db, std::int64_t shot) {
                           .corner_hertz = c.real(4),
                           .clip_low = static_cast<std::int16_t>(c.integer(5)),
                           .clip_high = static_cast<std::int16_t>(c.integer(6))});
+  }
 
   if (seal_of(r, s.text(1), s.text(6)) != s.text(14))
     throw StoreError(where +

@@ -243,8 +243,12 @@ std::optional<Events> Store::load_events(std::int64_t shot) const {
   impl_->need("digest");
   impl_->need("events");
   Statement s(impl_->db, query + "WHERE shot_id = ? ORDER BY events.id DESC LIMIT 1");
-  if (!s.bind(shot).step()) return std::nullopt;
-  return read(s);
+  if (s.bind(shot).step()) return read(s);
+  Statement row(impl_->db, "SELECT outcome FROM shot WHERE id = ?");
+  if (row.bind(shot).step() && measured(outcome_from(row.text(0))) && !impl_->record_of(shot))
+    throw StoreError("the file is damaged: the record of shot " + std::to_string(shot) +
+                     " is missing; restore it from a copy");
+  return std::nullopt;
 }
 
 void Store::store_events(std::int64_t shot, const Events& events, const ExtractionInfo& info) {

@@ -234,6 +234,25 @@ TEST_CASE("a store that may not grow refuses in words and keeps what it has", "[
   check_whole(folder.file(), 3, 3);
 }
 
+TEST_CASE("a measured shot whose record went away, and a unit that is another, are damage", "[store]") {
+  const Folder folder;
+  {
+    Store store(folder.file());
+    fill(store, 3);
+  }
+  const auto change = [&](const char* statement) {
+    sqlite3* db = nullptr;
+    REQUIRE(sqlite3_open(folder.file().c_str(), &db) == SQLITE_OK);
+    CHECK(sqlite3_exec(db, statement, nullptr, nullptr, nullptr) == SQLITE_OK);
+    sqlite3_close(db);
+  };
+  change("UPDATE channel SET unit = 'mN' WHERE record_id = 1 AND position = 0");
+  CHECK_THROWS_WITH(Store(folder.file()).load_record(1), Contains("unit 'mN'"));
+  // the shot goes by another number, so that nothing belongs to it
+  change("UPDATE shot SET id = 77 WHERE id = 2");
+  CHECK_THROWS_WITH(Store(folder.file()).load_events(77), Contains("the record of shot 77 is missing"));
+}
+
 TEST_CASE("a cut-off store is refused and stays as it is", "[store]") {
   const Folder folder;
   {
