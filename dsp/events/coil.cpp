@@ -21,6 +21,8 @@ namespace {
 constexpr double most_unlike =
     0.1;  ///< of the coil voltage's square, that neither rest nor the mains explains
 constexpr double most_before = 0.005;  ///< the same of what comes before the step, where it is no noise
+constexpr double in_part =
+    5;  ///< deviations of noise, by which a sample shows neither rest nor the whole mains
 constexpr double step_search = 12e-3;  ///< s after the gate edge in which the coil must start to conduct
 
 /// Sample k from which on the coil carries the mains: least sum of u^2 before k and (u - g m)^2 from k on.
@@ -47,6 +49,39 @@ Posterior posterior_of(const std::vector<double>& sums, double lowest, double sc
   return {mean, std::sqrt(std::max(second / weight - mean * mean, 0.0))};
 }
 
+/// The mains without most of its noise: at each sample the parabola through its neighbours within a quarter of a
+/// millisecond, at most 50 on either side. `left`: share of the noise's variance that stays. Where more than noise would
+/// go, as on notches, it stays as it is.
+struct Smoothed {
+  std::vector<double> value;  ///< V
+  double noise = 0;           ///< V rms, of what was smoothed
+  double left = 1;
+};
+Smoothed smoothed(const std::vector<double>& x, double dt) {
+  Smoothed s{x, 0, 1};
+  const auto wide = static_cast<std::ptrdiff_t>(0.25e-3 / dt), step = wide / 51 + 1, taps = wide / step;
+  const std::ptrdiff_t reach = taps * step;
+  const auto n = static_cast<std::ptrdiff_t>(x.size());
+  if (taps < 3 || n < 4 * reach) return s;
+  std::vector<double> bends;
+  for (std::size_t i = 1; i + 1 < x.size(); ++i)
+    bends.push_back((x[i + 1] - 2 * x[i] + x[i - 1]) / std::sqrt(6.0));
+  s.noise = robust_sigma(bends);
+  const auto m = static_cast<double>(taps);
+  const double norm = (2 * m - 1) * (2 * m + 1) * (2 * m + 3), middle = 3 * (3 * m * m + 3 * m - 1);
+  double squares = 0, count = 0;
+  for (std::ptrdiff_t i = reach; i < n - reach; ++i) {
+    double sum = 0;
+    for (std::ptrdiff_t k = -taps; k <= taps; ++k)
+      sum += (middle - 15 * static_cast<double>(k * k)) / norm * x[static_cast<std::size_t>(i + k * step)];
+    s.value[static_cast<std::size_t>(i)] = sum;
+    squares += std::pow(x[static_cast<std::size_t>(i)] - sum, 2), count += 1;
+  }
+  if (squares > 1.5 * count * s.noise * s.noise) return {x, s.noise, 1};
+  s.left = middle / norm;
+  return s;
+}
+
 std::optional<Step> step_sample(const Signal& coil, const Signal& mains, double noise) {
   const std::size_t i1 = coil.index_at(-1e-3), i2 = coil.index_at(step_search);
   if (i2 < i1 + 4) return std::nullopt;
@@ -69,13 +104,17 @@ std::optional<Step> step_sample(const Signal& coil, const Signal& mains, double 
   }
   const double gain = mm > 0 ? um / mm : 0.0;
   if (gain < 0.5 || gain > 1.5) return std::nullopt;  // the coil never saw the mains
+  const Smoothed calm = smoothed(m, coil.dt);
+  m = calm.value;
+  // what noise of the mains adds to each e^2 would let a coil that is on pass for one at rest where the mains is small
+  const double added = calm.left * gain * gain * calm.noise * calm.noise;
   double sum = 0, lowest = 0, squares = 0;
   std::size_t best = i2;
   std::vector<double> sums(m.size());
   for (std::size_t i = i2; i-- > i1;) {
     const double e = coil.value[i] - gain * m[i - i1], u2 = coil.value[i] * coil.value[i];
     squares += u2;
-    sum += e * e - u2;
+    sum += e * e - u2 - added;
     sums[i - i1] = sum;
     if (sum < lowest) lowest = sum, best = i;
   }
@@ -85,11 +124,11 @@ std::optional<Step> step_sample(const Signal& coil, const Signal& mains, double 
   const double quiet = 8 * noise * std::sqrt(static_cast<double>(best - i1));
   if (squares + lowest > most_unlike * squares || (rest > quiet * quiet && rest > most_before * squares))
     return std::nullopt;  // rectified, or of another phase
-  const Posterior when = posterior_of(sums, lowest, 2 * (1 + gain * gain) * noise * noise);
+  const Posterior when = posterior_of(sums, lowest, 2 * (noise * noise + added));
   const double mean = coil.time(i1) + when.mean * coil.dt, doubt = when.deviation * coil.dt;
   // A converter that averages shows the step's sample in part; the share decides on which side of it the sum turned.
   const double before = coil.value[best - 1], there = gain * m[best - 1 - i1];
-  if (std::abs(there) > 20 * noise && before / there > 0.05) --best;
+  if (before / there > std::max(0.05, in_part * noise / std::abs(there))) --best;
   return Step{best, gain * m[best - i1], mean, doubt};
 }
 
@@ -107,7 +146,8 @@ Measured switch_on_time(const Record& record, const Signal& mains) {
                share = k->expected != 0 ? coil.value[k->sample] / k->expected : 1.0;
   // A solid-state switch conducts from the gate edge at time 0 on; that is the answer whenever the samples allow it.
   const double doubt = k->doubt;
-  if (doubt < coil.dt && std::abs(k->expected) > 20 * noise && share > 0.02 && share < 0.98) {
+  const double least = std::max(0.02, in_part * noise / std::abs(k->expected));
+  if (doubt < coil.dt && share > least && share < 1 - least) {
     // The sample is the mean of two or more over its interval, and the coil was on for `share` of them.
     const double middle = at + (0.5 - share) * coil.dt, half = 0.25 * coil.dt;
     const double u = std::hypot(coil.dt * noise / std::abs(k->expected), half / std::sqrt(3.0));
