@@ -70,8 +70,10 @@ inline constexpr std::array quantity_table{
              [](const Events& e) {
                Measured peak;
                for (const auto* train : {&e.pvdf_a, &e.pvdf_b})
-                 for (const auto& c : train->contacts)
+                 for (const auto& c : train->contacts) {
+                   if ((c.flags & flag_clipped) != 0) return Measured{};  // as much as that, or more
                    if (!peak.known() || c.peak.value > peak.value) peak = c.peak;
+                 }
                return peak;
              }},
     Quantity{"i_peak", "A", "largest coil current", [](const Events& e) { return e.coil.peak_current; }},

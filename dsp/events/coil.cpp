@@ -50,8 +50,8 @@ Posterior posterior_of(const std::vector<double>& sums, double lowest, double sc
 }
 
 /// The mains without most of its noise: at each sample the parabola through its neighbours within a quarter of a
-/// millisecond, at most 50 on either side. `left`: share of the noise's variance that stays. Where more than noise would
-/// go, as on notches, it stays as it is.
+/// millisecond, at most 50 on either side. `left`: share of the noise's variance that stays. Where more than noise
+/// would go, as on notches, it stays as it is.
 struct Smoothed {
   std::vector<double> value;  ///< V
   double noise = 0;           ///< V rms, of what was smoothed

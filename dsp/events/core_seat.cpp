@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "dsp/events/laser_clock.h"
+#include "dsp/events/laser_dropout.h"
 #include "dsp/filter/force.h"
 #include "dsp/signal/least_squares.h"
 #include "dsp/signal/signal.h"
@@ -315,6 +316,20 @@ Measured impact_time(const Record& record, const Measured& seat) {
   return {s.time(i), std::hypot(s.dt / std::sqrt(12.0), s.time(twice) - s.time(i))};
 }
 
+/// What a laser shows at the ends of a dropout is no landing, and one may be hidden in it.
+void admit_dropout(CoreEvents& e, const Dropout& d, const ExtractOptions& o) {
+  if (e.seat.known() && d.to + o.seat_window < e.seat.value) return;
+  e.flags |= flag_gap;
+  if (!e.seat.known() || d.from - o.seat_window < e.seat.value) {
+    e.seat = e.settled = e.bounce_time = e.impact_velocity = {};
+    return;
+  }
+  if (e.settled.known() && d.to > e.settled.value) {
+    e.settled.u = std::hypot(e.settled.u, (d.to - e.settled.value) / std::sqrt(3.0));
+    e.bounce_time.u = std::hypot(e.settled.u, e.seat.u);
+  }
+}
+
 }  // namespace
 
 CoreEvents core_events(const Record& record, const ExtractOptions& o) {
@@ -341,6 +356,8 @@ CoreEvents core_events(const Record& record, const ExtractOptions& o) {
   std::size_t under_way = before;
   while (under_way < last && s.value[under_way] - open < travel / 3) ++under_way;
   if (under_way >= last || travel < 0) return e;
+  const auto dropouts =
+      laser_dropouts(s, {before, last, open, travel, noise}, record.find(Channel::laser)->scale);
   const Unheld own = unheld(s, 0.5 * s.time(under_way), s.time(last));
   const auto drops = tops(velocity_drops(own.signal, noise, own.late), s.time(under_way), t_end, 0.0);
   if (drops.empty()) return e;
@@ -368,6 +385,7 @@ CoreEvents core_events(const Record& record, const ExtractOptions& o) {
   e.bounce_time = {e.settled.value - e.seat.value, std::hypot(e.settled.u, e.seat.u)};
   const std::uint8_t mask = s.mask_within(e.seat.value - o.seat_window, e.seat.value + o.seat_window);
   if (mask & mask_gap) e.flags |= flag_gap;
+  for (const Dropout& d : dropouts) admit_dropout(e, d, o);
   if (mask & mask_clipped) e.flags |= flag_clipped;
   return e;
 }

@@ -89,6 +89,10 @@ void check_angle(Events& e, const Conditions& c, double tolerance) {
 
 void conclude(Events& e, const Record& record, const ExtractOptions& o) {
   admit_doubt(e, record);  // first: what follows is made of the trains' times and must not outlive them
+  for (ContactTrain* t : {&e.pvdf_a, &e.pvdf_b})
+    for (Contact& c : t->contacts)
+      if ((c.flags & flag_clipped) != 0 && (c.flags & flag_poor_fit) != 0)
+        c.peak = {};  // no shape tells what was cut off
   e.pole.by_force = pole_by_force(e.pvdf_a, e.pvdf_b, o.merge_openings);
   const Disagreement d = disagreement(e.pole.by_force, e.contact_voltage, closing_end(record));
   e.pole.disagreement = d.total;
