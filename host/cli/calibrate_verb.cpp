@@ -107,6 +107,8 @@ std::string refusal_of(const Walk& w, const Kept& kept, const std::string& date)
 Exit calibrate(const CalibrateArgs& args) {
   const std::string date = args.date.empty() ? utc_today() : args.date;
   const std::uint32_t from = day(date, "date"), until = day(args.expires, "expires");
+  if (!args.date.empty() && args.date > utc_today())
+    throw BadInput({fmt::format("--date {} is a day to come; allowed up to {}", args.date, utc_today())});
   if (until < from) throw BadInput({fmt::format("--expires {} lies before {}", args.expires, date)});
   if (!rigs::usable_certificate(args.id))
     throw BadInput({fmt::format("--id '{}': 1 to 32 printable characters without blank and colon", args.id)});

@@ -133,6 +133,9 @@ std::vector<AngleGroup> gather_angles(const Store& store, std::int64_t campaign)
   for (const StoredShot& s : store.shots(campaign)) {
     AngleGroup& group = group_at(groups, radians(s.angle_deg));
     const auto events = store.load_events(s.id);
+    if (!events && measured(s.outcome))  // a mean without it would be of other shots than it says
+      throw StoreError(fmt::format(
+          "the file is damaged: the events of shot {} are missing; restore it from a copy", s.id));
     if (!events) continue;
     (s.kind == ShotKind::measured ? group.measured : group.simulated).push_back(*events);
     if (s.kind == ShotKind::simulated) group.u_simulated = store.prediction(s.id).u;

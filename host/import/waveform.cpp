@@ -318,6 +318,9 @@ class Importer {
     c.supply_volts = c.ambient = c.closing_angle = std::numeric_limits<double>::quiet_NaN();
     c.specimen = "imported";
     c.hold_time = std::isnan(k_.hold_time) ? seen_hold(r) : k_.hold_time;
+    if (k_.recorded > today)
+      throw BadInput({fmt::format("{}: recorded = \"{}\": is a day to come; allowed up to {}",
+                                  calibration_file_, k_.recorded, today)});
     out_.recorded = k_.recorded;
     out_.source = k_.source;
     if (!k_.id.empty() && !k_.valid_until.empty())

@@ -53,7 +53,11 @@ void check_shot(const Database& db, const StoredShot& shot, StoreContent& c) {
   const std::vector<EventsRow> events = all_events(db, record.id, shot.id);
   c.events += static_cast<std::int64_t>(events.size());
   const auto digest = digest_of(db, shot.id);
-  if (events.empty()) return;
+  if (events.empty()) {
+    if (measured(shot.outcome))
+      throw StoreError("the events of shot " + std::to_string(shot.id) + " are missing");
+    return;
+  }
   if (!digest) {
     ++c.undigested;
   } else if (*digest != events.back().id) {

@@ -55,6 +55,20 @@ Events closing(std::uint64_t seed) {
 
 }  // namespace
 
+TEST_CASE("a measured shot with a record and no events is damage", "[store][maintain]") {
+  const Folder folder;
+  {
+    Store store(folder.file());
+    fill(store, 3);
+  }
+  CHECK(check_store(folder.file()).damage.empty());
+  sql(folder.file(), "DELETE FROM digest WHERE shot_id = 2");
+  sql(folder.file(), "DELETE FROM events WHERE record_id = (SELECT id FROM record WHERE shot_id = 2)");
+  const StoreContent c = check_store(folder.file());
+  REQUIRE(c.damage.size() == 1);
+  CHECK_THAT(c.damage.front(), Contains("the events of shot 2 are missing"));
+}
+
 TEST_CASE("stores merged in any order, grouping and repetition have one content", "[store][maintain]") {
   const Three three;
   const auto& f = three.files;

@@ -126,6 +126,11 @@ TEST_CASE("an import claims no date, no plan and no command; without a limit not
                Contains("was valid until 2021-01-01; recorded on 2022-01-01"));
     CHECK(run(folder, {"annotate", "recorded", "yesterday", "--db", db}).status == 2);
   }
+  // no record is of a day to come
+  folder.write("scope.toml", "recorded = \"2999-05-04\"\n");
+  const Finished ahead = run(folder, {"import", folder.file("scope.csv"), "--db", folder.file("ahead.db")});
+  CHECK(ahead.status == 2);
+  CHECK_THAT(ahead.err, Contains("recorded = \"2999-05-04\": is a day to come"));
 }
 
 TEST_CASE("a plan by hand is not fired, and an expired instrument is said before the first shot",
