@@ -50,7 +50,7 @@
     "gate edge came too late for its crossing: the next one is taken")                                       \
   X(16, reset_while_energised, gate_off, 10, boot, acknowledge,                                              \
     "word in RAM kept at reset says on, or coil current in the first block after boot",                      \
-    "the board restarted while the coil was on: check its supply, then write 1 to abort")                    \
+    "restart with coil current: check supply and current zero, then write 1 to abort")                       \
   X(17, sensor_implausible, mark_record, 6'000, shot, acknowledge,                                           \
     "laser out of range or contact against travel for 5 ms; a saturated force sample",                       \
     "laser or contact signal is implausible: check the sensors, then write 1 to abort")                      \

@@ -50,7 +50,7 @@ sim::SceneAxes axes_of(const LadderArgs& args, const sim::Specimen& specimen) {
   return axes;
 }
 
-/// Of both axes together, us; in brackets where a rung below stands for one of them, "?" for what nothing tells.
+/// Of both axes together, us; in brackets where one is known from the rung below alone, "?" for what nothing tells.
 std::string model_text(const sim::SceneStep& s, std::size_t q) {
   if (std::isnan(s.model_error[q])) {
     const std::string fields = axis_text(s.fields, q), mechanics = axis_text(s.mechanics, q);
@@ -225,8 +225,8 @@ Exit judge_ladder(const LadderArgs& args, const sim::Case& scene) {
                           args.database.empty() ? "the published tables" : args.database);
   fmt::print(
       "{}, {:g} V: every pair held against {:g} % of its touch time\n"
-      "step: by a finer run; model: to the fields and the mechanics above, in brackets where nothing is "
-      "above and the rung below stands for it, ? not known;{}\n"
+      "step: by a finer run; model: to the fields and the mechanics above; in brackets where nothing is "
+      "above: to the rung below, which is no proof of the fields' error; ? not known;{}\n"
       "input: us, standard, 0.5 % of the voltage and 2 K of the coil; {}\n",
       scene.specimen.name, scene.conditions.supply_volts, wanted * 100, evidence, numbers_not_known);
   print_head();

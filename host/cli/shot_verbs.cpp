@@ -107,6 +107,10 @@ Exit list_shots(const ResultArgs& args) {
                s.reason.empty() ? "" : ": ", s.reason);
   }
   if (args.json) fmt::print("{}\n", list.dump(2));
+  if (args.json) return Exit::pass;
+  for (const StoredShot& s : store.earlier_attempts(campaign.id))
+    fmt::print("earlier: shot {}, {} deg, attempt {}, {}: {}{}{}\n", s.id, commanded(s), s.attempt, s.started,
+               name(s.outcome), s.reason.empty() ? "" : ": ", s.reason);
   return Exit::pass;
 }
 
@@ -228,17 +232,16 @@ Exit annotate(const AnnotateArgs& args) {
     if (args.json) fmt::print("{}\n", list.dump(2));
     return Exit::pass;
   }
-  TestRecord unused;
-  complete(unused, args.key, args.text);  // refuses what no report could read
-  if (args.key == "recorded" && args.text > utc_today())
-    throw BadInput({"recorded: '" + args.text + "' is a day to come; allowed up to " + utc_today()});
+  TestRecord added;
+  complete(added, args.key, args.text);  // refuses what no report could read, before a file is opened
   if (!std::filesystem::exists(args.database)) Store(args.database, Store::Mode::read_only);  // says so
   Store store(args.database, Store::Mode::read_write);
   const CampaignInfo campaign = store.campaign(args.campaign);
+  refuse_line(args.key, args.text, campaign.origin == Origin::import);
   store.annotate(campaign.id, args.key, args.text);
   const std::string begun = campaign.created.substr(0, 10);
   if (campaign.origin != Origin::import)  // when those were recorded, another line of the record says
-    for (const Instrument& i : expired(unused, begun))
+    for (const Instrument& i : expired(added, begun))
       fmt::print(
           stderr,
           "calibration expired: {}, certificate {}, was valid until {}, the test began on {}; the report "

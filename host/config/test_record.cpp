@@ -74,6 +74,13 @@ void complete(TestRecord& record, std::string_view key, const std::string& text)
     known.emplace_back(f.key);
     if (f.key != key) continue;
     std::string& place = record.*f.place;
+    if (f.place == &TestRecord::recorded && !place.empty() && place != text) {
+      const std::string line = "recorded: stated as " + place + " and then as " + text +
+                               "; calibrations are judged by the later day";
+      record.remarks += (record.remarks.empty() ? "" : "\n") + line;
+      place = std::max(place, text);
+      return;
+    }
     place = f.place == &TestRecord::remarks && !place.empty() ? place + "\n" + text : text;
     return;
   }
@@ -82,6 +89,21 @@ void complete(TestRecord& record, std::string_view key, const std::string& text)
   const std::string guess = nearest(key, known);
   throw BadInput({std::string(key) + ": no line of the test record; allowed " + allowed +
                   (guess.empty() ? "" : "; did you mean '" + guess + "'?")});
+}
+
+void refuse_day_to_come(const std::string& recorded) {
+  const std::string today = utc_today();
+  if (recorded > today)
+    throw BadInput({"recorded: '" + recorded + "' is a day to come; allowed up to " + today});
+}
+
+void refuse_line(std::string_view key, const std::string& text, bool imported) {
+  TestRecord unused;
+  complete(unused, key, text);
+  refuse_day_to_come(unused.recorded);
+  if (!imported && (key == "recorded" || key == "source"))
+    throw BadInput(
+        {std::string(key) + ": is told of imported records; this campaign has its own days and rig"});
 }
 
 std::vector<Instrument> expired(const TestRecord& record, std::string_view day) {

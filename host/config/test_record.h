@@ -53,9 +53,17 @@ bool is_day(std::string_view);
 /// Today's, UTC.
 std::string utc_today();
 
-/// Completes the record: a later word replaces an earlier one; remarks and instruments are added. Throws BadInput for
-/// a key that is none, an empty text, a day that is none, or an instrument that cannot be read.
+/// Completes the record: a later word replaces an earlier one; remarks and instruments are added. Of two days of
+/// recording the later one counts, which is the harder test of a calibration, and a remark names both. Throws BadInput
+/// for a key that is none, an empty text, a day that is none, or an instrument that cannot be read.
 void complete(TestRecord&, std::string_view key, const std::string& text);
+
+/// The same for a line that somebody adds today. Throws BadInput also for a day of recording that is to come and, where
+/// the campaign is not `imported`, for what only imported records need to be told.
+void refuse_line(std::string_view key, const std::string& text, bool imported);
+
+/// Throws BadInput for a day of recording that is to come.
+void refuse_day_to_come(const std::string& recorded);
 
 /// Instruments whose last day lies before `day` (2030-12-31).
 std::vector<Instrument> expired(const TestRecord&, std::string_view day);

@@ -20,6 +20,7 @@ Scene load_scene(const std::string& plan_file, std::optional<std::uint64_t> seed
 Scene make_scene(Plan plan) {
   Scene scene;
   scene.plan = std::move(plan);
+  refuse_day_to_come(scene.plan.test.recorded);
   scene.specimen = load_specimen(scene.plan);
   scene.shots = expand(scene.plan, scene.specimen.name);
   scene.plan_text = resolved_text(scene.plan);
@@ -27,20 +28,6 @@ Scene make_scene(Plan plan) {
   scene.specimen_text = resolved_text(scene.specimen);
   scene.specimen_hash = sha256_hex(scene.specimen_text);
   return scene;
-}
-
-void refuse_unfit(const RigFile& rig, const std::string& file) {
-  const std::string why(rigs::rig_config_error(rig.config));
-  if (why.empty()) return;
-  const auto names = [&](const char* word) { return why.find(word) != std::string::npos; };
-  const std::string key = names("sample") ? "sample_rate_hertz, allowed whole numbers"
-                          : names("amplitude")
-                              ? "[electrical] voltage_full_scale_V, allowed 326 and more: the peak of "
-                                "230 V"
-                          : names("current") ? "[electrical] current_full_scale_A, allowed 1 and more"
-                                             : "";
-  throw BadInput({fmt::format("{}: the rig's program would refuse this configuration: {}{}{}", file, why,
-                              key.empty() ? "" : "; see ", key)});
 }
 
 RigFile rig_file(const std::string& uri) {

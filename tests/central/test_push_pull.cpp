@@ -43,7 +43,8 @@ TEST_CASE("stores pushed in any order and repetition are one content, and pulled
     StoredShot s = sample_shot(2, 5, Outcome::not_judged);
     s.angle_deg = std::nan("");
     const Record r = sample_record(3);
-    store.store_shot(s, &r, nullptr, sample_extraction());
+    const Events e = sample_events(3);
+    store.store_shot(s, &r, &e, sample_extraction());
     store.store_events(1, sample_events(77), {"b", "0.2"});
     store.annotate(1, "customer", "Müller & Söhne \"Werk 2\"");
   }
@@ -322,7 +323,8 @@ TEST_CASE("content that conflicts with the database is refused, and the database
       StoredShot s = sample_shot(1, 60);
       s.started = "2026-05-04T10:00:00Z";
       const Record r = sample_record(8);
-      const auto id = store.store_shot(s, &r, nullptr, sample_extraction());
+      const Events e = sample_events(8);
+      const auto id = store.store_shot(s, &r, &e, sample_extraction());
       store.store_prediction(id, {{{"t_ct1", 1e-6 * static_cast<double>(i + 1)}}, {}});
     }
     refused("its prediction");

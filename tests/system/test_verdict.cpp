@@ -126,6 +126,16 @@ TEST_CASE("an import claims no date, no plan and no command; without a limit not
                Contains("was valid until 2021-01-01; recorded on 2022-01-01"));
     CHECK(run(folder, {"annotate", "recorded", "yesterday", "--db", db}).status == 2);
   }
+  // a day that is stated later does not hide a calibration that had expired
+  folder.write("scope.toml", "recorded = \"2022-01-01\"\n");
+  const std::string twice = folder.file("twice.db");
+  REQUIRE(run(folder, {"import", folder.file("scope.csv"), "--db", twice}).status == 0);
+  REQUIRE(run(folder, {"annotate", "instrument", "clamp; Z-1; 2021-01-01", "--db", twice}).status == 0);
+  REQUIRE(run(folder, {"annotate", "recorded", "2020-05-04", "--db", twice}).status == 0);
+  report(folder, twice, 0);
+  CHECK_THAT(read_file(folder.file("out/report.html")),
+             Contains("was valid until 2021-01-01; recorded on 2022-01-01") &&
+                 Contains("stated as 2022-01-01 and then as 2020-05-04"));
   // no record is of a day to come
   folder.write("scope.toml", "recorded = \"2999-05-04\"\n");
   const Finished ahead = run(folder, {"import", folder.file("scope.csv"), "--db", folder.file("ahead.db")});
@@ -149,6 +159,17 @@ TEST_CASE("a plan by hand is not fired, and an expired instrument is said before
   report(folder, folder.file("l.db"), 0);
   CHECK_THAT(read_file(folder.file("out/report.html")),
              Contains("laser, certificate L-9, validity not stated"));
+  // what a rig fired has its own days
+  for (const std::string key : {"recorded", "source"}) {
+    const Finished told = run(folder, {"annotate", key, "2022-01-01", "--db", folder.file("l.db")});
+    CHECK(told.status == 2);
+    CHECK_THAT(told.err, Contains(key + ": is told of imported records"));
+  }
+  const std::string ahead =
+      folder.write("f.toml", "angles_deg = [60]\nrepeats = 1\n[test]\nrecorded = \"2999-05-04\"\n");
+  const Finished never = run(folder, {"run", ahead, "--rig", "sim:", "--db", folder.file("f.db")});
+  CHECK(never.status == 2);
+  CHECK_THAT(never.err, Contains("recorded: '2999-05-04' is a day to come"));
 }
 
 TEST_CASE("the shots of a report stand in the order of their firing, with their earlier attempts",
@@ -173,6 +194,8 @@ TEST_CASE("the shots of a report stand in the order of their firing, with their 
     fire(0, "10:03:00Z", powbench::Outcome::aborted);  // the fourth in the store
   }
   CHECK(run(folder, {"report", "--db", db, "-o", folder.file("out")}).status != 2);
+  CHECK_THAT(run(folder, {"shots", "--db", db}).out,
+             Contains("earlier: shot 1, 60.00 deg, attempt 1, 2030-12-31T10:00:00Z: TIMEOUT"));
   const std::string html = read_file(folder.file("out/report.html"));
   const auto second = html.find("<tr><td>2</td>"), last = html.find("<tr><td>4</td>");
   REQUIRE(last != std::string::npos);
